@@ -1,0 +1,1 @@
+//! A loaded, validated DBC file, compiled to decoders and encoders.

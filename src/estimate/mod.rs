@@ -1,0 +1,1 @@
+//! The estimators, and the pipeline that runs them on a sample.

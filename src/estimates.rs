@@ -1,0 +1,165 @@
+//! The hinge between the physics and the bus: everything the estimators know at one instant.
+
+use crate::{Faults, Micros};
+
+/// A number with its standard deviation and the age of the information in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Best value.
+    pub value: f64,
+    /// Standard deviation, in the value's unit.
+    pub std: f64,
+    /// Seconds since the last measurement that told something about it.
+    pub age_s: f64,
+}
+
+impl Estimate {
+    /// The 95 % interval of a normal distribution.
+    pub fn ci95(&self) -> (f64, f64) {
+        (self.value - 1.96 * self.std, self.value + 1.96 * self.std)
+    }
+}
+
+/// What the service as a whole can do at the moment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum State {
+    /// No sample yet.
+    #[default]
+    Starting,
+    /// All required quantities are there.
+    Running,
+    /// Some required quantity is missing or doubtful.
+    Degraded,
+    /// Nothing usable comes from the bus.
+    NoInput,
+}
+
+/// Where the published friction comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MuSource {
+    /// Nothing is known.
+    #[default]
+    None,
+    /// Only that this much friction has just been used.
+    LowerBound,
+    /// Mapped from the slip slope.
+    SlopeMap,
+    /// The brush model's curvature.
+    Brush,
+    /// The joint lateral filter.
+    Joint,
+    /// Deceleration during ABS braking.
+    Abs,
+}
+
+impl MuSource {
+    /// As in the CSV and in the DBC's value table.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::LowerBound => "lower_bound",
+            Self::SlopeMap => "slope_map",
+            Self::Brush => "brush",
+            Self::Joint => "joint",
+            Self::Abs => "abs",
+        }
+    }
+}
+
+/// Friction: what is used, what is available, and what is not known about it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Friction {
+    /// Best value of the available friction mu_max.
+    pub max: Option<f64>,
+    /// Lower end of the 95 % interval.
+    pub low: Option<f64>,
+    /// Upper end of the 95 % interval; absent when nothing bounds it from above.
+    pub high: Option<f64>,
+    /// Friction in use, of the most loaded direction.
+    pub used: Option<f64>,
+    /// Where `max` comes from.
+    pub source: MuSource,
+    /// `max` may be acted upon.
+    pub valid: bool,
+    /// Seconds since friction was last used enough to tell.
+    pub age_s: Option<f64>,
+    /// Brush regression (thesis 8.1).
+    pub brush: Option<f64>,
+    /// Dahl one-wheel filter (thesis 8.2).
+    pub dahl: Option<f64>,
+    /// Last ABS braking (thesis 6.1).
+    pub abs: Option<f64>,
+    /// Mapped from the slope (thesis 6.3).
+    pub map: Option<f64>,
+}
+
+/// Motion in the road plane. Slip angles are positive when they give a positive lateral force.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// Speed of the centre of gravity, m/s.
+    pub speed: Option<f64>,
+    /// Lateral velocity at the centre of gravity, m/s, positive to the left.
+    pub lateral_velocity: Option<f64>,
+    /// Sideslip atan(v_y / v_x), rad, positive to the left.
+    pub sideslip: Option<f64>,
+    /// Front slip angle, rad.
+    pub slip_angle_front: Option<f64>,
+    /// Rear slip angle, rad.
+    pub slip_angle_rear: Option<f64>,
+    /// The lateral motion may be acted upon.
+    pub valid: bool,
+}
+
+/// Lateral velocity, m/s, by each of the ways of thesis 5.2.2 and by the joint filter.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LateralVelocities {
+    /// Taken as zero.
+    pub zero: Option<f64>,
+    /// Method 1: integrated accelerometer.
+    pub integration: Option<f64>,
+    /// Method 2: kinematic observer.
+    pub kinematic: Option<f64>,
+    /// Method 3: bicycle model.
+    pub bicycle: Option<f64>,
+    /// Joint estimation with the stiffness.
+    pub joint: Option<f64>,
+}
+
+/// Everything known at one instant. Absent means: not available, not zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimates {
+    /// The instant of the sample they are computed from.
+    pub time: Micros,
+    /// What the service can do.
+    pub state: State,
+    /// Motion as published.
+    pub motion: Motion,
+    /// Each way to the lateral velocity.
+    pub lateral_velocities: LateralVelocities,
+    /// Longitudinal slip slope per wheel: force per slip, normalized by the static wheel load.
+    pub slope: [Option<Estimate>; 4],
+    /// Slip at zero force per wheel (tire radius against the reference wheel's).
+    pub slip_offset: [Option<Estimate>; 4],
+    /// The slopes may be acted upon.
+    pub slope_valid: bool,
+    /// Cornering stiffness front and rear, normalized by axle load, 1/rad, by the joint filter.
+    pub cornering: [Option<Estimate>; 2],
+    /// The cornering stiffnesses may be acted upon.
+    pub cornering_valid: bool,
+    /// Cornering stiffness by the regression of thesis (5.20), front and rear, 1/rad.
+    pub cornering_regression: [Option<Estimate>; 2],
+    /// Cornering stiffness C_y = C_F = C_R by the EKF of thesis (5.21), normalized, 1/rad.
+    pub cornering_ekf: Option<Estimate>,
+    /// Friction.
+    pub friction: Friction,
+    /// How well the longitudinal use of the tires tells the slope, 0–1.
+    pub excitation_long: f64,
+    /// How well the lateral use of the tires tells the cornering stiffness, 0–1.
+    pub excitation_lat: f64,
+    /// Surface changes noticed since start.
+    pub surface_changes: u32,
+    /// What is wrong.
+    pub faults: Faults,
+    /// Frames lost before gripd could see them, since start.
+    pub dropped_frames: u64,
+}

@@ -1,0 +1,1 @@
+//! Kalman filters, change detection and discretization.

@@ -1,0 +1,1 @@
+//! From DBC signals to physical quantities and back.

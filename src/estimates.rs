@@ -125,6 +125,17 @@ pub struct LateralVelocities {
     pub joint: Option<f64>,
 }
 
+/// Offsets of the sensors the lateral motion stands on, as the joint filter learned them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SensorOffsets {
+    /// Of the road wheel angle, rad.
+    pub road_angle: Option<Estimate>,
+    /// Of the lateral acceleration (mounting and road bank), m/s².
+    pub lateral_acceleration: Option<Estimate>,
+    /// Of the yaw rate, rad/s.
+    pub yaw_rate: Option<Estimate>,
+}
+
 /// Everything known at one instant. Absent means: not available, not zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimates {
@@ -150,6 +161,8 @@ pub struct Estimates {
     pub cornering_regression: [Option<Estimate>; 2],
     /// Cornering stiffness C_y = C_F = C_R by the EKF of thesis (5.21), normalized, 1/rad.
     pub cornering_ekf: Option<Estimate>,
+    /// Sensor offsets.
+    pub offsets: SensorOffsets,
     /// Friction.
     pub friction: Friction,
     /// How well the longitudinal use of the tires tells the slope, 0–1.

@@ -30,5 +30,5 @@ pub mod time;
 pub use config::Config;
 pub use estimates::Estimates;
 pub use faults::Faults;
-pub use sample::{Quantity, Sample, Wheel};
+pub use sample::{Quantity, Sample, Sensors, Wheel};
 pub use time::Micros;

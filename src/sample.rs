@@ -250,6 +250,57 @@ impl Sample {
     }
 }
 
+/// What is known of the measurements before the first one: which quantities are configured, and the
+/// standard deviation of each one's noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensors {
+    noise_std: [f64; Quantity::COUNT],
+    configured: u16,
+}
+
+impl Default for Sensors {
+    /// Nothing configured; noise as series-production ESP sensors have it.
+    fn default() -> Self {
+        let mut noise_std = [0.0; Quantity::COUNT];
+        for quantity in Quantity::ALL {
+            noise_std[quantity as usize] = match quantity {
+                Quantity::WheelSpeedFl
+                | Quantity::WheelSpeedFr
+                | Quantity::WheelSpeedRl
+                | Quantity::WheelSpeedRr => 0.05,
+                Quantity::YawRate => 0.003,
+                Quantity::LateralAcceleration | Quantity::LongitudinalAcceleration => 0.07,
+                Quantity::SteeringWheelAngle => 0.002,
+                Quantity::DriveTorque | Quantity::BrakeTorque => 10.0,
+                Quantity::BrakePressure => 0.2,
+                Quantity::VehicleSpeed => 0.05,
+                Quantity::BrakeActive | Quantity::AbsActive => 0.0,
+            };
+        }
+        Self { noise_std, configured: 0 }
+    }
+}
+
+impl Sensors {
+    /// Marks a quantity as configured, with its noise if that was given.
+    pub fn add(&mut self, quantity: Quantity, noise_std: Option<f64>) {
+        self.configured |= 1 << (quantity as usize);
+        if let Some(std) = noise_std {
+            self.noise_std[quantity as usize] = std;
+        }
+    }
+
+    /// Is it on this bus at all?
+    pub fn has(&self, quantity: Quantity) -> bool {
+        self.configured & (1 << (quantity as usize)) != 0
+    }
+
+    /// Standard deviation of the measurement noise, in the quantity's unit.
+    pub fn noise_std(&self, quantity: Quantity) -> f64 {
+        self.noise_std[quantity as usize]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

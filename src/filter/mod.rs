@@ -1,1 +1,12 @@
-//! Kalman filters, change detection and discretization.
+//! Kalman filtering, change detection and discretization (thesis ch. 2). Knows no vehicle.
+
+pub mod cusum;
+pub mod discretize;
+pub mod gaussian;
+pub mod noise;
+pub mod whiteness;
+
+pub use cusum::{Alarm, Cusum};
+pub use gaussian::{Gaussian, Innovation};
+pub use noise::LearnedNoise;
+pub use whiteness::InnovationMonitor;

@@ -1,0 +1,155 @@
+//! Friction from the deceleration during an ABS braking (thesis 6.1, eq. 6.2).
+//!
+//! While the ABS holds the wheels near their peak, the whole car decelerates with what the road gives:
+//! μ = Δv/(g Δt). The speed during the braking is the accelerometer's integral where there is one
+//! (the wheels slip), else the difference of the wheel speeds before and after.
+
+use super::{Car, Kinematics};
+use crate::model::GRAVITY;
+
+/// A finished (or long enough) ABS braking.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AbsFriction {
+    /// Mean friction used.
+    pub mu: f64,
+    /// Seconds since it was measured.
+    pub age_s: f64,
+}
+
+/// Watches for ABS interventions.
+#[derive(Clone, Debug)]
+pub struct AbsBraking {
+    car: Car,
+    braking: Option<Braking>,
+    /// Speed while nothing intervenes: the start of the next braking.
+    free_speed: Option<f64>,
+    last: Option<AbsFriction>,
+    fresh: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Braking {
+    start_speed: f64,
+    duration_s: f64,
+    /// Integral of the measured deceleration, m/s; `None` once a sample lacked it.
+    speed_lost: Option<f64>,
+    /// Mean squared speed for the drag.
+    speed_square: f64,
+}
+
+impl AbsBraking {
+    /// Shorter interventions say too little, s.
+    const SHORTEST_S: f64 = 0.3;
+    /// Slower ones are over before the pressure has built up, m/s.
+    const SLOWEST: f64 = 5.0;
+    /// What no road gives.
+    const LIMITS: (f64, f64) = (0.03, 1.5);
+
+    /// For this car.
+    pub fn new(car: &Car) -> Self {
+        Self { car: car.clone(), braking: None, free_speed: None, last: None, fresh: false }
+    }
+
+    /// Takes a sample.
+    pub fn step(&mut self, now: &Kinematics) {
+        self.fresh = false;
+        if let Some(last) = &mut self.last {
+            last.age_s += now.elapsed_s;
+        }
+        // The wheels of the faster axle are nearest to the car's speed while braking.
+        let speed = now.wheels.map(|w| w.into_iter().fold(f64::MIN, f64::max));
+        match (now.abs, &mut self.braking) {
+            (Some(true), Some(braking)) => {
+                braking.duration_s += now.elapsed_s;
+                let v = braking.start_speed - braking.speed_lost.unwrap_or(0.0);
+                braking.speed_square += v * v * now.elapsed_s;
+                braking.speed_lost = match (braking.speed_lost, now.longitudinal_acceleration) {
+                    (Some(lost), Some(ax)) => Some(lost - ax * now.elapsed_s),
+                    _ => None,
+                };
+            }
+            (Some(true), None) => {
+                self.braking = self.free_speed.filter(|v| *v > Self::SLOWEST).map(|start_speed| Braking {
+                    start_speed,
+                    duration_s: 0.0,
+                    speed_lost: Some(0.0),
+                    speed_square: 0.0,
+                });
+            }
+            (_, Some(_)) => self.finish(speed),
+            _ => self.free_speed = speed,
+        }
+    }
+
+    /// The last one, if any.
+    pub fn last(&self) -> Option<AbsFriction> {
+        self.last
+    }
+
+    /// One was finished with this sample.
+    pub fn finished(&self) -> Option<f64> {
+        self.last.filter(|_| self.fresh).map(|friction| friction.mu)
+    }
+
+    fn finish(&mut self, speed: Option<f64>) {
+        let Some(braking) = self.braking.take() else { return };
+        self.free_speed = speed;
+        if braking.duration_s < Self::SHORTEST_S {
+            return;
+        }
+        let by_wheels = speed.map(|end| braking.start_speed - end);
+        let Some(lost) = braking.speed_lost.or(by_wheels) else { return };
+        // The tires gave all of it but the drag.
+        let drag = self.car.drag * braking.speed_square / braking.duration_s / self.car.mass;
+        let mu = (lost / braking.duration_s - drag) / GRAVITY;
+        if (Self::LIMITS.0..=Self::LIMITS.1).contains(&mu) {
+            self.last = Some(AbsFriction { mu, age_s: 0.0 });
+            self.fresh = true;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Vehicle;
+
+    fn brake(with_accelerometer: bool) -> Option<AbsFriction> {
+        let mut car = Car::new(&Vehicle::thesis());
+        car.drag = 0.0;
+        let mut abs = AbsBraking::new(&car);
+        let mu = 0.42;
+        for i in 0..400 {
+            let t = f64::from(i) * 0.01;
+            let active = (1.0..3.0).contains(&t);
+            let speed = 25.0 - mu * GRAVITY * (t - 1.0).clamp(0.0, 2.0);
+            let now = Kinematics {
+                elapsed_s: 0.01,
+                speed: Some(speed),
+                wheels: Some([if active { 0.9 } else { 1.0 } * speed; 4]),
+                yaw_rate: Some(0.0),
+                lateral_acceleration: Some(0.0),
+                longitudinal_acceleration: with_accelerometer.then_some(if active {
+                    -mu * GRAVITY
+                } else {
+                    0.0
+                }),
+                road_angle: Some(0.0),
+                axle_torque: None,
+                braking: Some(active),
+                abs: Some(active),
+            };
+            abs.step(&now);
+        }
+        abs.last()
+    }
+
+    #[test]
+    fn two_seconds_of_abs_give_the_friction_either_way() {
+        for with_accelerometer in [true, false] {
+            let friction = brake(with_accelerometer).unwrap();
+            assert!((friction.mu - 0.42).abs() < 0.01, "{friction:?}");
+            assert!((friction.age_s - 1.0).abs() < 0.05);
+        }
+    }
+}

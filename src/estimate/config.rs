@@ -1,0 +1,228 @@
+//! The `[estimators]` table: every tuning number, with its unit, meaning and default.
+
+use serde::{Deserialize, Serialize};
+
+/// `[estimators]`. Everything has a default that suits a passenger car with ESP-grade sensors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct EstimatorsConfig {
+    /// Period of the uniform samples, ms.
+    pub sample_period_ms: u32,
+    /// How long after its instant a sample is put together, ms, so that slower frames have arrived
+    /// and values can be interpolated. The largest `delay_ms` of the signals is added.
+    pub lag_ms: u32,
+    /// Below this speed slip and lateral motion are not estimated, m/s.
+    pub minimum_speed_mps: f64,
+    /// Longitudinal slip slope (thesis 5.2.1).
+    pub slope: SlopeConfig,
+    /// Our joint lateral filter: motion, cornering stiffnesses and sensor offsets.
+    pub cornering: CorneringConfig,
+    /// The joint EKF of thesis (5.21), kept for comparison.
+    pub joint_ekf: JointEkfConfig,
+    /// Brush regression (thesis 8.1).
+    pub brush: BrushConfig,
+    /// What is published as friction.
+    pub friction: FrictionConfig,
+    /// Which lateral velocity the lateral slope regression (5.20) stands on.
+    pub lateral_slope_source: LateralVelocitySource,
+}
+
+impl Default for EstimatorsConfig {
+    fn default() -> Self {
+        Self {
+            sample_period_ms: 10,
+            lag_ms: 20,
+            minimum_speed_mps: 4.0,
+            slope: SlopeConfig::default(),
+            cornering: CorneringConfig::default(),
+            joint_ekf: JointEkfConfig::default(),
+            brush: BrushConfig::default(),
+            friction: FrictionConfig::default(),
+            lateral_slope_source: LateralVelocitySource::Joint,
+        }
+    }
+}
+
+/// One of the ways to the lateral velocity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LateralVelocitySource {
+    /// v_y = 0.
+    Zero,
+    /// Method 1.
+    Integration,
+    /// Method 2.
+    Kinematic,
+    /// Method 3.
+    Bicycle,
+    /// The joint filter.
+    Joint,
+}
+
+/// `[estimators.slope]`. Compliance is 1/slope: slip per unit of normalized force.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SlopeConfig {
+    /// Samples are averaged over this time before each update, s.
+    pub block_s: f64,
+    /// Random walk of the compliance, 1/√s.
+    pub compliance_walk: f64,
+    /// Random walk of the slip offset (tire radii drift with temperature), 1/√s.
+    pub offset_walk: f64,
+    /// Standard deviation of the slip offset before anything is measured: tires of one car differ in
+    /// radius by this much.
+    pub initial_offset_std: f64,
+    /// CUSUM: standard deviations forgiven at each block.
+    pub cusum_drift: f64,
+    /// CUSUM: standard deviations that must add up for a surface change.
+    pub cusum_threshold: f64,
+    /// On a change the compliance's process noise is multiplied by this for one block (thesis 5.2.1).
+    pub change_boost: f64,
+    /// Blocks with less normalized force than this say nothing of the slope.
+    pub informative_mu: f64,
+    /// Lateral acceleration above which a block is not used, m/s².
+    pub max_lateral_acceleration_mps2: f64,
+    /// Deceleration that the drive line alone can cause, m/s²; more is taken for braking when
+    /// the bus does not tell.
+    pub max_coasting_deceleration_mps2: f64,
+    /// Share of the radius and load effects of cornering that is not modelled: slip per m/s².
+    pub cornering_slip_std: f64,
+    /// A slope counts as valid up to this relative standard deviation.
+    pub valid_relative_std: f64,
+    /// … and up to this age, s.
+    pub valid_age_s: f64,
+}
+
+impl Default for SlopeConfig {
+    fn default() -> Self {
+        Self {
+            block_s: 0.25,
+            compliance_walk: 4e-5,
+            offset_walk: 2e-6,
+            initial_offset_std: 0.02,
+            cusum_drift: 1.0,
+            cusum_threshold: 7.0,
+            change_boost: 2.5e5,
+            informative_mu: 0.03,
+            max_lateral_acceleration_mps2: 3.0,
+            max_coasting_deceleration_mps2: 1.2,
+            cornering_slip_std: 1e-4,
+            valid_relative_std: 0.15,
+            valid_age_s: 30.0,
+        }
+    }
+}
+
+/// `[estimators.cornering]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CorneringConfig {
+    /// Random walk of the cornering stiffnesses, relative to their value, 1/√s.
+    pub stiffness_walk: f64,
+    /// Unmodelled lateral acceleration (bank, wind, tire dynamics), m/s²/√Hz.
+    pub acceleration_noise: f64,
+    /// Unmodelled yaw acceleration, rad/s²/√Hz.
+    pub yaw_acceleration_noise: f64,
+    /// Offset of the road wheel angle before anything is measured, rad.
+    pub steering_offset_std: f64,
+    /// Offset of the yaw rate sensor before anything is measured, rad/s.
+    pub yaw_rate_offset_std: f64,
+    /// Offset of the lateral accelerometer before anything is measured (mounting, bank), m/s².
+    pub acceleration_offset_std: f64,
+    /// Drift of the accelerometer offset, which follows the road's bank, m/s²/√s.
+    pub acceleration_offset_walk: f64,
+    /// Lateral acceleration above which the linear tire no longer teaches the stiffness, m/s².
+    pub linear_up_to_mps2: f64,
+    /// Mean NIS above which the filter calls itself inconsistent.
+    pub inconsistent_nis: f64,
+    /// A stiffness counts as valid up to this relative standard deviation.
+    pub valid_relative_std: f64,
+    /// … and up to this age, s.
+    pub valid_age_s: f64,
+    /// The sideslip counts as valid up to this standard deviation, rad.
+    pub valid_sideslip_std: f64,
+}
+
+impl Default for CorneringConfig {
+    fn default() -> Self {
+        Self {
+            stiffness_walk: 0.003,
+            acceleration_noise: 0.05,
+            yaw_acceleration_noise: 0.02,
+            steering_offset_std: 0.01,
+            yaw_rate_offset_std: 0.01,
+            acceleration_offset_std: 0.3,
+            acceleration_offset_walk: 0.02,
+            linear_up_to_mps2: 4.0,
+            inconsistent_nis: 4.0,
+            valid_relative_std: 0.15,
+            valid_age_s: 60.0,
+            valid_sideslip_std: 0.01,
+        }
+    }
+}
+
+/// `[estimators.joint_ekf]`: thesis (5.21).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct JointEkfConfig {
+    /// Random walk of C_y, relative to its prior, 1/√s.
+    pub stiffness_walk: f64,
+    /// Process noise of v_y, m/s²/√Hz.
+    pub lateral_noise: f64,
+    /// Process noise of r, rad/s²/√Hz.
+    pub yaw_noise: f64,
+}
+
+impl Default for JointEkfConfig {
+    fn default() -> Self {
+        Self { stiffness_walk: 0.01, lateral_noise: 0.1, yaw_noise: 0.05 }
+    }
+}
+
+/// `[estimators.brush]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct BrushConfig {
+    /// Friction assumed before anything is measured, and its standard deviation.
+    pub initial_mu: f64,
+    /// Relative random walk of the regression's parameters, 1/√s.
+    pub walk: f64,
+}
+
+impl Default for BrushConfig {
+    fn default() -> Self {
+        Self { initial_mu: 0.9, walk: 0.01 }
+    }
+}
+
+/// `[estimators.friction]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FrictionConfig {
+    /// How long friction that was used counts as available, s.
+    pub memory_s: f64,
+    /// Use of friction (used / estimated) from which the brush curvature is published.
+    pub brush_from_use: f64,
+    /// Use of friction from which the published value counts as valid.
+    pub valid_from_use: f64,
+    /// Half-width of the interval up to which the published value counts as valid.
+    pub valid_half_width: f64,
+    /// How long an ABS measurement stays valid, s.
+    pub abs_valid_s: f64,
+    /// … and how long it is still published, with a growing interval, s.
+    pub abs_memory_s: f64,
+}
+
+impl Default for FrictionConfig {
+    fn default() -> Self {
+        Self {
+            memory_s: 5.0,
+            brush_from_use: 0.7,
+            valid_from_use: 0.85,
+            valid_half_width: 0.1,
+            abs_valid_s: 5.0,
+            abs_memory_s: 20.0,
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! What is published as friction (thesis ch. 9): what is used, a lower bound from it, and a value of
+//! mu_max only where something measured it.
+//!
+//! A slip curve leaves its tangent noticeably above about half of mu_max. Below that mu_max is not
+//! observable: only the bound is known, and that is what is said.
+
+use super::abs_braking::AbsFriction;
+use super::brush::BrushFriction;
+use super::{Car, FrictionConfig, Kinematics};
+use crate::estimates::{Friction, MuSource};
+use crate::model::{DrivenAxle, GRAVITY};
+
+/// Keeps the recent use of friction.
+#[derive(Clone, Debug)]
+pub struct FrictionMonitor {
+    car: Car,
+    config: FrictionConfig,
+    /// Normalized forces, smoothed: longitudinal and lateral.
+    smoothed: Option<[f64; 2]>,
+    recent: RecentMaximum,
+}
+
+/// Other estimators' evidence of mu_max.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Evidence {
+    /// The brush regression's.
+    pub brush: Option<BrushFriction>,
+    /// The last ABS braking's.
+    pub abs: Option<AbsFriction>,
+}
+
+impl FrictionMonitor {
+    /// Time constant of the smoothing, s: shorter than a manoeuvre, longer than a bump.
+    const SMOOTHING_S: f64 = 0.15;
+    /// The bound keeps this clear of the smoothed use, for noise and sensor offsets.
+    const MARGIN: f64 = 0.03;
+    /// Deviation of an ABS measurement: the ABS does not hold the peak all the time.
+    const ABS_STD: f64 = 0.04;
+    /// By which the interval of an ABS measurement grows, 1/s: the car moves on.
+    const ABS_STD_GROWTH: f64 = 0.02;
+    /// Model error of a brush at no use of friction, relative; it falls to zero at full use. A brush
+    /// fitted to a real tire's curve at 60 % use is off by half.
+    const BRUSH_MODEL_ERROR: f64 = 1.2;
+
+    /// For this car.
+    pub fn new(car: &Car, config: &FrictionConfig) -> Self {
+        Self {
+            recent: RecentMaximum::new(config.memory_s),
+            car: car.clone(),
+            config: config.clone(),
+            smoothed: None,
+        }
+    }
+
+    /// The surface changed: what was used before says nothing of this one.
+    pub fn surface_changed(&mut self) {
+        self.recent.clear();
+    }
+
+    /// Takes a sample; `acceleration` is the longitudinal one, measured or from the wheels.
+    pub fn step(&mut self, now: &Kinematics, acceleration: Option<f64>, evidence: Evidence) -> Friction {
+        let used = self.used(now, acceleration);
+        self.recent.step(now.elapsed_s, used.map(|u| (u - Self::MARGIN).max(0.0)));
+        let low = self.recent.maximum().filter(|low| *low > 0.0);
+        let mut friction = Friction {
+            used,
+            low,
+            source: if low.is_some() { MuSource::LowerBound } else { MuSource::None },
+            age_s: low.map(|_| self.recent.age_s()),
+            brush: evidence.brush.map(|b| b.mu),
+            abs: evidence.abs.map(|a| a.mu),
+            ..Friction::default()
+        };
+        self.add_brush(&mut friction, evidence.brush);
+        self.add_abs(&mut friction, evidence.abs);
+        friction
+    }
+
+    /// Use of friction of the axle that works harder: √(μ_x² + μ_y²).
+    fn used(&mut self, now: &Kinematics, acceleration: Option<f64>) -> Option<f64> {
+        let (Some(ay), Some(ax), Some(speed)) = (now.lateral_acceleration, acceleration, now.speed) else {
+            self.smoothed = None;
+            return None;
+        };
+        let mean = (ax + self.car.drag * speed * speed / self.car.mass) / GRAVITY;
+        // Driving forces act at the driven axle alone; braking forces at both.
+        let driven_share = match self.car.driven_axle {
+            DrivenAxle::Front => self.car.b / self.car.wheelbase(),
+            DrivenAxle::Rear => self.car.a / self.car.wheelbase(),
+            DrivenAxle::All => 1.0,
+        };
+        let longitudinal = if mean > 0.0 { mean / driven_share } else { mean };
+        let target = [longitudinal, ay / GRAVITY];
+        let smoothed = self.smoothed.get_or_insert(target);
+        let weight = 1.0 - (-now.elapsed_s / Self::SMOOTHING_S).exp();
+        for (value, target) in smoothed.iter_mut().zip(target) {
+            *value += weight * (target - *value);
+        }
+        Some(smoothed[0].hypot(smoothed[1]))
+    }
+
+    fn add_brush(&self, friction: &mut Friction, brush: Option<BrushFriction>) {
+        let (Some(brush), Some(low)) = (brush, friction.low) else { return };
+        let using = (low / brush.mu).min(1.0);
+        if using < self.config.brush_from_use {
+            return;
+        }
+        let model_std = Self::BRUSH_MODEL_ERROR * (1.0 - using) * brush.mu;
+        self.publish(friction, brush.mu, brush.std.hypot(model_std), MuSource::Brush);
+        friction.valid = using >= self.config.valid_from_use && self.is_narrow(friction);
+    }
+
+    fn add_abs(&self, friction: &mut Friction, abs: Option<AbsFriction>) {
+        let Some(abs) = abs.filter(|abs| abs.age_s <= self.config.abs_memory_s) else { return };
+        let std = Self::ABS_STD + Self::ABS_STD_GROWTH * abs.age_s;
+        self.publish(friction, abs.mu, std, MuSource::Abs);
+        friction.age_s = Some(abs.age_s);
+        friction.valid = abs.age_s <= self.config.abs_valid_s;
+    }
+
+    fn publish(&self, friction: &mut Friction, mu: f64, std: f64, source: MuSource) {
+        let low = (mu - 1.96 * std).max(friction.low.unwrap_or(0.0));
+        friction.max = Some(mu.max(low));
+        friction.low = Some(low);
+        friction.high = Some((mu + 1.96 * std).max(low));
+        friction.source = source;
+    }
+
+    fn is_narrow(&self, friction: &Friction) -> bool {
+        match (friction.low, friction.high) {
+            (Some(low), Some(high)) => 0.5 * (high - low) <= self.config.valid_half_width,
+            _ => false,
+        }
+    }
+}
+
+/// The largest value of the last few seconds, in ten slots: old ones fall out slot by slot.
+#[derive(Clone, Debug)]
+struct RecentMaximum {
+    slot_s: f64,
+    slots: [Option<f64>; Self::SLOTS],
+    current: usize,
+    elapsed_s: f64,
+}
+
+impl RecentMaximum {
+    const SLOTS: usize = 10;
+
+    fn new(memory_s: f64) -> Self {
+        let slot_s = (memory_s / Self::SLOTS as f64).max(1e-3);
+        Self { slot_s, slots: [None; Self::SLOTS], current: 0, elapsed_s: 0.0 }
+    }
+
+    fn clear(&mut self) {
+        self.slots = [None; Self::SLOTS];
+    }
+
+    fn step(&mut self, elapsed_s: f64, value: Option<f64>) {
+        self.elapsed_s += elapsed_s;
+        let mut turned = 0;
+        while self.elapsed_s >= self.slot_s && turned < Self::SLOTS {
+            self.elapsed_s -= self.slot_s;
+            self.current = (self.current + 1) % Self::SLOTS;
+            self.slots[self.current] = None;
+            turned += 1;
+        }
+        if turned == Self::SLOTS {
+            self.elapsed_s = 0.0;
+        }
+        if let Some(value) = value {
+            let slot = &mut self.slots[self.current];
+            *slot = Some(slot.map_or(value, |largest| largest.max(value)));
+        }
+    }
+
+    fn maximum(&self) -> Option<f64> {
+        self.slots.iter().flatten().copied().reduce(f64::max)
+    }
+
+    /// Age of the slot that holds the maximum, s.
+    fn age_s(&self) -> f64 {
+        let maximum = self.maximum();
+        let slots_ago = (0..Self::SLOTS)
+            .find(|ago| self.slots[(self.current + Self::SLOTS - ago) % Self::SLOTS] == maximum)
+            .unwrap_or(0);
+        slots_ago as f64 * self.slot_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Vehicle;
+
+    fn sample(ax: f64, ay: f64) -> Kinematics {
+        Kinematics {
+            elapsed_s: 0.01,
+            speed: Some(20.0),
+            wheels: Some([20.0; 4]),
+            yaw_rate: Some(0.0),
+            lateral_acceleration: Some(ay),
+            longitudinal_acceleration: Some(ax),
+            road_angle: Some(0.0),
+            axle_torque: None,
+            braking: None,
+            abs: None,
+        }
+    }
+
+    #[test]
+    fn gentle_driving_gives_a_bound_and_no_value() {
+        let car = Car::new(&Vehicle::thesis());
+        let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
+        let brush = Some(BrushFriction { mu: 0.9, std: 0.01 });
+        let mut friction = Friction::default();
+        for _ in 0..200 {
+            friction = monitor.step(&sample(0.0, 2.0), Some(0.0), Evidence { brush, abs: None });
+        }
+        assert_eq!(friction.source, MuSource::LowerBound);
+        assert_eq!((friction.max, friction.high, friction.valid), (None, None, false));
+        assert!((friction.low.unwrap() - 0.174).abs() < 0.01, "{friction:?}");
+    }
+
+    #[test]
+    fn the_bound_is_forgotten_after_a_while_and_at_a_change_of_surface() {
+        let car = Car::new(&Vehicle::thesis());
+        let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
+        for _ in 0..200 {
+            monitor.step(&sample(0.0, 6.0), Some(0.0), Evidence::default());
+        }
+        let mut later = Friction::default();
+        for _ in 0..600 {
+            later = monitor.step(&sample(0.0, 0.0), Some(0.0), Evidence::default());
+        }
+        assert!(later.low.is_none_or(|low| low < 0.05), "{later:?}");
+        for _ in 0..200 {
+            monitor.step(&sample(0.0, 6.0), Some(0.0), Evidence::default());
+        }
+        monitor.surface_changed();
+        let low = monitor.step(&sample(0.0, 0.0), Some(0.0), Evidence::default()).low;
+        assert!(low.is_none_or(|low| low < 0.6));
+    }
+
+    #[test]
+    fn an_abs_braking_is_believed_for_a_while_and_then_widens() {
+        let car = Car::new(&Vehicle::thesis());
+        let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
+        let mut after = |age_s| {
+            let abs = Some(AbsFriction { mu: 0.4, age_s });
+            monitor.step(&sample(0.0, 0.0), Some(0.0), Evidence { brush: None, abs })
+        };
+        let (fresh, old, gone) = (after(0.1), after(10.0), after(30.0));
+        assert!(fresh.valid && fresh.source == MuSource::Abs);
+        assert!(!old.valid && old.high > fresh.high);
+        assert_eq!(gone.max, None);
+    }
+}

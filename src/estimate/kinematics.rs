@@ -1,0 +1,241 @@
+//! A sample in the car's own terms: metres per second at the wheels, the angle of the road wheels.
+
+use crate::model::{Bicycle, DrivenAxle, GRAVITY, Vehicle};
+use crate::{Quantity, Sample, Wheel};
+
+/// The vehicle's numbers that the estimators use, worked out once.
+#[derive(Clone, Debug)]
+pub struct Car {
+    /// Mass, kg.
+    pub mass: f64,
+    /// Centre of gravity to front axle, m.
+    pub a: f64,
+    /// Centre of gravity to rear axle, m.
+    pub b: f64,
+    /// Yaw inertia, kg m².
+    pub yaw_inertia: f64,
+    /// Nominal wheel radius, m.
+    pub radius: f64,
+    /// Wheel inertia, kg m².
+    pub wheel_inertia: f64,
+    /// Steering wheel angle per road wheel angle.
+    pub steering_ratio: f64,
+    /// Track widths front and rear, m.
+    pub track: [f64; 2],
+    /// Static load of one front and one rear wheel, N.
+    pub wheel_load: [f64; 2],
+    /// Which wheels are driven.
+    pub driven_axle: DrivenAxle,
+    /// Axle torque per unit of the `drive_torque` signal.
+    pub drive_torque_ratio: f64,
+    /// Air drag, kg/m.
+    pub drag: f64,
+    /// Rolling resistance, force per load.
+    pub rolling_resistance: f64,
+    /// Prior of the normalized cornering stiffness front and rear, 1/rad: value and std.
+    pub cornering_prior: [(f64, f64); 2],
+    /// Prior of the slope normalized by the wheel's own static load, front and rear: value and std.
+    pub slope_prior: [(f64, f64); 2],
+}
+
+impl Car {
+    /// From the configuration's `[vehicle]`.
+    pub fn new(vehicle: &Vehicle) -> Self {
+        let wheel_load = [vehicle.static_wheel_load(true), vehicle.static_wheel_load(false)];
+        let slope_prior = wheel_load.map(|load| {
+            let scale = 0.25 * vehicle.mass() * GRAVITY / load;
+            let prior = vehicle.longitudinal_stiffness;
+            (prior.value * scale, prior.std * scale)
+        });
+        let lateral = [vehicle.lateral_stiffness_front, vehicle.lateral_stiffness_rear];
+        Self {
+            mass: vehicle.mass(),
+            a: vehicle.a(),
+            b: vehicle.b(),
+            yaw_inertia: vehicle.yaw_inertia(),
+            radius: vehicle.wheel_radius_m.value,
+            wheel_inertia: vehicle.wheel_inertia_kgm2.value,
+            steering_ratio: vehicle.steering_ratio.value,
+            track: [vehicle.track_front_m.value, vehicle.track_rear_m.value],
+            wheel_load,
+            driven_axle: vehicle.driven_axle,
+            drive_torque_ratio: vehicle.drive_torque_ratio.value,
+            drag: vehicle.drag_coefficient_kg_per_m.value,
+            rolling_resistance: vehicle.rolling_resistance.value,
+            cornering_prior: lateral.map(|u| (u.value, u.std)),
+            slope_prior,
+        }
+    }
+
+    /// Wheelbase, m.
+    pub fn wheelbase(&self) -> f64 {
+        self.a + self.b
+    }
+
+    /// The linear bicycle with these normalized cornering stiffnesses (1/rad).
+    pub fn bicycle(&self, front: f64, rear: f64) -> Bicycle {
+        Bicycle {
+            mass: self.mass,
+            yaw_inertia: self.yaw_inertia,
+            a: self.a,
+            b: self.b,
+            front: 2.0 * front * self.wheel_load[0],
+            rear: 2.0 * rear * self.wheel_load[1],
+        }
+    }
+
+    /// Slip angles front and rear, rad, positive when they give a positive force (thesis 5.9).
+    pub fn slip_angles(&self, speed: f64, vy: f64, yaw_rate: f64, road_angle: f64) -> [f64; 2] {
+        [road_angle - ((vy + self.a * yaw_rate) / speed).atan(), -((vy - self.b * yaw_rate) / speed).atan()]
+    }
+
+    /// Static load of a wheel, N.
+    pub fn load(&self, wheel: Wheel) -> f64 {
+        self.wheel_load[usize::from(!wheel.is_front())]
+    }
+
+    /// Lateral position of a wheel, m, positive to the left.
+    pub fn lateral_position(&self, wheel: Wheel) -> f64 {
+        let half = 0.5 * self.track[usize::from(!wheel.is_front())];
+        if wheel.is_left() { half } else { -half }
+    }
+
+    /// Lateral velocity at the centre of gravity in steady cornering, m/s: the rear tires' slip
+    /// angle carries their share of the lateral acceleration.
+    pub fn steady_lateral_velocity(&self, speed: f64, yaw_rate: f64, lateral_acceleration: f64) -> f64 {
+        self.b * yaw_rate - speed * lateral_acceleration / (GRAVITY * self.cornering_prior[1].0)
+    }
+
+    /// Velocity along the wheel plane at `wheel`, m/s, from that of the centre of gravity.
+    pub fn wheel_plane_speed(&self, wheel: Wheel, vx: f64, vy: f64, yaw_rate: f64, road_angle: f64) -> f64 {
+        let vx_wheel = vx - yaw_rate * self.lateral_position(wheel);
+        if wheel.is_front() {
+            vx_wheel * road_angle.cos() + (vy + self.a * yaw_rate) * road_angle.sin()
+        } else {
+            vx_wheel
+        }
+    }
+
+    /// The inverse of [`Self::wheel_plane_speed`] for a freely rolling wheel.
+    pub fn forward_speed(
+        &self,
+        wheel: Wheel,
+        plane_speed: f64,
+        vy: f64,
+        yaw_rate: f64,
+        road_angle: f64,
+    ) -> f64 {
+        let vx_wheel = if wheel.is_front() {
+            (plane_speed - (vy + self.a * yaw_rate) * road_angle.sin()) / road_angle.cos()
+        } else {
+            plane_speed
+        };
+        vx_wheel + yaw_rate * self.lateral_position(wheel)
+    }
+}
+
+/// One sample in the car's terms. Absent inputs are absent here, too.
+#[derive(Clone, Copy, Debug)]
+pub struct Kinematics {
+    /// Seconds since the sample before.
+    pub elapsed_s: f64,
+    /// Forward speed of the centre of gravity, m/s, from the wheels that are not driven.
+    pub speed: Option<f64>,
+    /// Circumferential speed of each wheel at nominal radius, m/s.
+    pub wheels: Option<[f64; 4]>,
+    /// Yaw rate, rad/s.
+    pub yaw_rate: Option<f64>,
+    /// Lateral acceleration, m/s².
+    pub lateral_acceleration: Option<f64>,
+    /// Longitudinal acceleration, m/s², where the bus has it.
+    pub longitudinal_acceleration: Option<f64>,
+    /// Angle of the road wheels, rad.
+    pub road_angle: Option<f64>,
+    /// Torque at the driven axle (or both), N m, where the bus has it.
+    pub axle_torque: Option<f64>,
+    /// Is the driver braking? `None` where the bus does not tell.
+    pub braking: Option<bool>,
+    /// Is the ABS intervening? `None` where the bus does not tell.
+    pub abs: Option<bool>,
+}
+
+impl Kinematics {
+    /// Brake pressure that counts as braking, bar.
+    const BRAKING_PRESSURE: f64 = 1.0;
+    /// Brake torque (all wheels) that counts as braking, N m.
+    const BRAKING_TORQUE: f64 = 40.0;
+
+    /// Translates a sample.
+    pub fn new(sample: &Sample, car: &Car) -> Self {
+        let wheels = sample.wheel_speeds().map(|speeds| speeds.map(|omega| omega * car.radius));
+        let yaw_rate = sample.get(Quantity::YawRate);
+        let lateral_acceleration = sample.get(Quantity::LateralAcceleration);
+        let road_angle = sample.get(Quantity::SteeringWheelAngle).map(|angle| angle / car.steering_ratio);
+        let mut kinematics = Self {
+            elapsed_s: sample.elapsed_s,
+            speed: None,
+            wheels,
+            yaw_rate,
+            lateral_acceleration,
+            longitudinal_acceleration: sample.get(Quantity::LongitudinalAcceleration),
+            road_angle,
+            axle_torque: sample.get(Quantity::DriveTorque).map(|torque| torque * car.drive_torque_ratio),
+            braking: Self::braking(sample),
+            abs: sample.get(Quantity::AbsActive).map(|flag| flag > 0.5),
+        };
+        kinematics.speed = kinematics.forward_speed(car).or(sample.get(Quantity::VehicleSpeed));
+        kinematics
+    }
+
+    fn braking(sample: &Sample) -> Option<bool> {
+        let signs = [
+            sample.get(Quantity::BrakeActive).map(|flag| flag > 0.5),
+            sample.get(Quantity::BrakePressure).map(|bar| bar > Self::BRAKING_PRESSURE),
+            sample.get(Quantity::BrakeTorque).map(|torque| torque.abs() > Self::BRAKING_TORQUE),
+        ];
+        signs.into_iter().flatten().reduce(|a, b| a || b)
+    }
+
+    /// Mean over the wheels that roll freely; with all-wheel drive the slowest, which slip least
+    /// when driving.
+    fn forward_speed(&self, car: &Car) -> Option<f64> {
+        let wheels = self.wheels?;
+        let yaw_rate = self.yaw_rate.unwrap_or(0.0);
+        let angle = self.road_angle.unwrap_or(0.0);
+        let vy = car.b * yaw_rate;
+        let at = |wheel: Wheel| car.forward_speed(wheel, wheels[wheel as usize], vy, yaw_rate, angle);
+        let front = 0.5 * (at(Wheel::Fl) + at(Wheel::Fr));
+        let rear = 0.5 * (at(Wheel::Rl) + at(Wheel::Rr));
+        Some(match car.driven_axle {
+            DrivenAxle::Front => rear,
+            DrivenAxle::Rear => front,
+            DrivenAxle::All => front.min(rear),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Micros;
+
+    #[test]
+    fn wheel_plane_speed_and_forward_speed_are_inverse() {
+        let car = Car::new(&Vehicle::thesis());
+        for wheel in Wheel::ALL {
+            let plane = car.wheel_plane_speed(wheel, 20.0, -0.3, 0.4, 0.1);
+            assert!((car.forward_speed(wheel, plane, -0.3, 0.4, 0.1) - 20.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn brakes_are_on_if_any_signal_says_so_and_unknown_without_one() {
+        let car = Car::new(&Vehicle::thesis());
+        let mut sample = Sample::empty(Micros(0), 0.01);
+        assert_eq!(Kinematics::new(&sample, &car).braking, None);
+        sample.set(Quantity::BrakeActive, 0.0);
+        assert_eq!(Kinematics::new(&sample, &car).braking, Some(false));
+        sample.set(Quantity::BrakePressure, 20.0);
+        assert_eq!(Kinematics::new(&sample, &car).braking, Some(true));
+    }
+}

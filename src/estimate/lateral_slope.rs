@@ -1,0 +1,148 @@
+//! Lateral slip slope per axle by regression (thesis 5.2.2, eq. 5.20): α = μ_y/k + e.
+//!
+//! It stands on a lateral velocity from elsewhere and is as good as that one: with method 3 it returns
+//! the stiffness method 3 was given.
+
+use nalgebra::vector;
+
+use super::{Car, Kinematics};
+use crate::estimates::Estimate;
+use crate::filter::{Cusum, Gaussian, LearnedNoise};
+use crate::model::GRAVITY;
+
+/// One axle's regression of slip angle on normalized lateral force.
+#[derive(Clone, Debug)]
+struct AxleSlope {
+    /// 1/k, rad.
+    filter: Gaussian<1>,
+    cusum: Cusum,
+    noise: LearnedNoise,
+    age_s: f64,
+    informed: bool,
+}
+
+/// Both axles' regressions.
+#[derive(Clone, Debug)]
+pub struct LateralSlopeEstimator {
+    axles: [AxleSlope; 2],
+    car: Car,
+    minimum_speed: f64,
+}
+
+impl LateralSlopeEstimator {
+    /// Noise of a slip angle, rad: wheel alignment, steering resolution, v_y.
+    const ANGLE_STD: f64 = 0.003;
+    /// Less normalized force than this says nothing.
+    const INFORMATIVE: f64 = 0.03;
+    /// Random walk of 1/k relative to its value, 1/√s.
+    const WALK: f64 = 0.01;
+    /// On a change 1/k may be off by this share of itself.
+    const CHANGE_STD: f64 = 0.5;
+    /// Samples that the learned noise remembers.
+    const NOISE_MEMORY: f64 = 500.0;
+
+    /// Starts from the vehicle's priors.
+    pub fn new(car: &Car, minimum_speed: f64) -> Self {
+        let axles = car.cornering_prior.map(|(value, std)| AxleSlope {
+            filter: Gaussian::new([1.0 / value], [std.max(0.3 * value) / (value * value)]),
+            cusum: Cusum::new(1.0, 20.0),
+            noise: LearnedNoise::new(Self::NOISE_MEMORY),
+            age_s: 0.0,
+            informed: false,
+        });
+        Self { axles, car: car.clone(), minimum_speed }
+    }
+
+    /// Takes a sample and the lateral velocity to stand on.
+    pub fn step(&mut self, now: &Kinematics, lateral_velocity: Option<f64>) {
+        for axle in &mut self.axles {
+            axle.age_s += now.elapsed_s;
+        }
+        let moving = now.speed.filter(|speed| *speed >= self.minimum_speed);
+        let (Some(speed), Some(r), Some(ay), Some(angle), Some(vy)) =
+            (moving, now.yaw_rate, now.lateral_acceleration, now.road_angle, lateral_velocity)
+        else {
+            return;
+        };
+        let mu = ay / GRAVITY;
+        if mu.abs() < Self::INFORMATIVE {
+            return;
+        }
+        let alpha = self.car.slip_angles(speed, vy, r, angle);
+        for (axle, alpha) in self.axles.iter_mut().zip(alpha) {
+            axle.step(alpha, mu, now.elapsed_s);
+        }
+    }
+
+    /// Slopes front and rear, 1/rad.
+    pub fn slopes(&self) -> [Option<Estimate>; 2] {
+        self.axles.each_ref().map(AxleSlope::slope)
+    }
+}
+
+impl AxleSlope {
+    fn step(&mut self, alpha: f64, mu: f64, elapsed_s: f64) {
+        let walk = LateralSlopeEstimator::WALK * self.filter.mean[0];
+        self.filter.inflate(0, walk * walk * elapsed_s);
+        let promised = LateralSlopeEstimator::ANGLE_STD.powi(2);
+        let residual = alpha - mu * self.filter.mean[0];
+        let h = vector![mu];
+        let variance = self.noise.variance(promised);
+        let expected = self.filter.innovation(&h, residual, variance);
+        self.noise.learn(&expected, promised);
+        self.filter.update(&h, residual, variance * self.noise.redundancy());
+        self.age_s = 0.0;
+        self.informed = true;
+        let evidence = expected.normalized() * mu.signum() / self.noise.redundancy().sqrt();
+        if self.cusum.step(evidence.clamp(-4.0, 4.0)).is_some() {
+            let std = LateralSlopeEstimator::CHANGE_STD * self.filter.mean[0];
+            self.filter.inflate(0, std * std);
+        }
+    }
+
+    fn slope(&self) -> Option<Estimate> {
+        let compliance = self.filter.mean[0];
+        let relative = self.filter.std(0) / compliance;
+        (self.informed && compliance > 0.0 && relative < 0.5).then(|| Estimate {
+            value: 1.0 / compliance,
+            std: relative / compliance,
+            age_s: self.age_s,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Vehicle;
+
+    #[test]
+    fn with_the_true_lateral_velocity_the_true_slope_comes_out() {
+        let car = Car::new(&Vehicle::thesis());
+        let mut estimator = LateralSlopeEstimator::new(&car, 4.0);
+        let (speed, slope) = (20.0, 9.0);
+        for i in 0..5000 {
+            let ay = 2.0 * (i as f64 * 0.01).sin();
+            let alpha = ay / GRAVITY / slope;
+            let r = ay / speed;
+            let vy = car.b * r - speed * alpha.tan();
+            let now = Kinematics {
+                elapsed_s: 0.01,
+                speed: Some(speed),
+                wheels: Some([speed; 4]),
+                yaw_rate: Some(r),
+                lateral_acceleration: Some(ay),
+                longitudinal_acceleration: None,
+                road_angle: Some(alpha + ((vy + car.a * r) / speed).atan()),
+                axle_torque: None,
+                braking: None,
+                abs: None,
+            };
+            estimator.step(&now, Some(vy));
+        }
+        for slope_estimate in estimator.slopes() {
+            let estimate = slope_estimate.unwrap();
+            assert!((estimate.value - slope).abs() < 0.1 && estimate.std < 1.0, "{estimate:?}");
+        }
+    }
+}

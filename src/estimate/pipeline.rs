@@ -1,0 +1,229 @@
+//! The pipeline: one sample in, everything known out.
+
+use super::abs_braking::AbsBraking;
+use super::block::{Block, BlockBuilder};
+use super::brush::BrushEstimator;
+use super::cornering::CorneringEstimator;
+use super::friction::{Evidence, FrictionMonitor};
+use super::joint_ekf::JointEkf;
+use super::lateral_slope::LateralSlopeEstimator;
+use super::lateral_velocity::LateralVelocityEstimator;
+use super::slope::SlopeEstimator;
+use super::traction::{Traction, TractionPoint};
+use super::{Car, EstimatorsConfig, Kinematics, LateralVelocitySource};
+use crate::estimates::{Estimates, LateralVelocities, Motion, State};
+use crate::model::{DrivenAxle, Vehicle};
+use crate::{Faults, Quantity, Sample, Sensors};
+
+/// Runs every estimator on a sample. Never allocates after construction.
+#[derive(Clone, Debug)]
+pub struct Pipeline {
+    config: EstimatorsConfig,
+    car: Car,
+    sensors: Sensors,
+    blocks: BlockBuilder,
+    traction: Traction,
+    slope: SlopeEstimator,
+    lateral_velocity: LateralVelocityEstimator,
+    lateral_slope: LateralSlopeEstimator,
+    joint_ekf: JointEkf,
+    cornering: CorneringEstimator,
+    brush: BrushEstimator,
+    abs: AbsBraking,
+    friction: FrictionMonitor,
+    excitation: [Excitation; 2],
+    /// Longitudinal acceleration from the wheels, where no accelerometer has it.
+    block_acceleration: Option<f64>,
+    /// Seconds since a surface change was last noticed.
+    unchanged_s: f64,
+    latest: Estimates,
+}
+
+impl Pipeline {
+    /// Several wheels and filters notice the same change: within this time it is one, s.
+    const ONE_CHANGE_S: f64 = 2.0;
+    /// Normalized force (rms) at which the slopes are fully excited.
+    const FULL_EXCITATION: f64 = 0.1;
+
+    /// For this vehicle and these sensors.
+    pub fn new(vehicle: &Vehicle, sensors: &Sensors, config: &EstimatorsConfig) -> Self {
+        let car = Car::new(vehicle);
+        let slow = config.minimum_speed_mps;
+        let driven = usize::from(car.driven_axle == DrivenAxle::Rear);
+        Self {
+            blocks: BlockBuilder::new(config.slope.block_s),
+            traction: Traction::new(&car, sensors, &config.slope, slow),
+            slope: SlopeEstimator::new(&car, &config.slope),
+            lateral_velocity: LateralVelocityEstimator::new(&car, sensors, slow),
+            lateral_slope: LateralSlopeEstimator::new(&car, slow),
+            joint_ekf: JointEkf::new(&car, sensors, &config.joint_ekf, slow),
+            cornering: CorneringEstimator::new(&car, sensors, &config.cornering, slow),
+            brush: BrushEstimator::new(car.slope_prior[driven].0, &config.brush),
+            abs: AbsBraking::new(&car),
+            friction: FrictionMonitor::new(&car, &config.friction),
+            excitation: [Excitation::default(); 2],
+            block_acceleration: None,
+            unchanged_s: f64::INFINITY,
+            latest: Estimates::default(),
+            config: config.clone(),
+            sensors: *sensors,
+            car,
+        }
+    }
+
+    /// Takes a sample; what is returned holds until the next one.
+    pub fn step(&mut self, sample: &Sample) -> &Estimates {
+        let now = Kinematics::new(sample, &self.car);
+        self.latest.time = sample.time;
+        self.latest.faults = sample.faults;
+        self.latest.state = self.state(sample);
+        self.unchanged_s += now.elapsed_s;
+        self.abs.step(&now);
+        self.longitudinal(&now);
+        self.lateral(&now);
+        self.use_of_friction(&now);
+        self.latest.excitation_long = self.excitation[0].level(Self::FULL_EXCITATION);
+        self.latest.excitation_lat = self.excitation[1].level(Self::FULL_EXCITATION);
+        if !self.cornering.is_consistent() {
+            self.latest.faults |= Faults::INCONSISTENT;
+        }
+        &self.latest
+    }
+
+    /// The latest estimates.
+    pub fn latest(&self) -> &Estimates {
+        &self.latest
+    }
+
+    /// Frames lost before they could be used, as the bus counts them.
+    pub fn set_dropped_frames(&mut self, count: u64) {
+        self.latest.dropped_frames = count;
+    }
+
+    fn state(&self, sample: &Sample) -> State {
+        if sample.is_empty() {
+            return State::NoInput;
+        }
+        let required = Quantity::ALL.iter().filter(|quantity| quantity.is_required());
+        let doubtful = Faults::WHEEL_MISMATCH | Faults::MOTION_MISMATCH | Faults::STUCK;
+        let missing = required.clone().any(|quantity| sample.get(*quantity).is_none());
+        if missing || sample.faults.intersects(doubtful) { State::Degraded } else { State::Running }
+    }
+
+    fn longitudinal(&mut self, now: &Kinematics) {
+        self.slope.age(now.elapsed_s);
+        if let Some(block) = self.blocks.step(now) {
+            self.block_acceleration = Some(block.acceleration);
+            let points = self.traction.points(&block);
+            if self.slope.step(&points, block.duration_s) {
+                self.on_surface_change();
+                self.cornering.surface_changed();
+            }
+            self.curve(&block, &points);
+        }
+        self.latest.slope = self.slope.slopes();
+        self.latest.slip_offset = self.slope.offsets();
+        self.latest.slope_valid = now.speed.is_some() && self.slope.is_valid();
+    }
+
+    /// The brush regression on the mean of the driven wheels.
+    fn curve(&mut self, block: &Block, points: &[Option<TractionPoint>; 4]) {
+        let offsets = self.slope.offsets();
+        let mut count = 0.0;
+        let (mut slip, mut mu, mut slip_variance, mut mu_variance) = (0.0, 0.0, 0.0, 0.0);
+        for (point, offset) in points.iter().zip(offsets) {
+            let (Some(point), Some(offset)) = (point, offset) else { continue };
+            count += 1.0;
+            slip += point.slip - offset.value;
+            mu += point.mu;
+            slip_variance += point.slip_std * point.slip_std + offset.std * offset.std;
+            mu_variance += point.mu_std * point.mu_std;
+        }
+        if count == 0.0 {
+            self.excitation[0].step(0.0, block.duration_s);
+            return;
+        }
+        self.excitation[0].step(mu / count, block.duration_s);
+        let std = |variance: f64| variance.sqrt() / count;
+        self.brush.step(slip / count, std(slip_variance), mu / count, std(mu_variance), block.duration_s);
+    }
+
+    fn lateral(&mut self, now: &Kinematics) {
+        let mut velocities = self.lateral_velocity.step(now);
+        self.joint_ekf.step(now);
+        if self.cornering.step(now) {
+            self.on_surface_change();
+        }
+        let motion = self.cornering.motion();
+        velocities.joint = motion.map(|m| m.lateral_velocity);
+        self.lateral_slope.step(now, self.chosen(&velocities));
+        let lateral = now.lateral_acceleration.unwrap_or(0.0) / crate::model::GRAVITY;
+        self.excitation[1].step(if motion.is_some() { lateral } else { 0.0 }, now.elapsed_s);
+        self.latest.motion = Motion {
+            speed: now.speed,
+            lateral_velocity: velocities.joint,
+            sideslip: now.speed.zip(velocities.joint).map(|(vx, vy)| (vy / vx).atan()),
+            slip_angle_front: motion.map(|m| m.slip_angles[0]),
+            slip_angle_rear: motion.map(|m| m.slip_angles[1]),
+            valid: now.speed.is_some_and(|speed| self.cornering.is_motion_valid(speed)),
+        };
+        self.latest.lateral_velocities = velocities;
+        self.latest.cornering = self.cornering.stiffness();
+        self.latest.offsets = self.cornering.offsets();
+        self.latest.cornering_valid = self.cornering.is_valid();
+        self.latest.cornering_regression = self.lateral_slope.slopes();
+        self.latest.cornering_ekf = self.joint_ekf.stiffness();
+    }
+
+    fn use_of_friction(&mut self, now: &Kinematics) {
+        if let Some(mu) = self.abs.finished() {
+            self.brush.calibrate(mu);
+        }
+        let acceleration = if self.sensors.has(Quantity::LongitudinalAcceleration) {
+            now.longitudinal_acceleration
+        } else {
+            self.block_acceleration
+        };
+        let evidence = Evidence { brush: self.brush.friction(), abs: self.abs.last() };
+        self.latest.friction = self.friction.step(now, acceleration, evidence);
+    }
+
+    fn on_surface_change(&mut self) {
+        if self.unchanged_s > Self::ONE_CHANGE_S {
+            self.latest.surface_changes = self.latest.surface_changes.saturating_add(1);
+        }
+        self.unchanged_s = 0.0;
+        self.friction.surface_changed();
+        self.brush.surface_changed();
+    }
+
+    fn chosen(&self, velocities: &LateralVelocities) -> Option<f64> {
+        match self.config.lateral_slope_source {
+            LateralVelocitySource::Zero => velocities.zero,
+            LateralVelocitySource::Integration => velocities.integration,
+            LateralVelocitySource::Kinematic => velocities.kinematic,
+            LateralVelocitySource::Bicycle => velocities.bicycle,
+            LateralVelocitySource::Joint => velocities.joint,
+        }
+    }
+}
+
+/// Running rms of a normalized force.
+#[derive(Clone, Copy, Debug, Default)]
+struct Excitation {
+    square: f64,
+}
+
+impl Excitation {
+    /// Time constant, s.
+    const MEMORY_S: f64 = 10.0;
+
+    fn step(&mut self, mu: f64, elapsed_s: f64) {
+        let weight = 1.0 - (-elapsed_s / Self::MEMORY_S).exp();
+        self.square += weight * (mu * mu - self.square);
+    }
+
+    fn level(&self, full: f64) -> f64 {
+        (self.square.sqrt() / full).min(1.0)
+    }
+}

@@ -1,0 +1,214 @@
+//! Longitudinal slip slope and slip offset of each driven wheel (thesis 5.2.1, eqs. 5.3–5.5).
+//!
+//! s = μ/k + δ₀ + e: a Kalman filter on (1/k, δ₀), and a CUSUM detector that multiplies the process
+//! noise of 1/k for one block when the surface changes. Beyond the thesis the noise of e is learned
+//! from the innovations (size and correlation), so that the interval is as wide as the car's wheel
+//! speeds deserve, and noise in μ is accounted for.
+
+use nalgebra::vector;
+
+use super::traction::TractionPoint;
+use super::{Car, SlopeConfig};
+use crate::Wheel;
+use crate::estimates::Estimate;
+use crate::filter::{Cusum, Gaussian, LearnedNoise};
+
+/// The slope filters of all driven wheels.
+#[derive(Clone, Debug)]
+pub struct SlopeEstimator {
+    wheels: [Option<WheelSlope>; 4],
+    config: SlopeConfig,
+}
+
+impl SlopeEstimator {
+    /// Starts from the vehicle's prior.
+    pub fn new(car: &Car, config: &SlopeConfig) -> Self {
+        let wheels = Wheel::ALL.map(|wheel| {
+            let prior = car.slope_prior[usize::from(!wheel.is_front())];
+            car.driven_axle.drives(wheel).then(|| WheelSlope::new(prior, config))
+        });
+        Self { wheels, config: config.clone() }
+    }
+
+    /// Time passes; nothing was measured.
+    pub fn age(&mut self, elapsed_s: f64) {
+        for wheel in self.wheels.iter_mut().flatten() {
+            wheel.age_s += elapsed_s;
+        }
+    }
+
+    /// Takes a block's points of the slip curve; returns whether the surface seems to have changed.
+    pub fn step(&mut self, points: &[Option<TractionPoint>; 4], duration_s: f64) -> bool {
+        let mut alarm = false;
+        for (wheel, point) in self.wheels.iter_mut().zip(points) {
+            if let (Some(wheel), Some(point)) = (wheel, point) {
+                alarm |= wheel.step(point, duration_s, &self.config);
+            }
+        }
+        if alarm {
+            self.surface_changed();
+        }
+        alarm
+    }
+
+    /// The surface changed: the slopes may be anything near.
+    fn surface_changed(&mut self) {
+        for wheel in self.wheels.iter_mut().flatten() {
+            wheel.boost(&self.config);
+        }
+    }
+
+    /// Slope per wheel, normalized by the static wheel load.
+    pub fn slopes(&self) -> [Option<Estimate>; 4] {
+        self.wheels.each_ref().map(|wheel| wheel.as_ref().and_then(WheelSlope::slope))
+    }
+
+    /// Slip offset per wheel.
+    pub fn offsets(&self) -> [Option<Estimate>; 4] {
+        self.wheels.each_ref().map(|wheel| wheel.as_ref().and_then(WheelSlope::offset))
+    }
+
+    /// Every driven wheel's slope is known well, and lately.
+    pub fn is_valid(&self) -> bool {
+        let mut driven = self.wheels.iter().flatten().peekable();
+        driven.peek().is_some()
+            && driven.all(|wheel| {
+                wheel.slope().is_some_and(|slope| {
+                    slope.std <= self.config.valid_relative_std * slope.value
+                        && slope.age_s <= self.config.valid_age_s
+                })
+            })
+    }
+}
+
+#[derive(Clone, Debug)]
+struct WheelSlope {
+    /// Compliance 1/k and slip offset δ₀.
+    filter: Gaussian<2>,
+    cusum: Cusum,
+    /// Noise of the slip.
+    noise: LearnedNoise,
+    /// Seconds since a block told something of the slope.
+    age_s: f64,
+    /// Did any block tell?
+    informed: bool,
+}
+
+impl WheelSlope {
+    /// Blocks that the learned noise remembers.
+    const NOISE_MEMORY: f64 = 120.0;
+    /// Normalized innovations count in the CUSUM up to this, so that one bad block is no change.
+    const ALARM_CLIP: f64 = 4.0;
+    /// A slope this uncertain (relative) is not given out at all.
+    const UNKNOWN: f64 = 0.5;
+
+    fn new((slope, slope_std): (f64, f64), config: &SlopeConfig) -> Self {
+        let compliance_std = (slope_std / (slope * slope)).max(0.3 / slope);
+        Self {
+            filter: Gaussian::new([1.0 / slope, 0.0], [compliance_std, config.initial_offset_std]),
+            cusum: Cusum::new(config.cusum_drift, config.cusum_threshold),
+            noise: LearnedNoise::new(Self::NOISE_MEMORY),
+            age_s: 0.0,
+            informed: false,
+        }
+    }
+
+    /// Returns whether the surface seems to have changed.
+    fn step(&mut self, point: &TractionPoint, duration_s: f64, config: &SlopeConfig) -> bool {
+        self.filter.inflate(0, config.compliance_walk * config.compliance_walk * duration_s);
+        self.filter.inflate(1, config.offset_walk * config.offset_walk * duration_s);
+        let regressor = vector![point.mu, 1.0];
+        let residual = point.slip - regressor.dot(&self.filter.mean);
+        // Noise of μ seen through the compliance counts as noise of the slip.
+        let mu_part = self.filter.mean[0] * point.mu_std;
+        let promised = point.slip_std * point.slip_std + mu_part * mu_part;
+        let noise = self.noise.variance(promised);
+        let expected = self.filter.innovation(&regressor, residual, noise);
+        self.noise.learn(&expected, promised);
+        let normalized = expected.normalized().clamp(-Self::ALARM_CLIP, Self::ALARM_CLIP);
+        // An outlier's residual is limited rather than dropped: at a change of surface all are.
+        let limited = normalized * expected.variance.sqrt();
+        self.filter.update(&regressor, limited, noise * self.noise.redundancy());
+        if point.mu.abs() < config.informative_mu {
+            return false;
+        }
+        self.age_s = 0.0;
+        self.informed = true;
+        // A softer surface makes more slip in the direction of the force.
+        self.cusum.step(normalized * point.mu.signum()).is_some()
+    }
+
+    fn boost(&mut self, config: &SlopeConfig) {
+        let walk = config.compliance_walk * config.compliance_walk * config.block_s;
+        self.filter.inflate(0, walk * config.change_boost);
+        self.cusum.reset();
+    }
+
+    fn slope(&self) -> Option<Estimate> {
+        let compliance = self.filter.mean[0];
+        let relative = self.filter.std(0) / compliance;
+        (self.informed && compliance > 0.0 && relative < Self::UNKNOWN).then(|| Estimate {
+            value: 1.0 / compliance,
+            std: relative / compliance,
+            age_s: self.age_s,
+        })
+    }
+
+    fn offset(&self) -> Option<Estimate> {
+        self.informed.then(|| Estimate {
+            value: self.filter.mean[1],
+            std: self.filter.std(1),
+            age_s: self.age_s,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Vehicle;
+
+    fn point(slope: f64, mu: f64, noise: f64) -> TractionPoint {
+        TractionPoint { slip: mu / slope + 0.015 + noise, slip_std: 2e-4, mu, mu_std: 0.0 }
+    }
+
+    /// Drives `blocks` blocks on a surface; returns at which of them changes were noticed.
+    fn drive(estimator: &mut SlopeEstimator, slope: f64, blocks: usize) -> Vec<usize> {
+        (0..blocks)
+            .filter(|&i| {
+                let mu = 0.1 * (i as f64 * 0.3).sin();
+                let noise = 2e-4 * ((i * 7919 % 13) as f64 - 6.0) / 3.74;
+                let points = Wheel::ALL.map(|w| w.is_front().then(|| point(slope, mu, noise)));
+                estimator.step(&points, 0.25)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_change_of_surface_is_noticed_once_and_followed() {
+        let car = Car::new(&Vehicle::thesis());
+        let mut estimator = SlopeEstimator::new(&car, &SlopeConfig::default());
+        drive(&mut estimator, 95.0, 400);
+        let [Some(fl), Some(_), None, None] = estimator.slopes() else { panic!("{:?}", estimator.slopes()) };
+        assert!((fl.value - 95.0).abs() < 3.0 * fl.std && fl.std < 5.0, "{fl:?}");
+        assert!((estimator.offsets()[0].unwrap().value - 0.015).abs() < 1e-4);
+        let noticed = drive(&mut estimator, 50.0, 80);
+        assert_eq!(noticed.len(), 1, "{noticed:?}");
+        assert!(noticed[0] < 20);
+        let fl = estimator.slopes()[0].unwrap();
+        assert!((fl.value - 50.0).abs() < 5.0, "{fl:?}");
+        assert!(estimator.is_valid());
+    }
+
+    #[test]
+    fn cruising_without_force_tells_no_slope() {
+        let car = Car::new(&Vehicle::thesis());
+        let mut estimator = SlopeEstimator::new(&car, &SlopeConfig::default());
+        for _ in 0..400 {
+            let points = Wheel::ALL.map(|w| w.is_front().then(|| point(95.0, 0.01, 0.0)));
+            estimator.step(&points, 0.25);
+        }
+        assert_eq!(estimator.slopes(), [None; 4]);
+        assert!(!estimator.is_valid());
+    }
+}

@@ -1,0 +1,141 @@
+//! Slip and normalized traction force of the driven wheels, from a block of samples.
+
+use super::block::Block;
+use super::{Car, SlopeConfig};
+use crate::model::{DrivenAxle, GRAVITY};
+use crate::{Quantity, Sensors, Wheel};
+
+/// One point of a wheel's slip curve, with what is not known of it.
+#[derive(Clone, Copy, Debug)]
+pub struct TractionPoint {
+    /// Slip against the undriven wheel of the same side (thesis 5.1), SAE, driving positive.
+    pub slip: f64,
+    /// Standard deviation of the slip's noise.
+    pub slip_std: f64,
+    /// Traction force / static wheel load (thesis 5.2).
+    pub mu: f64,
+    /// Standard deviation of `mu`'s noise.
+    pub mu_std: f64,
+}
+
+/// Turns blocks into points of the slip curve.
+#[derive(Clone, Debug)]
+pub struct Traction {
+    car: Car,
+    wheel_noise: f64,
+    torque_noise: f64,
+    acceleration_noise: f64,
+    minimum_speed: f64,
+    max_lateral: f64,
+    max_coasting: f64,
+    cornering_slip_std: f64,
+}
+
+impl Traction {
+    /// Share of the geometric correction for curves that is taken for uncertain.
+    const GEOMETRY_STD: f64 = 0.05;
+    /// Drive torque and acceleration may contradict each other by this much (grade included), m/s²,
+    /// before brakes are suspected that the bus does not tell of.
+    const UNEXPLAINED_DECELERATION: f64 = 1.0;
+
+    /// For this car and these sensors.
+    pub fn new(car: &Car, sensors: &Sensors, config: &SlopeConfig, minimum_speed: f64) -> Self {
+        Self {
+            wheel_noise: car.radius * sensors.noise_std(Quantity::WheelSpeedFl),
+            torque_noise: car.drive_torque_ratio.abs() * sensors.noise_std(Quantity::DriveTorque),
+            acceleration_noise: sensors.noise_std(Quantity::LongitudinalAcceleration),
+            minimum_speed,
+            max_lateral: config.max_lateral_acceleration_mps2,
+            max_coasting: config.max_coasting_deceleration_mps2,
+            cornering_slip_std: config.cornering_slip_std,
+            car: car.clone(),
+        }
+    }
+
+    /// One point for each driven wheel; none with all wheels driven (no wheel tells the speed),
+    /// while braking, in sharp curves and at low speed.
+    pub fn points(&self, block: &Block) -> [Option<TractionPoint>; 4] {
+        let mut points = [None; 4];
+        if self.car.driven_axle == DrivenAxle::All
+            || block.speed < self.minimum_speed
+            || block.lateral_acceleration.abs() > self.max_lateral
+            || self.is_braking(block)
+        {
+            return points;
+        }
+        for wheel in Wheel::ALL.into_iter().filter(|&wheel| self.car.driven_axle.drives(wheel)) {
+            points[wheel as usize] = self.point(block, wheel);
+        }
+        points
+    }
+
+    fn point(&self, block: &Block, wheel: Wheel) -> Option<TractionPoint> {
+        let car = &self.car;
+        let vy = car.steady_lateral_velocity(block.speed, block.yaw_rate, block.lateral_acceleration);
+        let reference = wheel.same_side();
+        let measured = block.wheels[reference as usize];
+        let vx = car.forward_speed(reference, measured, vy, block.yaw_rate, block.road_angle);
+        let rolling = car.wheel_plane_speed(wheel, vx, vy, block.yaw_rate, block.road_angle);
+        if rolling < 0.5 * self.minimum_speed {
+            return None;
+        }
+        let slip = block.wheels[wheel as usize] / rolling - 1.0;
+        let white = self.wheel_noise * (2.0 / block.samples).sqrt() / rolling;
+        let geometry = Self::GEOMETRY_STD * (rolling - measured) / rolling;
+        let cornering = self.cornering_slip_std * block.lateral_acceleration;
+        let (force, force_std) = self.force(block, wheel);
+        let load = car.load(wheel);
+        Some(TractionPoint {
+            slip,
+            slip_std: (white * white + geometry * geometry + cornering * cornering).sqrt(),
+            mu: force / load,
+            mu_std: force_std / load,
+        })
+    }
+
+    /// Longitudinal tire force of one driven wheel and its noise, N: from the drive torque when the
+    /// bus has it, else from the acceleration of the whole car.
+    fn force(&self, block: &Block, wheel: Wheel) -> (f64, f64) {
+        let car = &self.car;
+        if let Some(torque) = block.axle_torque {
+            let spin = block.wheel_acceleration[wheel as usize] / car.radius;
+            let force = (0.5 * torque - car.wheel_inertia * spin) / car.radius;
+            let spin_std = self.rate_std(block) / car.radius;
+            let torque_std = 0.5 * self.torque_noise / block.samples.sqrt();
+            return (force, torque_std.hypot(car.wheel_inertia * spin_std) / car.radius);
+        }
+        let (acceleration, noise) = match block.longitudinal_acceleration {
+            Some(measured) => (measured, self.acceleration_noise / block.samples.sqrt()),
+            None => (block.acceleration, self.rate_std(block)),
+        };
+        // What the driven axle carries: the body, the other axle's wheels, drag and rolling
+        // resistance, and, with steered front wheels, the lateral force's part against the motion.
+        let inertia = car.mass + 2.0 * car.wheel_inertia / (car.radius * car.radius);
+        let front_lateral = car.mass * block.lateral_acceleration * car.b / car.wheelbase();
+        let force = inertia * acceleration
+            + car.drag * block.speed * block.speed
+            + car.rolling_resistance * car.mass * GRAVITY
+            + front_lateral * block.road_angle.sin();
+        (0.5 * force, 0.5 * inertia * noise)
+    }
+
+    /// Noise of a rate of change fitted through a block, m/s².
+    fn rate_std(&self, block: &Block) -> f64 {
+        self.wheel_noise * 12.0_f64.sqrt() / (block.duration_s * block.samples.sqrt())
+    }
+
+    fn is_braking(&self, block: &Block) -> bool {
+        if let Some(braking) = block.braking {
+            return braking;
+        }
+        let acceleration = block.longitudinal_acceleration.unwrap_or(block.acceleration);
+        let resisting = self.car.drag * block.speed * block.speed / self.car.mass;
+        match block.axle_torque {
+            Some(torque) => {
+                let driving = torque / self.car.radius / self.car.mass - resisting;
+                driving - acceleration > Self::UNEXPLAINED_DECELERATION
+            }
+            None => -(acceleration + resisting) > self.max_coasting,
+        }
+    }
+}

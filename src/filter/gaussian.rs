@@ -1,0 +1,148 @@
+//! A state with its covariance, and the Kalman filter's two steps on it (thesis 2.16–2.22).
+
+use nalgebra::{SMatrix, SVector};
+
+/// What a measurement said against the prediction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Innovation {
+    /// Measured minus predicted.
+    pub residual: f64,
+    /// Variance the filter expected of it.
+    pub variance: f64,
+}
+
+impl Innovation {
+    /// The residual in standard deviations.
+    pub fn normalized(&self) -> f64 {
+        self.residual / self.variance.sqrt()
+    }
+
+    /// Normalized innovation squared: one on average while the filter is consistent.
+    pub fn nis(&self) -> f64 {
+        self.residual * self.residual / self.variance
+    }
+}
+
+/// A normally distributed state of `N` components.
+///
+/// Measurements are taken one scalar at a time (their noises being independent), in Joseph's form:
+/// no matrix is inverted, and the covariance stays symmetric and positive over days.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gaussian<const N: usize> {
+    /// Best value.
+    pub mean: SVector<f64, N>,
+    /// Covariance.
+    pub covariance: SMatrix<f64, N, N>,
+}
+
+impl<const N: usize> Gaussian<N> {
+    /// Independent components with these standard deviations.
+    pub fn new(mean: [f64; N], std: [f64; N]) -> Self {
+        let variance = SVector::from(std).map(|s| s * s);
+        Self { mean: SVector::from(mean), covariance: SMatrix::from_diagonal(&variance) }
+    }
+
+    /// Standard deviation of component `i`.
+    #[inline]
+    pub fn std(&self, i: usize) -> f64 {
+        self.covariance[(i, i)].max(0.0).sqrt()
+    }
+
+    /// Linear time update: mean ← F mean, P ← F P Fᵀ + Q.
+    pub fn predict(&mut self, transition: &SMatrix<f64, N, N>, noise: &SMatrix<f64, N, N>) {
+        self.mean = transition * self.mean;
+        self.predict_covariance(transition, noise);
+    }
+
+    /// The covariance's part of a time update whose mean was propagated by a nonlinear model.
+    pub fn predict_covariance(&mut self, transition: &SMatrix<f64, N, N>, noise: &SMatrix<f64, N, N>) {
+        self.covariance = transition * self.covariance * transition.transpose() + noise;
+        self.symmetrize();
+    }
+
+    /// Adds to the variance of component `i`: the time update of a random walk.
+    #[inline]
+    pub fn inflate(&mut self, i: usize, variance: f64) {
+        self.covariance[(i, i)] += variance;
+    }
+
+    /// What a measurement with sensitivity `h` and noise `variance` would be compared with.
+    pub fn innovation(&self, h: &SVector<f64, N>, residual: f64, variance: f64) -> Innovation {
+        Innovation { residual, variance: h.dot(&(self.covariance * h)) + variance }
+    }
+
+    /// Measurement update with one scalar: `residual` = measured − predicted, `h` its sensitivity to
+    /// the state, `variance` its noise. A measurement that is not finite, or one without noise and
+    /// without uncertainty to reduce, changes nothing.
+    pub fn update(&mut self, h: &SVector<f64, N>, residual: f64, variance: f64) -> Innovation {
+        let ph = self.covariance * h;
+        let innovation = Innovation { residual, variance: h.dot(&ph) + variance };
+        if !(residual.is_finite() && innovation.variance.is_finite() && innovation.variance > 0.0) {
+            return innovation;
+        }
+        let gain = ph / innovation.variance;
+        self.mean += gain * residual;
+        // Joseph: (I − k hᵀ) P (I − k hᵀ)ᵀ + r k kᵀ, as two rank-one steps.
+        let left = self.covariance - gain * ph.transpose();
+        let left_h = left * h;
+        self.covariance = left - left_h * gain.transpose() + gain * gain.transpose() * variance;
+        self.symmetrize();
+        innovation
+    }
+
+    /// All numbers are finite and no variance is negative.
+    pub fn is_sound(&self) -> bool {
+        self.mean.iter().all(|x| x.is_finite())
+            && self.covariance.iter().all(|x| x.is_finite())
+            && (0..N).all(|i| self.covariance[(i, i)] >= 0.0)
+    }
+
+    fn symmetrize(&mut self) {
+        for i in 0..N {
+            for j in 0..i {
+                let mean = 0.5 * (self.covariance[(i, j)] + self.covariance[(j, i)]);
+                self.covariance[(i, j)] = mean;
+                self.covariance[(j, i)] = mean;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::vector;
+
+    #[test]
+    fn a_constant_is_learned_as_the_mean_of_its_measurements() {
+        let mut filter = Gaussian::<1>::new([0.0], [1e6]);
+        for y in [1.0, 2.0, 3.0, 6.0] {
+            filter.update(&vector![1.0], y - filter.mean[0], 4.0);
+        }
+        assert!((filter.mean[0] - 3.0).abs() < 1e-6);
+        assert!((filter.std(0) - 1.0).abs() < 1e-6, "2/√4, got {}", filter.std(0));
+    }
+
+    #[test]
+    fn the_covariance_stays_positive_over_a_million_exact_measurements() {
+        let mut filter = Gaussian::<3>::new([0.0; 3], [1e3, 1.0, 1e-6]);
+        let mut angle = 0.0_f64;
+        for _ in 0..1_000_000 {
+            angle += 0.1;
+            let h = vector![angle.sin(), 1.0, 1e3 * angle.cos()];
+            filter.inflate(0, 1e-12);
+            filter.update(&h, 0.0, 1e-9);
+        }
+        assert!(filter.is_sound());
+        assert!(filter.covariance.symmetric_eigenvalues().min() >= 0.0);
+    }
+
+    #[test]
+    fn a_measurement_that_is_not_a_number_changes_nothing() {
+        let mut filter = Gaussian::<2>::new([1.0, 2.0], [1.0, 1.0]);
+        let before = filter;
+        filter.update(&vector![1.0, 0.0], f64::NAN, 1.0);
+        filter.update(&vector![1.0, 0.0], 1.0, f64::INFINITY);
+        assert_eq!(filter, before);
+    }
+}

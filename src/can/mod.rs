@@ -1,5 +1,18 @@
 //! CAN frames, and the buses and recordings they come from and go to.
 
+pub mod bus;
+pub mod candump;
+mod error_report;
 mod frame;
+mod interface;
+mod memory;
+mod raw_socket;
+mod socketcan;
+mod wire;
 
+pub use bus::{Bus, Event, OpenError, SendError};
+pub use error_report::{BusState, ErrorClass, ErrorReport};
 pub use frame::{CanId, Frame, FrameError, FrameKind, Payload};
+pub use interface::InterfaceName;
+pub use memory::{MemoryBus, memory_pair};
+pub use socketcan::{SocketCan, SocketCanConfig};

@@ -1,0 +1,196 @@
+//! Writes a log as `candump -L` would; a file appears under its name only when it is complete.
+
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use flate2::write::GzEncoder;
+
+use super::LogError;
+use super::line::write_line;
+use crate::can::Frame;
+
+/// Writes frames as candump lines.
+///
+/// A file is written aside, under a hidden name in the same folder, and takes its own name in
+/// [`Writer::finish`]. A writer that is dropped before leaves whatever was there untouched.
+pub struct Writer {
+    name: String,
+    interface: String,
+    sink: Sink,
+    line: Vec<u8>,
+    aside: Option<Aside>,
+}
+
+type Output = BufWriter<Box<dyn Write + Send>>;
+
+/// Where the text goes, perhaps packed.
+enum Sink {
+    Plain(Output),
+    Gzip(GzEncoder<Output>),
+    Zstd(zstd::Encoder<'static, Output>),
+}
+
+impl Writer {
+    /// Writes to anything, for frames of `interface`.
+    pub fn new(output: impl Write + Send + 'static, interface: &str) -> Self {
+        let sink = Sink::Plain(buffered(Box::new(output)));
+        Self { name: "output".into(), interface: interface.into(), sink, line: Vec::new(), aside: None }
+    }
+
+    /// Creates a file; `-` is the standard output. A name in `.gz` or `.zst` is packed accordingly.
+    ///
+    /// What exists under that name and is no ordinary file (a pipe, a terminal) is written directly.
+    ///
+    /// # Errors
+    /// If the file cannot be created in its folder.
+    pub fn create(path: &Path, interface: &str) -> Result<Self, LogError> {
+        if path.as_os_str() == "-" {
+            return Ok(Self { name: "standard output".into(), ..Self::new(io::stdout(), interface) });
+        }
+        Self::create_file(path, interface)
+            .map_err(|source| LogError::Open { name: path.display().to_string(), source })
+    }
+
+    fn create_file(path: &Path, interface: &str) -> io::Result<Self> {
+        let (file, aside) = match fs::metadata(path) {
+            Ok(there) if there.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
+            Ok(there) if !there.is_file() => (OpenOptions::new().write(true).open(path)?, None),
+            existing => {
+                let (file, aside) = Aside::create(path)?;
+                if let Ok(there) = existing {
+                    file.set_permissions(there.permissions())?;
+                }
+                (file, Some(aside))
+            }
+        };
+        let output = buffered(Box::new(file));
+        let sink = match path.extension().and_then(|extension| extension.to_str()) {
+            Some("gz") => Sink::Gzip(GzEncoder::new(output, flate2::Compression::default())),
+            Some("zst") => Sink::Zstd(zstd::Encoder::new(output, zstd::DEFAULT_COMPRESSION_LEVEL)?),
+            _ => Sink::Plain(output),
+        };
+        let (name, interface) = (path.display().to_string(), interface.to_owned());
+        Ok(Self { name, interface, sink, line: Vec::new(), aside })
+    }
+
+    /// Writes a frame of the writer's interface.
+    ///
+    /// # Errors
+    /// If the output fails.
+    pub fn write(&mut self, frame: &Frame) -> Result<(), LogError> {
+        self.line.clear();
+        write_line(&mut self.line, &self.interface, frame);
+        self.put_line()
+    }
+
+    /// Writes a frame of another interface.
+    ///
+    /// # Errors
+    /// If the output fails.
+    pub fn write_as(&mut self, interface: &str, frame: &Frame) -> Result<(), LogError> {
+        self.line.clear();
+        write_line(&mut self.line, interface, frame);
+        self.put_line()
+    }
+
+    fn put_line(&mut self) -> Result<(), LogError> {
+        let result = self.sink.as_write().write_all(&self.line);
+        self.check(result)
+    }
+
+    /// Hands on what is still in the buffer, so that a reader of a pipe sees it now.
+    ///
+    /// # Errors
+    /// If the output fails.
+    pub fn flush(&mut self) -> Result<(), LogError> {
+        let result = self.sink.as_write().flush();
+        self.check(result)
+    }
+
+    /// Writes the rest, makes sure it is on the disk, and gives the file its name.
+    ///
+    /// # Errors
+    /// If any of this fails; then the file that was there before is still there.
+    pub fn finish(self) -> Result<(), LogError> {
+        let Self { name, sink, aside, .. } = self;
+        sink.finish()
+            .and_then(|()| aside.map_or(Ok(()), Aside::commit))
+            .map_err(|source| LogError::Write { name, source })
+    }
+
+    fn check(&self, result: io::Result<()>) -> Result<(), LogError> {
+        result.map_err(|source| LogError::Write { name: self.name.clone(), source })
+    }
+}
+
+fn buffered(output: Box<dyn Write + Send>) -> Output {
+    BufWriter::with_capacity(1 << 16, output)
+}
+
+impl Sink {
+    fn as_write(&mut self) -> &mut dyn Write {
+        match self {
+            Sink::Plain(output) => output,
+            Sink::Gzip(encoder) => encoder,
+            Sink::Zstd(encoder) => encoder,
+        }
+    }
+
+    /// Ends the compressed stream and empties the buffer.
+    fn finish(self) -> io::Result<()> {
+        match self {
+            Sink::Plain(output) => output,
+            Sink::Gzip(encoder) => encoder.finish()?,
+            Sink::Zstd(encoder) => encoder.finish()?,
+        }
+        .flush()
+    }
+}
+
+/// A file that does not have its final name yet. Dropped without [`Aside::commit`], it goes away.
+struct Aside {
+    file: File,
+    temporary: PathBuf,
+    target: PathBuf,
+}
+
+impl Aside {
+    fn create(path: &Path) -> io::Result<(File, Self)> {
+        // Through symbolic links: the file they point to is to be replaced, not the link.
+        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let temporary = temporary_name(&target).ok_or(io::ErrorKind::InvalidFilename)?;
+        let file = OpenOptions::new().write(true).create_new(true).open(&temporary)?;
+        let aside = Self { file: file.try_clone()?, temporary, target };
+        Ok((file, aside))
+    }
+
+    /// The contents first, then the name: after a power cut there is the old file or the new one.
+    fn commit(mut self) -> io::Result<()> {
+        self.file.sync_all()?;
+        fs::rename(&self.temporary, &self.target)?;
+        self.temporary = PathBuf::new();
+        let folder = self.target.parent().filter(|folder| !folder.as_os_str().is_empty());
+        File::open(folder.unwrap_or(Path::new(".")))?.sync_all()
+    }
+}
+
+impl Drop for Aside {
+    fn drop(&mut self) {
+        if !self.temporary.as_os_str().is_empty() {
+            // Nothing could be done about a failure here, and the name tells what it is.
+            let _ = fs::remove_file(&self.temporary);
+        }
+    }
+}
+
+/// `.NAME.PROCESS-COUNT.part` beside the target; `None` if the path has no file name.
+fn temporary_name(target: &Path) -> Option<PathBuf> {
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let mut name = OsString::from(".");
+    name.push(target.file_name()?);
+    name.push(format!(".{}-{}.part", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed)));
+    Some(target.with_file_name(name))
+}

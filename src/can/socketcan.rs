@@ -1,0 +1,297 @@
+//! A CAN interface of the kernel, on good days and bad: it may be down, vanish, and come back.
+//!
+//! What the kernel does, and what follows from it:
+//! - *Down*: one read gets `ENETDOWN`, then silence; once up again the same socket works. So while
+//!   down, the interface is asked from time to time, and any frame says "up" as well.
+//! - *Removed*: one read gets `ENODEV`; the socket is dead for good, even when an interface of the same
+//!   name is created again. So it is closed, and the name looked up until it is back.
+//! - Both wake a waiting reader by an error condition only, not by readability: we wait for both.
+//! - A send can get (and thereby clear) the error that was meant for the reader: it tells the reader.
+
+use std::io;
+use std::time::Duration;
+
+use nix::errno::Errno;
+use tokio::io::Interest;
+use tokio::io::unix::AsyncFd;
+use tokio::task::coop;
+use tokio::time::sleep;
+
+use super::raw_socket::{Buffers, RawSocket, Received};
+use super::{CanId, ErrorReport, Event, Frame, FrameKind, InterfaceName, OpenError, SendError};
+
+/// While down: how often to look whether the interface is up.
+const LOOK_WHILE_DOWN: Duration = Duration::from_millis(100);
+/// While gone: the first and the longest pause between looking for the interface; doubles in between.
+const FIRST_PAUSE: Duration = Duration::from_millis(50);
+const LONGEST_PAUSE: Duration = Duration::from_secs(1);
+
+/// What is wanted of an interface.
+#[derive(Clone, Debug)]
+pub struct SocketCanConfig {
+    /// Its name. It need not exist yet.
+    pub interface: InterfaceName,
+    /// Identifiers to receive, filtered by the kernel; `None`: all. Remote requests with these
+    /// identifiers come too, and error frames always.
+    pub ids: Option<Vec<CanId>>,
+    /// May FD frames be sent? They are received in any case.
+    pub fd: bool,
+    /// Receive buffer in bytes; `None`: the system's default (about 200 KiB, some 270 frames).
+    pub receive_buffer: Option<usize>,
+}
+
+impl SocketCanConfig {
+    /// All identifiers, no FD, and a buffer for about a second of a full bus.
+    pub fn new(interface: InterfaceName) -> Self {
+        Self { interface, ids: None, fd: false, receive_buffer: Some(4 << 20) }
+    }
+}
+
+/// An interface that is received from and sent to, through one socket.
+///
+/// One socket for both is what keeps own frames from coming back: the kernel shows a sent frame to
+/// every socket on the interface (so candump sees it) except the one it was sent from. A second socket
+/// of this process on the same interface would see it.
+#[derive(Debug)]
+pub struct SocketCan {
+    config: SocketCanConfig,
+    /// `None` while the interface is gone.
+    socket: Option<AsyncFd<RawSocket>>,
+    buffers: Buffers,
+    /// State of the interface as far as we know, and as far as the caller knows.
+    link: Link,
+    told: Option<Link>,
+    /// A frame that came together with other news, to be delivered after it.
+    held: Option<Frame>,
+    /// Drop counter of the socket at the last message.
+    drops: u32,
+    pause: Duration,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Link {
+    Up,
+    Down,
+    Gone,
+}
+
+impl SocketCan {
+    /// Opens an interface, or begins to wait for one that is not there.
+    ///
+    /// Must be called within a tokio runtime that has I/O and time enabled.
+    ///
+    /// # Errors
+    /// If the kernel has no CAN, the interface is of another kind, or the kernel refuses.
+    pub fn open(config: SocketCanConfig) -> Result<Self, OpenError> {
+        RawSocket::check_support(config.interface)?;
+        let mut bus = Self {
+            config,
+            socket: None,
+            buffers: Buffers::new(),
+            link: Link::Gone,
+            told: None,
+            held: None,
+            drops: 0,
+            pause: FIRST_PAUSE,
+        };
+        bus.connect()?;
+        Ok(bus)
+    }
+
+    /// The interface's name.
+    pub fn interface(&self) -> InterfaceName {
+        self.config.interface
+    }
+
+    /// Bytes the kernel really gives to the receive queue (it counts its own overhead, and doubles what
+    /// was asked for); `None` while the interface is gone.
+    pub fn receive_buffer(&self) -> Option<usize> {
+        self.socket.as_ref().and_then(|socket| socket.get_ref().receive_buffer())
+    }
+
+    /// As [`Bus::recv`](super::Bus::recv): cancel-safe, never fails, allocates nothing while all is well.
+    pub async fn recv(&mut self) -> Event {
+        loop {
+            if self.told != Some(self.link) {
+                self.told = Some(self.link);
+                return match self.link {
+                    Link::Up => Event::Up,
+                    Link::Down => Event::Down,
+                    Link::Gone => Event::Gone,
+                };
+            }
+            if let Some(frame) = self.held.take() {
+                return event_of(frame);
+            }
+            let Some(socket) = &self.socket else {
+                self.wait_for_interface().await;
+                continue;
+            };
+            let received = match self.link {
+                Link::Up => receive(socket, &mut self.buffers).await,
+                Link::Down | Link::Gone => tokio::select! {
+                    received = receive(socket, &mut self.buffers) => received,
+                    () = sleep(LOOK_WHILE_DOWN) => {
+                        self.look_again();
+                        continue;
+                    }
+                },
+            };
+            match received {
+                Ok(received) => {
+                    // Whatever arrives proves that the link works.
+                    self.link = Link::Up;
+                    if let Some(event) = self.accept(received) {
+                        return event;
+                    }
+                }
+                Err(errno) => self.lost(errno),
+            }
+        }
+    }
+
+    /// As [`Bus::try_send`](super::Bus::try_send).
+    ///
+    /// # Errors
+    /// If the kernel did not take the frame.
+    pub fn try_send(&mut self, frame: &Frame) -> Result<(), SendError> {
+        match frame.kind {
+            FrameKind::Error => return Err(SendError::ErrorFrame),
+            FrameKind::Fd { .. } if !self.config.fd => return Err(SendError::NoFd),
+            _ => {}
+        }
+        let Some(socket) = &self.socket else { return Err(SendError::Gone) };
+        socket.get_ref().send(frame).map_err(|errno| match errno {
+            Errno::ENOBUFS | Errno::EAGAIN | Errno::ENOMEM | Errno::EINTR => SendError::Busy,
+            Errno::ENETDOWN => {
+                self.lost(errno);
+                SendError::Down
+            }
+            Errno::ENXIO | Errno::ENODEV => {
+                self.lost(errno);
+                SendError::Gone
+            }
+            // What the kernel says to a frame that is longer than the interface's MTU.
+            Errno::EINVAL | Errno::EMSGSIZE if frame.is_fd() => SendError::NoFd,
+            errno => SendError::Refused(errno),
+        })
+    }
+
+    /// News, if any, of one message from the kernel: losses first, for they came before the frame.
+    fn accept(&mut self, received: Received) -> Option<Event> {
+        // The counter stands in every message after the first loss, and wraps.
+        let lost = received.drops.map_or(0, |drops| {
+            let lost = drops.wrapping_sub(self.drops);
+            self.drops = drops;
+            lost
+        });
+        if self.told == Some(Link::Up) && lost == 0 {
+            return received.frame.map(event_of);
+        }
+        self.held = received.frame;
+        (lost > 0).then_some(Event::Dropped(lost))
+    }
+
+    /// The interface reported an error.
+    fn lost(&mut self, errno: Errno) {
+        match errno {
+            Errno::ENETDOWN => self.link = Link::Down,
+            Errno::ENODEV | Errno::ENXIO => self.disconnect(),
+            _ => {
+                // Nothing the kernel documents. Start afresh, with the usual pauses.
+                tracing::warn!(interface = %self.config.interface, %errno, "CAN socket failed; reopening it");
+                self.disconnect();
+            }
+        }
+    }
+
+    fn disconnect(&mut self) {
+        self.socket = None;
+        self.link = Link::Gone;
+        self.drops = 0;
+        self.pause = FIRST_PAUSE;
+    }
+
+    /// The link was down: is it up, or even another interface of the same name?
+    fn look_again(&mut self) {
+        match self.config.interface.look_up() {
+            Some(state) if state.is_up => self.link = Link::Up,
+            Some(_) => {}
+            None => self.disconnect(),
+        }
+    }
+
+    /// One pause, then one look for an interface that is gone.
+    async fn wait_for_interface(&mut self) {
+        sleep(self.pause).await;
+        self.pause = (self.pause * 2).min(LONGEST_PAUSE);
+        if let Err(error) = self.connect() {
+            // Said at most once a second, and there is nothing else to do than to try again.
+            tracing::warn!(%error, "the CAN interface cannot be opened yet");
+        }
+    }
+
+    /// Opens the socket if the interface is there.
+    fn connect(&mut self) -> Result<(), OpenError> {
+        let interface = self.config.interface;
+        let Some(state) = interface.look_up().filter(|state| state.index != 0) else { return Ok(()) };
+        if !state.is_can {
+            return Err(OpenError::NotCan(interface));
+        }
+        let ids = self.config.ids.as_deref();
+        let raw = match RawSocket::open(interface, state.index, ids, self.config.receive_buffer) {
+            // Removed at this very moment.
+            Err(OpenError::Refused { source, .. }) if is_gone(&source) => return Ok(()),
+            result => result?,
+        };
+        let socket = watch(raw).map_err(|source| OpenError::Refused {
+            interface,
+            step: "watch the socket in this runtime",
+            source,
+        })?;
+        self.socket = Some(socket);
+        self.link = if state.is_up { Link::Up } else { Link::Down };
+        self.pause = FIRST_PAUSE;
+        Ok(())
+    }
+}
+
+/// Readability and errors: of a link that goes down or vanishes, only the error wakes us.
+#[allow(
+    deprecated,
+    reason = "its successor is an `unsafe fn`, because it cannot know that `as_raw_fd` always gives the same \
+              open descriptor; that of `RawSocket`, which owns its socket, does"
+)]
+fn watch(socket: RawSocket) -> io::Result<AsyncFd<RawSocket>> {
+    AsyncFd::with_interest(socket, Interest::READABLE | Interest::ERROR)
+}
+
+/// Waits for one message. Cancel-safe: between taking it and returning nothing is awaited.
+async fn receive(socket: &AsyncFd<RawSocket>, buffers: &mut Buffers) -> Result<Received, Errno> {
+    loop {
+        // A bus that is never silent must not starve the runtime's other tasks.
+        coop::consume_budget().await;
+        let Ok(mut ready) = socket.ready(Interest::READABLE | Interest::ERROR).await else {
+            // The runtime is shutting down.
+            return std::future::pending().await;
+        };
+        let result = ready.try_io(|socket| match socket.get_ref().receive(buffers) {
+            Err(Errno::EAGAIN) => Err(io::ErrorKind::WouldBlock.into()),
+            result => Ok(result),
+        });
+        match result {
+            Ok(Ok(Err(Errno::EINTR))) => {}
+            Ok(Ok(result)) => return result,
+            // Not ready after all; `try_io` has taken note of that.
+            Ok(Err(_)) | Err(_) => {}
+        }
+    }
+}
+
+fn event_of(frame: Frame) -> Event {
+    ErrorReport::from_frame(&frame).map_or(Event::Frame(frame), Event::Error)
+}
+
+fn is_gone(error: &io::Error) -> bool {
+    [Errno::ENODEV, Errno::ENXIO].iter().any(|errno| error.raw_os_error() == Some(*errno as i32))
+}

@@ -3,6 +3,8 @@
 //!
 //! The script `cantools_reference.py` writes what cantools makes of random payloads; here it is compared.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
@@ -120,7 +122,10 @@ fn compare_encoding(message: &Message, values: &Value, expected: &Value) {
 #[test]
 fn own_snippets_with_the_peculiarities_of_real_files() {
     let Some(compared) = compare(&support::data("peculiar.dbc"), &["--payloads", "1000"]) else { return };
-    assert!(compared.values > 15_000 && compared.absent > 1_000 && compared.encodings > 8_000, "{compared:?}");
+    assert!(
+        compared.values > 15_000 && compared.absent > 1_000 && compared.encodings > 8_000,
+        "{compared:?}"
+    );
 }
 
 #[test]

@@ -117,11 +117,12 @@ impl Validator {
     /// A float or multiplexing statement on a signal that is not there is probably meant for one that
     /// is, which would then be read wrongly.
     fn warn_of_strangers(&mut self, messages: &[RawMessage]) {
-        let signals: HashMap<CanId, HashSet<&str>> = messages
-            .iter()
-            .filter_map(|m| Some((can_id(m.raw_id)?, m.signals.iter().map(|s| s.signal.name.as_str()))))
-            .map(|(id, names)| (id, names.collect()))
-            .collect();
+        let mut signals: HashMap<CanId, HashSet<&str>> = HashMap::new();
+        for message in messages {
+            if let Some(id) = can_id(message.raw_id) {
+                signals.entry(id).or_default().extend(message.signals.iter().map(|s| s.signal.name.as_str()));
+            }
+        }
         let floats = self.source.floats.iter().map(|(key, (line, _))| ("SIG_VALTYPE_", *line, key));
         let rows = self.source.mux.iter();
         let rows = rows.flat_map(|(key, rows)| rows.iter().map(move |row| ("SG_MUL_VAL_", row.line, key)));

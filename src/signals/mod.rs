@@ -1,1 +1,4 @@
 //! From DBC signals to physical quantities and back.
+
+pub mod e2e;
+pub mod publish;

@@ -324,6 +324,20 @@ impl Vehicle {
                 return fail(u.value, "must be positive");
             }
         }
+        if self.magic_formula_shape.value > 2.0 {
+            return Err(VehicleError {
+                key: "magic_formula_shape",
+                value: self.magic_formula_shape.value,
+                reason: "must be at most 2: beyond it the force changes sign at large slip",
+            });
+        }
+        if self.magic_formula_curvature.value > 1.0 {
+            return Err(VehicleError {
+                key: "magic_formula_curvature",
+                value: self.magic_formula_curvature.value,
+                reason: "must be at most 1: beyond it the force changes sign at large slip",
+            });
+        }
         if self.b() <= 0.0 {
             return Err(VehicleError {
                 key: "cg_to_front_m",

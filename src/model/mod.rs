@@ -3,6 +3,7 @@
 pub mod body;
 pub mod integrate;
 pub mod plant;
+pub mod scenario;
 pub mod tire;
 mod vehicle;
 pub mod wheel;

@@ -173,10 +173,10 @@ impl Plant {
         braking: &[Braking; 4],
     ) -> State {
         let mut response = self.forces(state, controls, conditions);
-        for i in 0..4 {
+        for (i, braking) in braking.iter().enumerate() {
             let other = controls.drive_torque[i] - self.radius[i] * response.fx[i];
             response.rate.wheel_speed[i] =
-                braking[i].acceleration(other, controls.brake_torque[i], self.wheel_inertia);
+                braking.acceleration(other, controls.brake_torque[i], self.wheel_inertia);
         }
         response.rate
     }
@@ -207,8 +207,8 @@ impl Plant {
         let front = wheel::slip_angle(front_along, front_across);
         let rear = wheel::slip_angle(rear_along, rear_across);
         let mut response = Response { slip_angle: [front, front, rear, rear], ..Response::default() };
-        for i in 0..4 {
-            response.slip[i] = wheel::slip(self.radius[i] * state.wheel_speed[i], along[i]);
+        for (i, along) in along.into_iter().enumerate() {
+            response.slip[i] = wheel::slip(self.radius[i] * state.wheel_speed[i], along);
             response.slip_angle[i] += conditions.toe[i];
             let [x, y] = self.tire.combined(&conditions.contact[i], response.slip[i], response.slip_angle[i]);
             response.fx[i] = x * conditions.load[i];

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Piece, Problem, positive};
 
-/// `[driver]`: holds a speed with drive torque and brakes. Without it only the inputs act.
+/// `[driver]`: holds a speed with drive torque and brakes. Without it only the inputs act; while
+/// `brake_pressure` or `brake_torque` of the scenario brakes, the driver gives no gas.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DriverConfig {
@@ -101,16 +102,16 @@ pub struct AbsConfig {
 }
 
 fn default_release() -> f64 {
-    1.5
+    2.0
 }
 fn default_apply() -> f64 {
     1.0
 }
 fn default_release_rate() -> f64 {
-    20_000.0
+    10_000.0
 }
 fn default_apply_rate() -> f64 {
-    6_000.0
+    2_500.0
 }
 fn default_abs_speed() -> f64 {
     2.0

@@ -237,7 +237,7 @@ impl Scenario {
         if !(10..=10_000).contains(&self.step_us) {
             problems.push(Problem::new("step_us", self.step_us, "must be 10 to 10000"));
         } else if !(1..=10_000).contains(&self.truth_period_ms)
-            || (self.truth_period_ms * 1000) % self.step_us != 0
+            || !(self.truth_period_ms * 1000).is_multiple_of(self.step_us)
         {
             problems.push(Problem::new(
                 "truth_period_ms",

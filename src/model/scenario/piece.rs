@@ -87,8 +87,7 @@ fn never() -> f64 {
     f64::INFINITY
 }
 
-// serde hands over a reference.
-#[allow(clippy::trivially_copy_pass_by_ref)]
+// By reference, because serde asks so.
 fn is_never(time: &f64) -> bool {
     *time == f64::INFINITY
 }

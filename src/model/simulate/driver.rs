@@ -30,9 +30,15 @@ impl Driver {
         Self { config: config.clone(), speed, integral: 0.0, acceleration: 0.0 }
     }
 
-    /// The torques for the step of `h` seconds that begins at `t`.
-    pub(super) fn step(&mut self, t: f64, h: f64, vx: f64, plant: &Plant) -> Demand {
+    /// The torques for the step of `h` seconds that begins at `t`. Where the scenario itself presses
+    /// the brake pedal (`pedal`), the driver only lifts the other foot.
+    pub(super) fn step(&mut self, t: f64, h: f64, vx: f64, pedal: bool, plant: &Plant) -> Demand {
         let config = &self.config;
+        if pedal {
+            self.acceleration = 0.0;
+            self.integral = 0.0;
+            return Demand::default();
+        }
         let wanted = self.speed.at(t).max(0.0);
         let rate = (self.speed.at(t + h).max(0.0) - wanted) / h;
         let error = wanted - vx;
@@ -84,8 +90,8 @@ impl Abs {
         torque: &mut [f64; 4],
     ) -> bool {
         let vx = state.velocity.vx;
-        for i in 0..4 {
-            let demand = torque[i];
+        for (i, torque) in torque.iter_mut().enumerate() {
+            let demand = *torque;
             if demand <= 0.0 || vx.abs() < self.config.speed_min_mps {
                 self.limit[i] = f64::INFINITY;
                 continue;
@@ -103,7 +109,7 @@ impl Abs {
                     self.limit[i] = f64::INFINITY;
                 }
             }
-            torque[i] = demand.min(self.limit[i]);
+            *torque = demand.min(self.limit[i]);
         }
         let braking = torque.iter().any(|torque| *torque > 0.0) || self.limit.iter().any(|l| l.is_finite());
         if !braking || vx.abs() < self.config.speed_min_mps {

@@ -245,15 +245,15 @@ impl Simulation {
     fn command(&mut self, t: f64) -> Controls {
         let h = self.step_us as f64 * 1e-6;
         let vx = self.state.velocity.vx;
-        let demand =
-            self.driver.as_mut().map_or_else(Demand::default, |driver| driver.step(t, h, vx, &self.plant));
+        let per_bar = self.shares.brake_nm_per_bar;
+        let pressed = self.brake.at(t).max(0.0) + per_bar.unwrap_or(0.0) * self.pressure.at(t).max(0.0);
+        let demand = self
+            .driver
+            .as_mut()
+            .map_or_else(Demand::default, |driver| driver.step(t, h, vx, pressed > 0.0, &self.plant));
         let drive = demand.drive_nm + self.drive.at(t);
-        let mut brake = demand.brake_nm + self.brake.at(t).max(0.0);
-        self.pressure_bar = f64::NAN;
-        if let Some(per_bar) = self.shares.brake_nm_per_bar {
-            brake += per_bar * self.pressure.at(t).max(0.0);
-            self.pressure_bar = brake / per_bar;
-        }
+        let brake = demand.brake_nm + pressed;
+        self.pressure_bar = per_bar.map_or(f64::NAN, |per_bar| brake / per_bar);
         let mut brake_torque = self.shares.brake.map(|share| share * brake);
         if let Some(abs) = &mut self.abs {
             let now = (&self.state, &self.response);
@@ -342,7 +342,7 @@ impl Simulation {
         Truth {
             time: Micros::from_seconds(self.time.seconds() * self.clock_scale),
             speed: velocity.vx.hypot(velocity.vy).copysign(velocity.vx),
-            slope: std::array::from_fn(|i| contact[i].stiffness_x * load[i] / self.plant.nominal.load[i]),
+            slope: std::array::from_fn(|i| contact[i].stiffness_x * (load[i] / self.plant.nominal.load[i])),
             slip_offset: Wheel::ALL.map(offset),
             lateral_velocity: velocity.vy,
             sideslip: if velocity.vx == 0.0 { 0.0 } else { (velocity.vy / velocity.vx).atan() },

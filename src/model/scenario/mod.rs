@@ -198,12 +198,13 @@ impl Scenario {
         }
         let has_pressure = self.vehicle.brake_torque_per_bar_front_nm.is_some()
             && self.vehicle.brake_torque_per_bar_rear_nm.is_some();
-        if !self.brake_pressure.is_empty() && !has_pressure {
-            problems.push(Problem::new(
-                "brake_pressure",
-                "",
-                "needs vehicle.brake_torque_per_bar_front_nm and …_rear_nm; or use brake_torque",
-            ));
+        let used = [
+            ("brake_pressure", !self.brake_pressure.is_empty()),
+            ("sensors.brake_pressure", self.sensors.by_name.contains_key("brake_pressure")),
+        ];
+        for (key, _) in used.into_iter().filter(|(_, used)| *used && !has_pressure) {
+            let reason = "needs vehicle.brake_torque_per_bar_front_nm and …_rear_nm; or use brake_torque";
+            problems.push(Problem::new(key, "", reason));
         }
         if let Some(driver) = &self.driver {
             driver.validate(&mut problems);
@@ -227,8 +228,8 @@ impl Scenario {
     }
 
     fn validate_times(&self, problems: &mut Vec<Problem>) {
-        if !(self.duration_s > 0.0 && self.duration_s <= 1e6) {
-            problems.push(Problem::new("duration_s", self.duration_s, "must be positive, at most 1e6"));
+        if !(self.duration_s > 0.0 && self.duration_s <= 1e5) {
+            problems.push(Problem::new("duration_s", self.duration_s, "must be positive, at most 1e5"));
         }
         if !(-100.0..=100.0).contains(&self.initial_speed_mps) {
             let value = self.initial_speed_mps;

@@ -144,9 +144,9 @@ impl Piece {
                 window(*from_s, *to_s);
                 finite(problems, &format!("{key}.rms"), *rms);
                 positive(problems, &format!("{key}.correlation_time_s"), *correlation_time_s);
-                if *correlation_time_s > 0.0 && *correlation_time_s < 0.02 {
+                if *correlation_time_s > 0.0 && *correlation_time_s < 0.05 {
                     let key = format!("{key}.correlation_time_s");
-                    problems.push(Problem::new(key, correlation_time_s, "must be 0.02 or more"));
+                    problems.push(Problem::new(key, correlation_time_s, "must be 0.05 or more"));
                 }
             }
         }

@@ -20,7 +20,7 @@ impl Brush {
     pub fn combined(&self, contact: &Contact, slip: f64, slip_angle: f64) -> [f64; 2] {
         let x = contact.stiffness_x * slip;
         let y = contact.stiffness_y * slip_angle;
-        let psi = (x / contact.friction_x).hypot(y / contact.friction_y) / 3.0;
+        let psi = norm(x / contact.friction_x, y / contact.friction_y) / 3.0;
         if psi == 0.0 {
             return [0.0, 0.0];
         }
@@ -28,10 +28,17 @@ impl Brush {
             if psi < 1.0 { ((1.0 - psi) * (1.0 - psi), psi * psi * (3.0 - 2.0 * psi)) } else { (0.0, 1.0) };
         let (sin, cos) = slip_angle.sin_cos();
         let (along, across) = (slip * cos, sin);
-        let scale =
-            sliding / (along / contact.friction_x).hypot(across / contact.friction_y).max(f64::MIN_POSITIVE);
+        let length = norm(along / contact.friction_x, across / contact.friction_y);
+        // Slips too small to have a length in floating point do not slide either.
+        let scale = if length > 0.0 { sliding / length } else { 0.0 };
         [x * sticking + along * scale, y * sticking + across * scale]
     }
+}
+
+/// √(x² + y²); slips are far from where `hypot` would be needed, and it is slow.
+#[inline]
+fn norm(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
 }
 
 impl Curve for Brush {

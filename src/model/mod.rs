@@ -1,7 +1,22 @@
 //! The vehicle: its parameters, body, wheels and tires, and their simulation.
+//!
+//! ```text
+//! Scenario ─► Simulation ─► Truth, Readings          Plant: body + 4 wheels + tires, bare equations
+//!                 └─► integrate::advance(Plant, State, Controls, Conditions)
+//! ```
 
 mod bicycle;
+pub mod body;
+pub mod integrate;
+pub mod plant;
+pub mod scenario;
+pub mod simulate;
+pub mod tire;
 mod vehicle;
+pub mod wheel;
 
 pub use bicycle::Bicycle;
+pub use plant::{Conditions, Controls, Plant, Response, State};
+pub use scenario::{Scenario, ScenarioError};
+pub use simulate::{Reading, Simulation, Tick, Truth, TruthWriter};
 pub use vehicle::{DrivenAxle, GRAVITY, TireKind, Uncertain, Vehicle, VehicleError};

@@ -320,9 +320,23 @@ impl Vehicle {
             if u.value < 0.0 && !may_be_negative {
                 return fail(u.value, "must not be negative");
             }
-            if u.value == 0.0 && !may_be_zero && !may_be_negative {
-                return fail(u.value, "must be positive");
+            if u.value == 0.0 && !may_be_zero && key != "magic_formula_curvature" {
+                return fail(u.value, "must not be zero");
             }
+        }
+        if self.magic_formula_shape.value > 2.0 {
+            return Err(VehicleError {
+                key: "magic_formula_shape",
+                value: self.magic_formula_shape.value,
+                reason: "must be at most 2: beyond it the force changes sign at large slip",
+            });
+        }
+        if self.magic_formula_curvature.value > 1.0 {
+            return Err(VehicleError {
+                key: "magic_formula_curvature",
+                value: self.magic_formula_curvature.value,
+                reason: "must be at most 1: beyond it the force changes sign at large slip",
+            });
         }
         if self.b() <= 0.0 {
             return Err(VehicleError {
@@ -345,6 +359,13 @@ mod tests {
         assert!((vehicle.wheel_longitudinal_stiffness() - 2.08e5).abs() < 1e3);
         assert!((vehicle.wheel_cornering_stiffness(true) - 4.79e4).abs() < 1e2);
         assert_eq!(vehicle.validate(), Ok(()));
+    }
+
+    #[test]
+    fn a_torque_without_ratio_is_refused() {
+        let mut vehicle = Vehicle::thesis();
+        vehicle.drive_torque_ratio = Uncertain::known(0.0);
+        assert_eq!(vehicle.validate().map_err(|e| e.key), Err("drive_torque_ratio"));
     }
 
     #[test]

@@ -1,0 +1,191 @@
+//! The planar body: from forces at four wheels to accelerations (thesis 4.1–4.4; methods.md §1).
+
+use super::{GRAVITY, Vehicle};
+
+/// What the body's equations need of the vehicle, as bare numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// Mass, kg.
+    pub mass: f64,
+    /// Yaw inertia, kg m².
+    pub yaw_inertia: f64,
+    /// Centre of gravity to front axle, m.
+    pub a: f64,
+    /// Centre of gravity to rear axle, m.
+    pub b: f64,
+    /// Half of the front track, m.
+    pub half_track_front: f64,
+    /// Half of the rear track, m.
+    pub half_track_rear: f64,
+    /// Air drag, N/(m/s)².
+    pub drag: f64,
+    /// Rolling resistance, force / load. It acts on the body, so that the rolling radius is that of
+    /// a wheel without torque and a freely rolling wheel has no slip.
+    pub rolling_resistance: f64,
+}
+
+/// Motion in the road plane, in the body's axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Velocity {
+    /// Longitudinal, m/s.
+    pub vx: f64,
+    /// Lateral, m/s, to the left.
+    pub vy: f64,
+    /// Yaw rate, rad/s, to the left.
+    pub yaw_rate: f64,
+}
+
+/// The front wheels' steering angle with its sine and cosine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steer {
+    /// Sine.
+    pub sin: f64,
+    /// Cosine.
+    pub cos: f64,
+}
+
+impl Steer {
+    /// From the angle, rad, positive to the left.
+    #[inline]
+    pub fn new(angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self { sin, cos }
+    }
+}
+
+/// Forces on the body that are not the tires'.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct External {
+    /// Forward at the centre of gravity, N (grade, head wind).
+    pub fx: f64,
+    /// To the left at the centre of gravity, N (bank, cross wind).
+    pub fy: f64,
+    /// Yaw moment, N m.
+    pub moment: f64,
+}
+
+/// Accelerations of the body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Acceleration {
+    /// Change of the longitudinal velocity v̇x, m/s².
+    pub vx_rate: f64,
+    /// Change of the lateral velocity v̇y, m/s².
+    pub vy_rate: f64,
+    /// Yaw acceleration, rad/s².
+    pub yaw: f64,
+    /// Acceleration of the centre of gravity forward, v̇x − vy r, m/s².
+    pub ax: f64,
+    /// Acceleration of the centre of gravity to the left, v̇y + vx r, m/s².
+    pub ay: f64,
+}
+
+impl Body {
+    /// From the vehicle's parameters.
+    pub fn new(vehicle: &Vehicle) -> Self {
+        Self {
+            mass: vehicle.mass(),
+            yaw_inertia: vehicle.yaw_inertia(),
+            a: vehicle.a(),
+            b: vehicle.b(),
+            half_track_front: 0.5 * vehicle.track_front_m.value,
+            half_track_rear: 0.5 * vehicle.track_rear_m.value,
+            drag: vehicle.drag_coefficient_kg_per_m.value,
+            rolling_resistance: vehicle.rolling_resistance.value,
+        }
+    }
+
+    /// Air drag and rolling resistance, N, against the motion; both vanish smoothly at standstill.
+    #[inline]
+    pub fn resistance(&self, vx: f64) -> f64 {
+        let rolling = self.rolling_resistance * self.mass * GRAVITY;
+        self.drag * vx * vx.abs() + rolling * vx / super::wheel::reference_speed(vx)
+    }
+
+    /// Accelerations (methods.md §1) under the tire forces `fx` and `fy`, N, along and across each
+    /// wheel in the order FL, FR, RL, RR.
+    #[inline]
+    pub fn accelerate(
+        &self,
+        velocity: &Velocity,
+        steer: Steer,
+        fx: &[f64; 4],
+        fy: &[f64; 4],
+        external: &External,
+    ) -> Acceleration {
+        let (front_x, front_y) = (fx[0] + fx[1], fy[0] + fy[1]);
+        let front_along = front_x * steer.cos - front_y * steer.sin;
+        let front_across = front_x * steer.sin + front_y * steer.cos;
+        let rear_y = fy[2] + fy[3];
+        let ax = (front_along + fx[2] + fx[3] - self.resistance(velocity.vx) + external.fx) / self.mass;
+        let ay = (front_across + rear_y + external.fy) / self.mass;
+        let moment = self.a * front_across - self.b * rear_y
+            + self.half_track_front * ((fx[1] - fx[0]) * steer.cos + (fy[0] - fy[1]) * steer.sin)
+            + self.half_track_rear * (fx[3] - fx[2])
+            + external.moment;
+        Acceleration {
+            vx_rate: ax + velocity.vy * velocity.yaw_rate,
+            vy_rate: ay - velocity.vx * velocity.yaw_rate,
+            yaw: moment / self.yaw_inertia,
+            ax,
+            ay,
+        }
+    }
+
+    /// Velocity of the front axle's middle, along and across its steered wheels, m/s.
+    #[inline]
+    pub fn front_axle_velocity(&self, velocity: &Velocity, steer: Steer) -> [f64; 2] {
+        let across = velocity.vy + self.a * velocity.yaw_rate;
+        [velocity.vx * steer.cos + across * steer.sin, across * steer.cos - velocity.vx * steer.sin]
+    }
+
+    /// Velocity of the rear axle's middle, along and across the car, m/s.
+    #[inline]
+    pub fn rear_axle_velocity(&self, velocity: &Velocity) -> [f64; 2] {
+        [velocity.vx, velocity.vy - self.b * velocity.yaw_rate]
+    }
+
+    /// Velocity of each contact point along its wheel plane, m/s, tracks and yaw rate included.
+    #[inline]
+    pub fn contact_speeds(&self, velocity: &Velocity, steer: Steer) -> [f64; 4] {
+        let [front, _] = self.front_axle_velocity(velocity, steer);
+        let at_front = self.half_track_front * velocity.yaw_rate * steer.cos;
+        let at_rear = self.half_track_rear * velocity.yaw_rate;
+        [front - at_front, front + at_front, velocity.vx - at_rear, velocity.vx + at_rear]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn body() -> Body {
+        Body::new(&Vehicle::thesis())
+    }
+
+    #[test]
+    fn more_drive_on_the_right_turns_left() {
+        let right = [0.0, 1000.0, 0.0, 500.0];
+        let motion = Velocity { vx: 20.0, ..Velocity::default() };
+        let acceleration =
+            body().accelerate(&motion, Steer::new(0.0), &right, &[0.0; 4], &External::default());
+        assert!((acceleration.yaw - (0.75 * 1000.0 + 0.75 * 500.0) / 1700.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_outer_wheel_is_faster() {
+        let motion = Velocity { vx: 10.0, vy: 0.0, yaw_rate: 0.2 };
+        let [fl, fr, rl, rr] = body().contact_speeds(&motion, Steer::new(0.0));
+        assert!((fr - fl - 0.3).abs() < 1e-12 && (rr - rl - 0.3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn free_motion_keeps_its_velocity_over_ground() {
+        let motion = Velocity { vx: 3.0, vy: -2.0, yaw_rate: 0.5 };
+        let mut body = body();
+        body.drag = 0.0;
+        let a = body.accelerate(&motion, Steer::new(0.3), &[0.0; 4], &[0.0; 4], &External::default());
+        assert_eq!((a.ax, a.ay, a.yaw), (0.0, 0.0, 0.0));
+        // d|v|²/dt = 2 v·v̇ must vanish: the body's axes turn, the motion does not.
+        assert!((motion.vx * a.vx_rate + motion.vy * a.vy_rate).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,422 @@
+//! Drives a scenario: the truth at a fixed rate, and what the sensors say of it at their own times.
+//!
+//! ```
+//! use gripd::model::{Scenario, Simulation};
+//! # fn main() -> Result<(), gripd::model::ScenarioError> {
+//! let scenario = Scenario::parse(
+//!     r#"
+//!     duration_s = 1.0
+//!     initial_speed_mps = 20.0
+//!     [vehicle]
+//!     mass_kg = 1500.0
+//!     wheelbase_m = 2.7
+//!     cg_to_front_m = 1.2
+//!     wheel_radius_m = 0.31
+//!     steering_ratio = 15.0
+//!     driven_axle = "front"
+//!     [sensors.yaw_rate]
+//!     period_ms = 20.0
+//!     noise_std = 0.003
+//!     "#,
+//! )?;
+//! let mut simulation = Simulation::new(&scenario, scenario.seed)?;
+//! let mut readings = 0;
+//! while let Some(tick) = simulation.next_tick() {
+//!     assert!(tick.truth.speed > 19.0);
+//!     readings += tick.readings.len();
+//! }
+//! assert_eq!(readings, 51);
+//! # Ok(())
+//! # }
+//! ```
+
+mod driver;
+mod input;
+mod sensor;
+mod surface;
+mod tooth_wheel;
+mod truth;
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+pub use truth::{Truth, TruthWriter};
+
+use self::driver::{Abs, Demand, Driver};
+use self::input::Input;
+use self::sensor::{History, Pending, Sensor};
+use self::surface::Surface;
+use self::tooth_wheel::ToothWheel;
+use super::scenario::{Piece, Scenario, ScenarioError};
+use super::{Conditions, Controls, Plant, Response, State, integrate};
+use crate::{Micros, Quantity, Wheel};
+
+/// What a sensor says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// When it comes, by the stamping clock; seconds from the start.
+    pub time: Micros,
+    /// What it is of.
+    pub quantity: Quantity,
+    /// SI ([`Quantity::unit`]). Drive torque in the bus's unit: axle torque /
+    /// `vehicle.drive_torque_ratio`.
+    pub value: f64,
+}
+
+/// One row of truth, and all readings since the last one.
+#[derive(Clone, Copy, Debug)]
+pub struct Tick<'a> {
+    /// The plant now.
+    pub truth: &'a Truth,
+    /// Readings that came after the last tick and up to this one, in order of time, at the same
+    /// time in the order of [`Quantity::ALL`].
+    pub readings: &'a [Reading],
+}
+
+/// How torques reach the wheels: a share of the total for each wheel.
+#[derive(Clone, Copy, Debug)]
+struct Shares {
+    drive: [f64; 4],
+    brake: [f64; 4],
+    /// Brake torque of all wheels per bar, N m; none without the vehicle's figures.
+    brake_nm_per_bar: Option<f64>,
+}
+
+/// A drive in progress. Deterministic: scenario and seed decide every bit.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    plant: Plant,
+    shares: Shares,
+    steering_ratio: f64,
+    drive_torque_ratio: f64,
+    steering: Input,
+    drive: Input,
+    brake: Input,
+    pressure: Input,
+    driver: Option<Driver>,
+    abs: Option<Abs>,
+    surface: Surface,
+    sensors: Vec<Sensor>,
+    clock_scale: f64,
+
+    step_us: i64,
+    steps_per_tick: u32,
+    last: Micros,
+    started: bool,
+    time: Micros,
+    state: State,
+    controls: Controls,
+    conditions: Conditions,
+    response: Response,
+    pose: [f64; 3],
+    /// Brake pressure asked for, bar.
+    pressure_bar: f64,
+    abs_active: bool,
+
+    history: History,
+    pending: Vec<Pending>,
+    readings: Vec<Reading>,
+    truth: Truth,
+}
+
+/// Places in the seed's space, so that a change of one random thing leaves the others as they were.
+#[derive(Clone, Copy)]
+enum Stream {
+    Steering = 1,
+    Drive,
+    Brake,
+    Pressure,
+    Speed,
+    Noise,
+    Teeth,
+    Jitter,
+}
+
+fn random(seed: u64, stream: Stream, index: u64) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(((stream as u64) << 40) | (index & 0xFF_FFFF_FFFF));
+    rng
+}
+
+impl Simulation {
+    /// Prepares a drive; nothing has moved yet.
+    ///
+    /// # Errors
+    /// The scenario's values that cannot be ([`Scenario::validate`]).
+    pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, ScenarioError> {
+        scenario.validate()?;
+        let vehicle = &scenario.vehicle;
+        let mut plant = Plant::new(vehicle);
+        for (radius, difference) in plant.radius.iter_mut().zip(scenario.radius_difference.to_array()) {
+            *radius *= 1.0 + difference;
+        }
+        let input = |pieces: &[Piece], stream: Stream| {
+            Input::new(pieces, scenario.duration_s, |piece| random(seed, stream, piece as u64))
+        };
+        let driver = scenario
+            .driver
+            .as_ref()
+            .map(|config| Driver::new(config, input(&config.speed_mps, Stream::Speed)));
+        let state = State::rolling(&plant, scenario.initial_speed_mps);
+        let step_us = i64::from(scenario.step_us);
+        let step_s = step_us as f64 * 1e-6;
+        let sensors = sensors(scenario, seed, &state);
+        // Readings look back by their delay; interpolation and scheduling need a few rows more.
+        let look_back = scenario.sensors.by_name.values().map(|s| s.delay_ms).fold(0.0, f64::max) * 1e-3;
+        let mut simulation = Self {
+            shares: Shares::new(scenario, &plant),
+            steering_ratio: vehicle.steering_ratio.value,
+            drive_torque_ratio: vehicle.drive_torque_ratio.value,
+            steering: input(&scenario.steering_wheel_angle, Stream::Steering),
+            drive: input(&scenario.drive_torque, Stream::Drive),
+            brake: input(&scenario.brake_torque, Stream::Brake),
+            pressure: input(&scenario.brake_pressure, Stream::Pressure),
+            driver,
+            abs: scenario.abs.as_ref().map(Abs::new),
+            surface: Surface::new(&plant.nominal.contact, &scenario.road),
+            clock_scale: 1.0 + 1e-6 * scenario.clock.skew_ppm,
+            step_us,
+            steps_per_tick: scenario.truth_period_ms * 1000 / scenario.step_us,
+            last: Micros::from_seconds(scenario.duration_s),
+            started: false,
+            time: Micros(0),
+            state,
+            controls: Controls::default(),
+            conditions: plant.nominal,
+            response: Response::default(),
+            pose: [0.0; 3],
+            pressure_bar: 0.0,
+            abs_active: false,
+            history: History::new(step_s, look_back + 4.0 * step_s),
+            pending: Vec::with_capacity(64 + 16 * sensors.len()),
+            readings: Vec::with_capacity(64 + 16 * sensors.len()),
+            sensors,
+            truth: Truth::default(),
+            plant,
+        };
+        simulation.conditions.contact = simulation.surface.at(0.0);
+        simulation.controls = simulation.command(0.0);
+        simulation.observe();
+        Ok(simulation)
+    }
+
+    /// The plant that is driven, with its own wheel radii.
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// Goes on by one truth period; the first call returns the start itself. `None` at the end.
+    pub fn next_tick(&mut self) -> Option<Tick<'_>> {
+        if self.started {
+            let tick = i64::from(self.steps_per_tick) * self.step_us;
+            if self.time + Micros(tick) > self.last {
+                return None;
+            }
+            for _ in 0..self.steps_per_tick {
+                self.step();
+            }
+        }
+        self.started = true;
+        self.deliver();
+        self.truth = self.row();
+        Some(Tick { truth: &self.truth, readings: &self.readings })
+    }
+
+    /// One integration step.
+    fn step(&mut self) {
+        let h = self.step_us as f64 * 1e-6;
+        let next = self.time + Micros(self.step_us);
+        let t = next.seconds();
+        let controls = self.command(t);
+        let before = self.state;
+        self.state = integrate::advance(&self.plant, &before, &self.controls, &controls, &self.conditions, h);
+        self.controls = controls;
+        self.time = next;
+        self.follow(&before, h);
+        self.conditions.contact = self.surface.at(t);
+        let turned = std::array::from_fn(|i| 0.5 * h * (before.wheel_speed[i] + self.state.wheel_speed[i]));
+        for sensor in &mut self.sensors {
+            sensor.turn(t, h, &turned);
+        }
+        self.observe();
+    }
+
+    /// What driver, inputs and anti-lock brake command at `t`, from the state as it is known.
+    fn command(&mut self, t: f64) -> Controls {
+        let h = self.step_us as f64 * 1e-6;
+        let vx = self.state.velocity.vx;
+        let per_bar = self.shares.brake_nm_per_bar;
+        let pressed = self.brake.at(t).max(0.0) + per_bar.unwrap_or(0.0) * self.pressure.at(t).max(0.0);
+        let demand = self
+            .driver
+            .as_mut()
+            .map_or_else(Demand::default, |driver| driver.step(t, h, vx, pressed > 0.0, &self.plant));
+        let drive = demand.drive_nm + self.drive.at(t);
+        let brake = demand.brake_nm + pressed;
+        self.pressure_bar = per_bar.map_or(f64::NAN, |per_bar| brake / per_bar);
+        let mut brake_torque = self.shares.brake.map(|share| share * brake);
+        if let Some(abs) = &mut self.abs {
+            let now = (&self.state, &self.response);
+            self.abs_active = abs.step(t, h, now, &self.plant, &self.conditions, &mut brake_torque);
+        }
+        Controls {
+            steer: self.steering.at(t) / self.steering_ratio,
+            drive_torque: self.shares.drive.map(|share| share * drive),
+            brake_torque,
+        }
+    }
+
+    /// Heading and place, from the velocities at both ends of the step.
+    fn follow(&mut self, before: &State, h: f64) {
+        let [x, y, heading] = &mut self.pose;
+        let (from, to) = (before.velocity, self.state.velocity);
+        let turned = 0.5 * h * (from.yaw_rate + to.yaw_rate);
+        let (sin, cos) = (*heading + 0.5 * turned).sin_cos();
+        let (vx, vy) = (0.5 * (from.vx + to.vx), 0.5 * (from.vy + to.vy));
+        *x += h * (vx * cos - vy * sin);
+        *y += h * (vx * sin + vy * cos);
+        *heading += turned;
+    }
+
+    /// Evaluates the new state and lets the sensors look at it.
+    fn observe(&mut self) {
+        self.response = self.plant.respond(&self.state, &self.controls, &self.conditions);
+        let [fl, fr, rl, rr] = self.state.wheel_speed;
+        let brake: f64 = self.controls.brake_torque.iter().sum();
+        let row = [
+            fl,
+            fr,
+            rl,
+            rr,
+            self.state.velocity.yaw_rate,
+            self.response.acceleration.ay,
+            self.controls.steer * self.steering_ratio,
+            self.response.acceleration.ax,
+            self.controls.drive_torque.iter().sum::<f64>() / self.drive_torque_ratio,
+            brake,
+            self.pressure_bar,
+            self.state.velocity.vx,
+            f64::from(u8::from(self.brake_active(brake))),
+            f64::from(u8::from(self.abs_active)),
+        ];
+        self.history.push(row);
+        for sensor in &mut self.sensors {
+            sensor.take(self.time.seconds(), &self.history, &mut self.pending);
+        }
+    }
+
+    fn brake_active(&self, brake_nm: f64) -> bool {
+        self.abs_active || brake_nm > 0.0
+    }
+
+    /// Moves the readings that have come into `readings`.
+    fn deliver(&mut self) {
+        self.readings.clear();
+        let now = self.time;
+        self.readings.extend(self.pending.iter().filter(|p| p.due <= now).map(|p| p.reading));
+        self.pending.retain(|pending| pending.due > now);
+        self.readings.sort_unstable_by_key(|reading| (reading.time, reading.quantity));
+    }
+
+    /// The truth now.
+    fn row(&self) -> Truth {
+        let Self { state, response, conditions, controls, .. } = self;
+        let velocity = state.velocity;
+        let contact = &conditions.contact;
+        let load = &conditions.load;
+        let weighted = |wheels: &[usize], value: &dyn Fn(usize) -> f64| {
+            let total: f64 = wheels.iter().map(|i| load[*i]).sum();
+            wheels.iter().map(|i| load[*i] * value(*i)).sum::<f64>() / total
+        };
+        let friction = |i: usize| contact[i].friction_x;
+        let cornering = |i: usize| contact[i].stiffness_y;
+        let used = |i: usize| response.fx[i].hypot(response.fy[i]) / load[i];
+        let brake: f64 = controls.brake_torque.iter().sum();
+        let offset = |wheel: Wheel| {
+            let (own, other) = (wheel as usize, wheel.same_side() as usize);
+            if self.shares.drive[own] == 0.0 {
+                return f64::NAN;
+            }
+            self.plant.radius[other] / self.plant.radius[own] - 1.0
+        };
+        Truth {
+            time: Micros::from_seconds(self.time.seconds() * self.clock_scale),
+            speed: velocity.vx.hypot(velocity.vy).copysign(velocity.vx),
+            slope: std::array::from_fn(|i| contact[i].stiffness_x * (load[i] / self.plant.nominal.load[i])),
+            slip_offset: Wheel::ALL.map(offset),
+            lateral_velocity: velocity.vy,
+            sideslip: if velocity.vx == 0.0 { 0.0 } else { (velocity.vy / velocity.vx).atan() },
+            slip_angle_front: 0.5 * (response.slip_angle[0] + response.slip_angle[1]),
+            slip_angle_rear: 0.5 * (response.slip_angle[2] + response.slip_angle[3]),
+            cornering_front: weighted(&[0, 1], &cornering),
+            cornering_rear: weighted(&[2, 3], &cornering),
+            mu_max: weighted(&[0, 1, 2, 3], &friction),
+            mu_used: (0..4).map(used).fold(0.0, f64::max),
+            mu_max_left: weighted(&[0, 2], &friction),
+            mu_max_right: weighted(&[1, 3], &friction),
+            friction: std::array::from_fn(friction),
+            longitudinal_velocity: velocity.vx,
+            yaw_rate: velocity.yaw_rate,
+            longitudinal_acceleration: response.acceleration.ax,
+            lateral_acceleration: response.acceleration.ay,
+            x: self.pose[0],
+            y: self.pose[1],
+            heading: self.pose[2],
+            steering_wheel_angle: controls.steer * self.steering_ratio,
+            steer: controls.steer,
+            drive_torque: controls.drive_torque.iter().sum(),
+            brake_torque: brake,
+            brake_pressure: self.pressure_bar,
+            brake_active: f64::from(u8::from(self.brake_active(brake))),
+            abs_active: f64::from(u8::from(self.abs_active)),
+            wheel_speed: state.wheel_speed,
+            slip: response.slip,
+            fx: response.fx,
+            fy: response.fy,
+            fz: *load,
+        }
+    }
+}
+
+impl Shares {
+    fn new(scenario: &Scenario, plant: &Plant) -> Self {
+        let vehicle = &scenario.vehicle;
+        let driven = Wheel::ALL.map(|wheel| f64::from(u8::from(vehicle.driven_axle.drives(wheel))));
+        let count: f64 = driven.iter().sum();
+        let per_bar = vehicle.brake_torque_per_bar_front_nm.zip(vehicle.brake_torque_per_bar_rear_nm);
+        let brake = per_bar.map_or(plant.nominal.load, |(front, rear)| {
+            Wheel::ALL.map(|wheel| if wheel.is_front() { front.value } else { rear.value })
+        });
+        let total: f64 = brake.iter().sum();
+        Self {
+            drive: driven.map(|driven| driven / count),
+            brake: brake.map(|brake| brake / total),
+            brake_nm_per_bar: per_bar.map(|_| total),
+        }
+    }
+}
+
+/// The sensors of a scenario. Tooth wheels have been turning at the first speed for a while.
+fn sensors(scenario: &Scenario, seed: u64, state: &State) -> Vec<Sensor> {
+    let sensor = |quantity: Quantity| {
+        let config = scenario.sensors.get(quantity)?;
+        let tooth_wheel = quantity.wheel().zip(config.tooth_wheel.as_ref()).map(|(wheel, config)| {
+            let index = wheel as usize;
+            let mut tooth_wheel = ToothWheel::new(config, &mut random(seed, Stream::Teeth, index as u64));
+            for ms in -1000..0 {
+                tooth_wheel.turn(f64::from(ms + 1) * 1e-3, 1e-3, 1e-3 * state.wheel_speed[index]);
+            }
+            tooth_wheel
+        });
+        let travels_with = (config.period_ms * 1000.0) as u64 * 1_000_003 + (config.phase_ms * 1000.0) as u64;
+        Some(Sensor::new(
+            quantity,
+            config,
+            scenario.clock,
+            tooth_wheel,
+            random(seed, Stream::Noise, quantity as u64),
+            random(seed, Stream::Jitter, travels_with),
+        ))
+    };
+    Quantity::ALL.into_iter().filter_map(sensor).collect()
+}

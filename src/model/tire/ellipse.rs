@@ -1,0 +1,38 @@
+//! The friction ellipse (thesis 4.15).
+
+use super::{Contact, Curve};
+
+/// Scales a pair of forces / normal load back onto the ellipse (x/μ_x)² + (y/μ_y)² = 1 if it lies
+/// outside; its direction stays.
+#[inline]
+pub fn scaled_back(contact: &Contact, [x, y]: [f64; 2]) -> [f64; 2] {
+    let (ex, ey) = (x / contact.friction_x, y / contact.friction_y);
+    let used = ex * ex + ey * ey;
+    if used <= 1.0 {
+        return [x, y];
+    }
+    let scale = 1.0 / used.sqrt();
+    [x * scale, y * scale]
+}
+
+/// Both forces of a curve as if each slip were alone, scaled back together.
+#[inline]
+pub(super) fn pair(curve: &impl Curve, contact: &Contact, slip: f64, slip_angle: f64) -> [f64; 2] {
+    let x = curve.force(contact.stiffness_x, contact.friction_x, slip);
+    let y = curve.force(contact.stiffness_y, contact.friction_y, slip_angle);
+    scaled_back(contact, [x, y])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inside_untouched_outside_onto_it() {
+        let contact = Contact { stiffness_x: 50.0, stiffness_y: 12.0, friction_x: 1.0, friction_y: 0.5 };
+        assert_eq!(scaled_back(&contact, [0.6, 0.2]), [0.6, 0.2]);
+        let [x, y] = scaled_back(&contact, [1.0, 0.5]);
+        assert!((x * x + 4.0 * y * y - 1.0).abs() < 1e-12);
+        assert!((y / x - 0.5).abs() < 1e-12);
+    }
+}

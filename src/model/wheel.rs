@@ -1,0 +1,104 @@
+//! One wheel: slip, slip angle, rotation (thesis 4.5, 4.7, 4.9; methods.md §2).
+
+/// Below this speed of the contact point slip and slip angle are related to it instead of to the
+/// true speed, m/s: the tire becomes a viscous damper, forces stay bounded and vanish with motion.
+pub const LOW_SPEED_MPS: f64 = 0.5;
+
+/// The speed that slip is relative to, m/s.
+#[inline]
+pub fn reference_speed(along: f64) -> f64 {
+    along.abs().max(LOW_SPEED_MPS)
+}
+
+/// SAE slip (r ω − v)/|v| of a wheel whose contact point moves with `along` in the wheel plane.
+///
+/// Positive when the force points forward, in reverse, too.
+#[inline]
+pub fn slip(rolling: f64, along: f64) -> f64 {
+    (rolling - along) / reference_speed(along)
+}
+
+/// Slip angle, rad, of a wheel whose contact point moves with `along` in and `across` to the wheel
+/// plane (to the left). Positive when it gives a force to the left: for a car going forward
+/// δ − atan((v_y + a r)/v_x), the negative of the ISO 8855 slip angle.
+#[inline]
+pub fn slip_angle(along: f64, across: f64) -> f64 {
+    -(across / reference_speed(along)).atan()
+}
+
+/// Which way a wheel's brake acts during one integration step.
+///
+/// Chosen at the step's start and kept through it, so that the step sees smooth equations; a wheel
+/// that would be turned backwards by its brake is stopped at the step's end instead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Braking {
+    /// Against the rotation of this sign (+1 or −1).
+    Against(f64),
+    /// The brake holds the wheel still.
+    Held,
+}
+
+impl Braking {
+    /// The state of a brake of torque `brake_nm` on a wheel that turns with `speed`, rad/s, under
+    /// all other torques `other_nm`.
+    #[inline]
+    pub fn of(speed: f64, brake_nm: f64, other_nm: f64) -> Self {
+        if speed != 0.0 {
+            Self::Against(speed.signum())
+        } else if brake_nm > 0.0 && other_nm.abs() <= brake_nm {
+            Self::Held
+        } else {
+            Self::Against(other_nm.signum())
+        }
+    }
+
+    /// Angular acceleration, rad/s²: J ω̇ = τ − r F_x − brake.
+    #[inline]
+    pub fn acceleration(self, other_nm: f64, brake_nm: f64, inertia: f64) -> f64 {
+        match self {
+            Self::Against(sign) => (other_nm - sign * brake_nm) / inertia,
+            Self::Held => 0.0,
+        }
+    }
+
+    /// The wheel's speed at the end of a step: zero, if the brake has stopped it within the step.
+    #[inline]
+    pub fn stopped(self, speed: f64, brake_nm: f64) -> f64 {
+        match self {
+            Self::Against(sign) if brake_nm > 0.0 && speed * sign < 0.0 => 0.0,
+            Self::Against(_) => speed,
+            Self::Held => 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slip_is_sae_and_bounded_at_standstill() {
+        assert!((slip(10.5, 10.0) - 0.05).abs() < 1e-12);
+        assert_eq!(slip(0.0, 10.0), -1.0);
+        assert!(slip(-10.5, -10.0) < 0.0, "spinning faster in reverse drives backwards");
+        assert_eq!(slip(0.0, 0.0), 0.0);
+        assert_eq!(slip(0.1, 0.0), 0.1 / LOW_SPEED_MPS);
+    }
+
+    #[test]
+    fn slip_angle_opposes_the_sideways_motion() {
+        assert!((slip_angle(10.0, -1.0) - 0.1f64.atan()).abs() < 1e-12);
+        assert!(slip_angle(-10.0, -1.0) > 0.0);
+        assert_eq!(slip_angle(0.0, 0.0), 0.0);
+    }
+
+    #[test]
+    fn a_brake_holds_up_to_its_torque_and_never_pushes() {
+        assert_eq!(Braking::of(0.0, 100.0, 99.0), Braking::Held);
+        assert_eq!(Braking::of(0.0, 100.0, -101.0), Braking::Against(-1.0));
+        let forward = Braking::of(0.1, 100.0, 0.0);
+        assert_eq!(forward.acceleration(0.0, 100.0, 2.0), -50.0);
+        assert_eq!(forward.stopped(-0.4, 100.0), 0.0);
+        assert_eq!(forward.stopped(-0.4, 0.0), -0.4, "without a brake a wheel may turn backwards");
+    }
+}

@@ -308,16 +308,16 @@ fn hex_bytes(text: &[u8], bytes: &mut [u8; 64]) -> Option<usize> {
     (seen != NO_DIGIT).then_some(text.len() / 2)
 }
 
-/// Pairs of digits with an optional `.` between pairs.
+/// Pairs of digits, any of them with a `.` before it.
 #[cold]
 fn spaced_hex_bytes(text: &[u8], bytes: &mut [u8; 64]) -> Result<usize, Damage> {
     let mut length = 0;
     let mut rest = text;
-    while let [high, low, after @ ..] = rest {
+    while let [high, low, after @ ..] = rest.strip_prefix(b".").unwrap_or(rest) {
         let value = hex_number(&[*high, *low]).ok_or(Damage::BadData)?;
         *bytes.get_mut(length).ok_or(Damage::TooLong)? = value as u8;
         length += 1;
-        rest = after.strip_prefix(b".").unwrap_or(after);
+        rest = after;
     }
     if rest.is_empty() { Ok(length) } else { Err(Damage::BadData) }
 }

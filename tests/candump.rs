@@ -1,5 +1,12 @@
 //! Reading and writing candump logs: the whole grammar, damaged and endless input, packing.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "helpers of tests may fail loudly"
+)]
+
 use std::fs;
 use std::io::{self, Cursor, Read, Write};
 use std::os::unix::fs::FileTypeExt;

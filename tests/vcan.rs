@@ -3,6 +3,13 @@
 //! Each test makes an interface of its own. Where that is not allowed they say so and pass;
 //! `tests/vcan/run.sh` is cargo's runner for a place where it is.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "helpers of tests may fail loudly"
+)]
+
 use std::future::Future;
 use std::io::{BufRead, BufReader};
 use std::pin::pin;
@@ -397,7 +404,9 @@ async fn a_larger_receive_buffer_is_one() {
 #[tokio::test]
 async fn a_full_queue_is_said_to_be_full() {
     let Some(interface) = Interface::new("gt_full") else { return };
-    must("tc", &format!("qdisc replace dev {} root tbf rate 8kbit burst 100 limit 300", interface.0));
+    if !run("tc", &format!("qdisc replace dev {} root tbf rate 8kbit burst 100 limit 300", interface.0)) {
+        return println!("skipped: no tc, or a kernel without its token bucket filter");
+    }
     let mut bus = interface.bus().await;
     let result = (0..1000).find_map(|_| bus.try_send(&data(standard(1), &[0; 8])).err());
     assert_eq!(result, Some(SendError::Busy));

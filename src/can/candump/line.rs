@@ -1,4 +1,4 @@
-//! One line of a candump log: bytes to frame and back.
+//! Takes one line of a candump log apart.
 //!
 //! Works on bytes, allocates nothing and looks at each byte about once: a recording is read at the
 //! speed of the disk.
@@ -6,7 +6,7 @@
 use thiserror::Error;
 
 use crate::Micros;
-use crate::can::wire::{ERROR, EXTENDED, REMOTE, fd_flags, fd_kind};
+use crate::can::wire::{ERROR, EXTENDED, REMOTE, fd_kind};
 use crate::can::{CanId, Frame, FrameError, FrameKind};
 
 /// What a line says.
@@ -90,7 +90,6 @@ const HEX: [u8; 256] = {
 };
 
 const NO_DIGIT: u8 = 0xFF;
-const UPPER: &[u8; 16] = b"0123456789ABCDEF";
 
 /// Takes one line (without its newline) apart.
 #[inline]
@@ -366,65 +365,4 @@ fn spaced_hex_bytes(text: &[u8], bytes: &mut [u8; 64]) -> Result<usize, Damage> 
         rest = after;
     }
     if rest.is_empty() { Ok(length) } else { Err(Damage::BadData) }
-}
-
-/// Appends a frame as `candump -L` would print it, with a newline.
-///
-/// Seconds are not padded to ten digits (candump pads, which shows before September 2001 only).
-pub fn write_line(text: &mut Vec<u8>, interface: &str, frame: &Frame) {
-    text.push(b'(');
-    write_stamp(text, frame.time);
-    text.extend_from_slice(b") ");
-    text.extend_from_slice(interface.as_bytes());
-    text.push(b' ');
-    let number = frame.id.number();
-    match frame.kind {
-        FrameKind::Error => write_hex(text, number | ERROR, 8),
-        _ if frame.id.is_extended() => write_hex(text, number, 8),
-        _ => write_hex(text, number, 3),
-    }
-    text.push(b'#');
-    if frame.kind == FrameKind::Remote {
-        text.push(b'R');
-        if frame.length() > 0 {
-            write_hex(text, frame.length() as u32, 1);
-        }
-    } else if let Some(flags) = fd_flags(frame.kind) {
-        text.push(b'#');
-        write_hex(text, u32::from(flags), 1);
-    }
-    for &byte in frame.data() {
-        write_hex(text, u32::from(byte), 2);
-    }
-    text.push(b'\n');
-}
-
-/// `digits` hexadecimal digits, upper case.
-#[inline]
-fn write_hex(text: &mut Vec<u8>, value: u32, digits: u32) {
-    for place in (0..digits).rev() {
-        text.push(UPPER[(value >> (4 * place) & 0xF) as usize]);
-    }
-}
-
-/// `seconds.micros`.
-fn write_stamp(text: &mut Vec<u8>, time: Micros) {
-    if time.0 < 0 {
-        text.push(b'-');
-    }
-    let micros = time.0.unsigned_abs();
-    let mut places = 6;
-    let mut scale = 1_000_000;
-    while micros / scale >= 10 {
-        scale *= 10;
-        places += 1;
-    }
-    while scale > 0 {
-        text.push(b'0' + (micros / scale % 10) as u8);
-        if places == 6 {
-            text.push(b'.');
-        }
-        places -= 1;
-        scale /= 10;
-    }
 }

@@ -103,17 +103,29 @@ impl Frame {
     /// # Errors
     /// If the kind cannot carry that many bytes.
     pub fn new(time: Micros, id: CanId, kind: FrameKind, data: &[u8]) -> Result<Self, FrameError> {
-        match kind {
-            FrameKind::Fd { .. } if !is_fd_length(data.len()) => {
-                return Err(FrameError::NotAnFdLength(data.len()));
-            }
-            FrameKind::Fd { .. } => {}
-            _ if data.len() > 8 => return Err(FrameError::TooLongForClassic(data.len())),
-            _ => {}
-        }
         let mut payload = [0; 64];
-        payload[..data.len()].copy_from_slice(data);
-        Ok(Self { time, id, kind, length: data.len() as u8, data: payload })
+        match payload.get_mut(..data.len()) {
+            Some(start) => start.copy_from_slice(data),
+            None => return Err(too_long(kind, data.len())),
+        }
+        Self::from_payload(time, id, kind, payload, data.len())
+    }
+
+    /// As [`Frame::new`], for data that are already in place: the first `length` bytes of `data`.
+    #[inline]
+    pub(super) fn from_payload(
+        time: Micros,
+        id: CanId,
+        kind: FrameKind,
+        data: Payload,
+        length: usize,
+    ) -> Result<Self, FrameError> {
+        let fits = if matches!(kind, FrameKind::Fd { .. }) { is_fd_length(length) } else { length <= 8 };
+        if fits {
+            Ok(Self { time, id, kind, length: length as u8, data })
+        } else {
+            Err(too_long(kind, length))
+        }
     }
 
     /// A classic data frame.
@@ -157,8 +169,16 @@ impl Frame {
     }
 }
 
+#[cold]
+fn too_long(kind: FrameKind, length: usize) -> FrameError {
+    match kind {
+        FrameKind::Fd { .. } => FrameError::NotAnFdLength(length),
+        _ => FrameError::TooLongForClassic(length),
+    }
+}
+
 /// Lengths that the FD length code can express.
-pub(crate) fn is_fd_length(length: usize) -> bool {
+fn is_fd_length(length: usize) -> bool {
     matches!(length, 0..=8 | 12 | 16 | 20 | 24 | 32 | 48 | 64)
 }
 

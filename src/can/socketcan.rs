@@ -212,12 +212,10 @@ impl SocketCan {
         self.pause = FIRST_PAUSE;
     }
 
-    /// The link was down: is it up, or even another interface of the same name?
+    /// The link was down: is it up? That it is gone, the socket itself would have told.
     fn look_again(&mut self) {
-        match self.config.interface.look_up() {
-            Some(state) if state.is_up => self.link = Link::Up,
-            Some(_) => {}
-            None => self.disconnect(),
+        if self.config.interface.look_up().is_some_and(|state| state.is_up) {
+            self.link = Link::Up;
         }
     }
 

@@ -48,6 +48,9 @@ const OTHERS: [(&[u8], &str); 8] = [
     (b"\xFF\xFE", "UTF-16 text"),
 ];
 
+/// What some editors put in front of a text; not part of its first line.
+const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
+
 /// The longest magic number there is.
 const MAGIC: usize = 6;
 
@@ -72,6 +75,9 @@ pub(super) fn unpack(mut source: Box<dyn Read + Send>) -> io::Result<(Box<dyn Re
     let mut head = Vec::with_capacity(MAGIC);
     source.by_ref().take(MAGIC as u64).read_to_end(&mut head)?;
     let content = recognize(&head);
+    if head.starts_with(BYTE_ORDER_MARK) {
+        head.drain(..BYTE_ORDER_MARK.len());
+    }
     let whole = Cursor::new(head).chain(source);
     Ok((
         match content {

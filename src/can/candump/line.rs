@@ -1,4 +1,4 @@
-//! One line of a candump log: bytes to frame and back.
+//! Takes one line of a candump log apart.
 //!
 //! Works on bytes, allocates nothing and looks at each byte about once: a recording is read at the
 //! speed of the disk.
@@ -6,9 +6,8 @@
 use thiserror::Error;
 
 use crate::Micros;
-use crate::can::frame::is_fd_length;
-use crate::can::wire::{ERROR, EXTENDED, REMOTE, fd_flags, fd_kind};
-use crate::can::{CanId, Frame, FrameKind};
+use crate::can::wire::{ERROR, EXTENDED, REMOTE, fd_kind};
+use crate::can::{CanId, Frame, FrameError, FrameKind};
 
 /// What a line says.
 #[derive(Debug, PartialEq)]
@@ -91,7 +90,6 @@ const HEX: [u8; 256] = {
 };
 
 const NO_DIGIT: u8 = 0xFF;
-const UPPER: &[u8; 16] = b"0123456789ABCDEF";
 
 /// Takes one line (without its newline) apart.
 #[inline]
@@ -104,14 +102,31 @@ pub(super) fn parse(line: &[u8]) -> Result<Line<'_>, Damage> {
     }
     let (time, rest) = parse_stamp(&line[1..])?;
     let (interface, rest) = word(rest).ok_or(Damage::Incomplete)?;
-    let (text, rest) = word(rest).ok_or(Damage::Incomplete)?;
-    if !rest.is_empty() && !matches!(rest.trim_ascii_start(), b"T" | b"R") {
-        return Err(if text.contains(&b'#') { Damage::Trailing } else { Damage::NoFrame });
+    let text = match rest.trim_ascii_start() {
+        [] => return Err(Damage::Incomplete),
+        [text @ .., b' ' | b'\t', b'T' | b'R'] => text.trim_ascii_end(),
+        text => text,
+    };
+    match parse_frame(time, text) {
+        Ok(Some(frame)) => Ok(Line::Frame { interface, frame }),
+        Ok(None) => Ok(Line::Xl),
+        Err(damage) => Err(diagnose(text, damage)),
     }
-    Ok(match parse_frame(time, text)? {
-        Some(frame) => Line::Frame { interface, frame },
-        None => Line::Xl,
-    })
+}
+
+/// The frame was not understood: perhaps because something stands behind it.
+#[cold]
+fn diagnose(text: &[u8], damage: Damage) -> Damage {
+    match word(text) {
+        Some((first, rest)) if !rest.is_empty() => {
+            if first.contains(&b'#') {
+                Damage::Trailing
+            } else {
+                Damage::NoFrame
+            }
+        }
+        _ => damage,
+    }
 }
 
 /// A line without a stamp: `DROPCOUNT: dropped 3 CAN frames on 'can0' socket (total drops 5)`.
@@ -140,7 +155,6 @@ fn is_blank(byte: u8) -> bool {
 }
 
 /// Digits at the start as a number (at most 18 of them) and how many there are.
-#[inline]
 fn number(text: &[u8]) -> (i64, usize) {
     let mut value = 0;
     let mut count = 0;
@@ -155,9 +169,38 @@ fn number(text: &[u8]) -> (i64, usize) {
     (value, count)
 }
 
+/// Eight decimal digits at once: neighbours become pairs, pairs fours, fours the number.
+#[inline]
+fn eight_digits(text: [u8; 8]) -> Option<i64> {
+    let digits = u64::from_le_bytes(text) ^ 0x3030_3030_3030_3030;
+    // A byte above 9 shows in its upper half, now or after adding 6.
+    if (digits | digits.wrapping_add(0x0606_0606_0606_0606)) & 0xF0F0_F0F0_F0F0_F0F0 != 0 {
+        return None;
+    }
+    let pairs = (digits * 10 + (digits >> 8)) & 0x00FF_00FF_00FF_00FF;
+    let fours = (pairs * 100 + (pairs >> 16)) & 0x0000_FFFF_0000_FFFF;
+    Some((fours as u32 as i64) * 10_000 + (fours >> 32) as i64)
+}
+
+/// The stamp of nearly every recording, `1760000000.000584)`: without its point it is a number of 16
+/// digits, and that is the time in microseconds.
+#[inline]
+fn usual_stamp(text: &[u8]) -> Option<(Micros, &[u8])> {
+    let (stamp, rest) = text.split_first_chunk::<18>()?;
+    let [a, b, c, d, e, f, g, h, i, j, b'.', k, l, m, n, o, p, b')'] = *stamp else { return None };
+    let high = eight_digits([a, b, c, d, e, f, g, h])?;
+    let low = eight_digits([i, j, k, l, m, n, o, p])?;
+    Some((Micros(high * 100_000_000 + low), rest))
+}
+
 /// `seconds.fraction)`, cut to whole microseconds as candump itself does; what follows it.
 #[inline]
 fn parse_stamp(text: &[u8]) -> Result<(Micros, &[u8]), Damage> {
+    usual_stamp(text).map_or_else(|| any_stamp(text), Ok)
+}
+
+/// Seconds and fraction of any length.
+fn any_stamp(text: &[u8]) -> Result<(Micros, &[u8]), Damage> {
     let (negative, text) = match text {
         [b'-', rest @ ..] => (true, rest),
         _ => (false, text),
@@ -258,17 +301,19 @@ fn parse_remote(time: Micros, id: CanId, text: &[u8]) -> Result<Frame, Damage> {
 /// Data of a classic, FD or error frame.
 #[inline]
 fn parse_data(time: Micros, id: CanId, kind: FrameKind, text: &[u8]) -> Result<Frame, Damage> {
-    let is_fd = matches!(kind, FrameKind::Fd { .. });
     let mut bytes = [0; 64];
     let length = match hex_bytes(text, &mut bytes) {
         Some(length) => length,
         None => {
+            let is_fd = matches!(kind, FrameKind::Fd { .. });
             let text = if is_fd { text } else { without_raw_length_code(text) };
             spaced_hex_bytes(text, &mut bytes)?
         }
     };
-    Frame::new(time, id, kind, &bytes[..length])
-        .map_err(|_| if is_fd && !is_fd_length(length) { Damage::NotAnFdLength } else { Damage::TooLong })
+    Frame::from_payload(time, id, kind, bytes, length).map_err(|error| match error {
+        FrameError::NotAnFdLength(_) => Damage::NotAnFdLength,
+        FrameError::TooLongForClassic(_) => Damage::TooLong,
+    })
 }
 
 /// A classic frame of 8 bytes can carry a raw length code above 8: `…#1122334455667788_C`. It says
@@ -308,77 +353,16 @@ fn hex_bytes(text: &[u8], bytes: &mut [u8; 64]) -> Option<usize> {
     (seen != NO_DIGIT).then_some(text.len() / 2)
 }
 
-/// Pairs of digits with an optional `.` between pairs.
+/// Pairs of digits, any of them with a `.` before it.
 #[cold]
 fn spaced_hex_bytes(text: &[u8], bytes: &mut [u8; 64]) -> Result<usize, Damage> {
     let mut length = 0;
     let mut rest = text;
-    while let [high, low, after @ ..] = rest {
+    while let [high, low, after @ ..] = rest.strip_prefix(b".").unwrap_or(rest) {
         let value = hex_number(&[*high, *low]).ok_or(Damage::BadData)?;
         *bytes.get_mut(length).ok_or(Damage::TooLong)? = value as u8;
         length += 1;
-        rest = after.strip_prefix(b".").unwrap_or(after);
+        rest = after;
     }
     if rest.is_empty() { Ok(length) } else { Err(Damage::BadData) }
-}
-
-/// Appends a frame as `candump -L` would print it, with a newline.
-///
-/// Seconds are not padded to ten digits (candump pads, which shows before September 2001 only).
-pub fn write_line(text: &mut Vec<u8>, interface: &str, frame: &Frame) {
-    text.push(b'(');
-    write_stamp(text, frame.time);
-    text.extend_from_slice(b") ");
-    text.extend_from_slice(interface.as_bytes());
-    text.push(b' ');
-    let number = frame.id.number();
-    match frame.kind {
-        FrameKind::Error => write_hex(text, number | ERROR, 8),
-        _ if frame.id.is_extended() => write_hex(text, number, 8),
-        _ => write_hex(text, number, 3),
-    }
-    text.push(b'#');
-    if frame.kind == FrameKind::Remote {
-        text.push(b'R');
-        if frame.length() > 0 {
-            write_hex(text, frame.length() as u32, 1);
-        }
-    } else if let Some(flags) = fd_flags(frame.kind) {
-        text.push(b'#');
-        write_hex(text, u32::from(flags), 1);
-    }
-    for &byte in frame.data() {
-        write_hex(text, u32::from(byte), 2);
-    }
-    text.push(b'\n');
-}
-
-/// `digits` hexadecimal digits, upper case.
-#[inline]
-fn write_hex(text: &mut Vec<u8>, value: u32, digits: u32) {
-    for place in (0..digits).rev() {
-        text.push(UPPER[(value >> (4 * place) & 0xF) as usize]);
-    }
-}
-
-/// `seconds.micros`.
-fn write_stamp(text: &mut Vec<u8>, time: Micros) {
-    if time.0 < 0 {
-        text.push(b'-');
-    }
-    let micros = time.0.unsigned_abs();
-    let mut places = 6;
-    let mut scale = 1_000_000;
-    while micros / scale >= 10 {
-        scale *= 10;
-        places += 1;
-    }
-    while scale > 0 {
-        text.push(b'0' + (micros / scale % 10) as u8);
-        if places == 6 {
-            text.push(b'.');
-        }
-        places -= 1;
-        scale /= 10;
-    }
 }

@@ -19,10 +19,10 @@ use std::io;
 use thiserror::Error;
 
 pub use compression::Compression;
-pub use line::{Damage, write_line};
+pub use line::Damage;
 pub use reader::Reader;
 pub use stats::{LogStats, SkippedLine};
-pub use writer::Writer;
+pub use writer::{Writer, write_line};
 
 /// A recording that cannot be read or written (any further).
 #[derive(Debug, Error)]

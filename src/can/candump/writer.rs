@@ -9,8 +9,9 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use flate2::write::GzEncoder;
 
 use super::LogError;
-use super::line::write_line;
-use crate::can::Frame;
+use crate::Micros;
+use crate::can::wire::{ERROR, fd_flags};
+use crate::can::{Frame, FrameKind};
 
 /// Writes frames as candump lines.
 ///
@@ -193,4 +194,66 @@ fn temporary_name(target: &Path) -> Option<PathBuf> {
     name.push(target.file_name()?);
     name.push(format!(".{}-{}.part", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed)));
     Some(target.with_file_name(name))
+}
+
+/// Appends a frame as `candump -L` would print it, with a newline.
+///
+/// Seconds are not padded to ten digits (candump pads, which shows before September 2001 only).
+pub fn write_line(text: &mut Vec<u8>, interface: &str, frame: &Frame) {
+    text.push(b'(');
+    write_stamp(text, frame.time);
+    text.extend_from_slice(b") ");
+    text.extend_from_slice(interface.as_bytes());
+    text.push(b' ');
+    let number = frame.id.number();
+    match frame.kind {
+        FrameKind::Error => write_hex(text, number | ERROR, 8),
+        _ if frame.id.is_extended() => write_hex(text, number, 8),
+        _ => write_hex(text, number, 3),
+    }
+    text.push(b'#');
+    if frame.kind == FrameKind::Remote {
+        text.push(b'R');
+        if frame.length() > 0 {
+            write_hex(text, frame.length() as u32, 1);
+        }
+    } else if let Some(flags) = fd_flags(frame.kind) {
+        text.push(b'#');
+        write_hex(text, u32::from(flags), 1);
+    }
+    for &byte in frame.data() {
+        write_hex(text, u32::from(byte), 2);
+    }
+    text.push(b'\n');
+}
+
+/// `digits` hexadecimal digits, upper case.
+#[inline]
+fn write_hex(text: &mut Vec<u8>, value: u32, digits: u32) {
+    const UPPER: &[u8; 16] = b"0123456789ABCDEF";
+    for place in (0..digits).rev() {
+        text.push(UPPER[(value >> (4 * place) & 0xF) as usize]);
+    }
+}
+
+/// `seconds.micros`.
+fn write_stamp(text: &mut Vec<u8>, time: Micros) {
+    if time.0 < 0 {
+        text.push(b'-');
+    }
+    let micros = time.0.unsigned_abs();
+    let mut places = 6;
+    let mut scale = 1_000_000;
+    while micros / scale >= 10 {
+        scale *= 10;
+        places += 1;
+    }
+    while scale > 0 {
+        text.push(b'0' + (micros / scale % 10) as u8);
+        if places == 6 {
+            text.push(b'.');
+        }
+        places -= 1;
+        scale /= 10;
+    }
 }

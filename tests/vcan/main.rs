@@ -1,0 +1,138 @@
+//! The SocketCAN bus on a real (virtual) interface, on good days and bad.
+//!
+//! Each test makes an interface of its own. Where that is not allowed they say so and pass;
+//! `tests/vcan/run.sh` is cargo's runner for a place where it is.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "helpers of tests may fail loudly"
+)]
+
+mod link;
+mod traffic;
+
+use std::future::Future;
+use std::io::{BufRead, BufReader};
+use std::pin::pin;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use gripd::Micros;
+use gripd::can::candump::Reader;
+use gripd::can::{
+    BusState, CanId, ErrorClass, Event, Frame, FrameKind, OpenError, SendError, SocketCan, SocketCanConfig,
+};
+use tokio::time::{sleep, timeout};
+
+/// Nothing here takes a second on an idle machine; the guest may be far from idle.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// Runs a program; true if it succeeded.
+fn run(program: &str, arguments: &str) -> bool {
+    let status = Command::new(program).args(arguments.split_whitespace()).stderr(Stdio::null()).status();
+    status.is_ok_and(|status| status.success())
+}
+
+#[track_caller]
+fn must(program: &str, arguments: &str) {
+    assert!(run(program, arguments), "{program} {arguments}");
+}
+
+/// A virtual interface that lives as long as this.
+struct Interface(&'static str);
+
+impl Interface {
+    fn new(name: &'static str) -> Option<Self> {
+        if Self::create(name) {
+            return Some(Self(name));
+        }
+        let required = std::env::var_os("GRIPD_REQUIRE_VCAN").is_some();
+        assert!(!required, "cannot make the virtual CAN interface {name}");
+        println!("skipped: no virtual CAN here; run with tests/vcan/run.sh as cargo's runner");
+        None
+    }
+
+    fn create(name: &str) -> bool {
+        run("ip", &format!("link add dev {name} type vcan")) && run("ip", &format!("link set {name} up"))
+    }
+
+    fn set(&self, what: &str) {
+        must("ip", &format!("link set {} {what}", self.0));
+    }
+
+    fn remove(&self) {
+        must("ip", &format!("link del {}", self.0));
+    }
+
+    fn index(&self) -> u32 {
+        // Not from /sys, which may belong to another network namespace.
+        nix::net::if_::if_nametoindex(self.0).unwrap()
+    }
+
+    fn config(&self) -> SocketCanConfig {
+        SocketCanConfig { fd: true, ..SocketCanConfig::new(self.0.parse().unwrap()) }
+    }
+
+    /// A bus that has already said that it is up.
+    async fn bus(&self) -> SocketCan {
+        self.bus_with(self.config()).await
+    }
+
+    async fn bus_with(&self, config: SocketCanConfig) -> SocketCan {
+        let mut bus = SocketCan::open(config).unwrap();
+        assert_eq!(next(&mut bus).await, Event::Up);
+        bus
+    }
+}
+
+impl Drop for Interface {
+    fn drop(&mut self) {
+        run("ip", &format!("link del {}", self.0));
+    }
+}
+
+async fn next(bus: &mut SocketCan) -> Event {
+    timeout(PATIENCE, bus.recv()).await.expect("nothing came")
+}
+
+/// The next frame's kind, identifier and data; anything else is a failure.
+async fn next_frame(bus: &mut SocketCan) -> Frame {
+    match next(bus).await {
+        Event::Frame(frame) => frame,
+        event => panic!("{event:?} instead of a frame"),
+    }
+}
+
+/// Sends, even if the queue is full for a while.
+async fn send(bus: &mut SocketCan, frame: Frame) {
+    while let Err(error) = bus.try_send(&frame) {
+        assert_eq!(error, SendError::Busy);
+        sleep(Duration::from_millis(1)).await;
+    }
+}
+
+fn standard(number: u32) -> CanId {
+    CanId::standard(number).unwrap()
+}
+
+fn extended(number: u32) -> CanId {
+    CanId::extended(number).unwrap()
+}
+
+fn data(id: CanId, bytes: &[u8]) -> Frame {
+    Frame::data_frame(Micros(0), id, bytes).unwrap()
+}
+
+fn fd(bytes: &[u8]) -> Frame {
+    let kind = FrameKind::Fd { bit_rate_switch: true, error_state: false };
+    Frame::new(Micros(0), standard(0x200), kind, bytes).unwrap()
+}
+
+/// The same but for the time.
+fn same(received: &Frame, sent: &Frame) -> bool {
+    let mut received = *received;
+    received.time = sent.time;
+    received == *sent
+}

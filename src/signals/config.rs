@@ -34,7 +34,8 @@ pub struct QuantityConfig {
     pub sum: Option<Vec<String>>,
     /// A one-bit signal of the same message, 1 where the value is negative.
     pub sign: Option<String>,
-    /// Quality signals of the same message; all of them must allow the value.
+    /// Quality signals, all of which must allow the value. In the same message they tell of the value beside
+    /// them; in another message, of the values until it comes again.
     pub valid: Vec<String>,
     /// Raw values at which a quality signal allows the value. Default `[0]`.
     pub valid_when: Vec<u64>,

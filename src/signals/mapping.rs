@@ -11,8 +11,10 @@ pub(super) struct Mapping {
     pub(super) parts: Vec<Part>,
     /// One bit, set where the value is negative.
     pub(super) sign: Option<Codec>,
-    /// Signals that must all allow the value.
+    /// Signals of the same message that must all allow the value.
     pub(super) valid: Vec<Quality>,
+    /// Numbers of the [`Gate`]s in other messages that must be open.
+    pub(super) gates: Vec<usize>,
     /// Bit patterns of the first part that mean "not available".
     pub(super) not_available: Vec<u64>,
     pub(super) gain: f64,
@@ -33,8 +35,19 @@ pub(super) struct Part {
 #[derive(Clone, Debug)]
 pub(super) struct Quality {
     pub(super) codec: Codec,
+    pub(super) mux: Mux,
     /// Bit patterns at which it may.
     pub(super) allowing: Vec<u64>,
+}
+
+/// A quality signal that comes in another message than the value.
+#[derive(Clone, Debug)]
+pub(super) struct Gate {
+    /// Counted through all messages.
+    pub(super) number: usize,
+    /// Whose quality it tells.
+    pub(super) quantity: Quantity,
+    pub(super) quality: Quality,
 }
 
 /// What a frame says of a quantity.
@@ -94,18 +107,10 @@ impl Mapping {
         }
         let value = value.filter(|value| value.is_finite());
         let mut sayable = value.is_some();
+        // A gate in another message tells it too.
+        sayable |= !self.gates.is_empty();
         for quality in &self.valid {
-            let bits = match (value, quality.allowing.first()) {
-                (Some(_), Some(allowing)) => *allowing,
-                _ => match refusing(quality) {
-                    Some(bits) => {
-                        sayable = true;
-                        bits
-                    }
-                    None => continue,
-                },
-            };
-            put(quality.codec, data, bits);
+            sayable |= quality.write(data, value.is_some());
         }
         let Some(value) = value else {
             if let (Some(part), Some(code)) = (self.parts.first(), self.not_available.first()) {
@@ -138,13 +143,44 @@ impl Mapping {
 impl Part {
     /// Sets the selectors so that this part is in the frame.
     fn select(&self, data: &mut [u8]) {
-        for condition in self.mux.conditions() {
-            if let Some((low, _)) = condition.ranges.first()
-                && !self.mux.is_active(data)
-            {
-                // The selector fits the message, as every signal does.
-                let _ = condition.selector.set(data, *low);
-            }
+        select(&self.mux, data);
+    }
+}
+
+impl Quality {
+    /// What the payload says; `None` if it does not carry the signal.
+    #[inline]
+    pub(super) fn allows(&self, data: &[u8]) -> Option<bool> {
+        if !self.mux.is_active(data) {
+            return None;
+        }
+        self.codec.bits(data).map(|bits| self.allowing.contains(&bits))
+    }
+
+    /// Writes that the value may be used, or may not. Returns whether the signal can say so.
+    pub(super) fn write(&self, data: &mut [u8], allowed: bool) -> bool {
+        let bits = if allowed {
+            self.allowing.first().copied()
+        } else {
+            (0..=self.codec.extractor.mask()).take(64).find(|bits| !self.allowing.contains(bits))
+        };
+        if let Some(bits) = bits {
+            select(&self.mux, data);
+            put(self.codec, data, bits);
+        }
+        bits.is_some()
+    }
+}
+
+/// Sets the selectors so that a signal is in the frame.
+fn select(mux: &Mux, data: &mut [u8]) {
+    if mux.is_active(data) {
+        return;
+    }
+    for condition in mux.conditions() {
+        if let Some((low, _)) = condition.ranges.first() {
+            // The selector fits the message, as every signal does.
+            let _ = condition.selector.set(data, *low);
         }
     }
 }
@@ -152,11 +188,6 @@ impl Part {
 fn put(codec: Codec, data: &mut [u8], bits: u64) {
     // Every signal fits its message: this was checked when the DBC was loaded.
     let _ = codec.insert(data, bits);
-}
-
-/// A bit pattern at which the value may not be used.
-fn refusing(quality: &Quality) -> Option<u64> {
-    (0..=quality.codec.extractor.mask()).take(16).find(|bits| !quality.allowing.contains(bits))
 }
 
 /// The bit pattern nearest to a physical value that is not one of the codes.

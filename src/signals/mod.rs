@@ -8,6 +8,7 @@
 //! [`Sampler`] makes samples of frames with it; [`Outputs`] makes frames of values, for the simulator.
 
 mod checks;
+mod compile;
 mod config;
 mod counts;
 mod error;

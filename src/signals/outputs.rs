@@ -1,8 +1,9 @@
 //! From values to frames through the same mapping: what a simulated car sends.
 
+use super::compile::Compiler;
 use super::config::SignalsConfig;
 use super::error::{Problems, SignalsError};
-use super::inputs::{Compiler, MessageInput};
+use super::inputs::MessageInput;
 use crate::can::{Frame, FrameKind, Payload};
 use crate::dbc::Database;
 use crate::{Micros, Quantity, Sample};
@@ -38,12 +39,15 @@ impl Outputs {
         database: &Database,
         wheel_radius_m: f64,
     ) -> Result<Self, SignalsError> {
-        let mut compiler = Compiler { database, wheel_radius_m, problems: Problems::default() };
+        let mut compiler = Compiler::new(database, wheel_radius_m, Problems::default());
         let messages = compiler.messages(config);
         for message in &messages {
             if conflict(message) {
                 compiler.problems.add(
-                    format!("signals.{}", message.mappings[0].quantity),
+                    format!(
+                        "signals.{}",
+                        message.mappings.first().map_or("", |mapping| mapping.quantity.name())
+                    ),
                     format!(
                         "{}: quantities of one frame need different multiplexer values; that cannot be sent",
                         message.name
@@ -118,6 +122,9 @@ impl Sender {
             if !mapping.write(data, values.get(mapping.quantity)) {
                 return None;
             }
+        }
+        for gate in &self.message.gates {
+            gate.quality.write(data, values.get(gate.quantity).is_some());
         }
         if let Some(counter) = &self.message.counter {
             counter.write(data, self.counter);

@@ -7,7 +7,7 @@ use super::grid::{Grid, Step};
 use super::history::{At, History, Point};
 use super::inputs::{Inputs, Traits};
 use super::limits::RateCheck;
-use super::mapping::Reading;
+use super::mapping::{Mapping, Reading};
 use super::plausibility::{CrossChecks, Run};
 use crate::can::{CanId, Frame, FrameKind};
 use crate::{Faults, Micros, Quantity, Sample};
@@ -39,6 +39,8 @@ pub struct Sampler {
     grid: Grid,
     channels: Vec<Channel>,
     counters: Vec<CounterTrack>,
+    /// What each quality signal of another message last said, and when.
+    gates: Vec<Option<(Micros, bool)>>,
     /// Required quantities, and those heard of, as bits.
     required: u16,
     heard: u16,
@@ -83,6 +85,7 @@ impl Sampler {
         Self {
             index: IdIndex::new(inputs.ids()),
             counters: vec![CounterTrack::default(); inputs.messages.len()],
+            gates: vec![None; inputs.messages.iter().map(|message| message.gates.len()).sum()],
             grid,
             channels,
             required,
@@ -198,6 +201,7 @@ impl Sampler {
             channel.run = Run::default();
         }
         self.counters.fill(CounterTrack::default());
+        self.gates.fill(None);
         self.heard = 0;
         self.too_old = 0;
         if let Some(checks) = &mut self.cross_checks {
@@ -230,11 +234,22 @@ impl Sampler {
     fn take(&mut self, frame: &Frame, index: usize) -> Faults {
         let mut taken = Faults::empty();
         let mut dropped = Faults::empty();
-        for mapping in &self.inputs.messages[index].mappings {
+        let message = &self.inputs.messages[index];
+        for gate in &message.gates {
+            let known = &mut self.gates[gate.number];
+            if let Some(allowed) = gate.quality.allows(frame.data())
+                && known.is_none_or(|(time, _)| time <= frame.time)
+            {
+                *known = Some((frame.time, allowed));
+            }
+        }
+        for mapping in &message.mappings {
             let place = self.inputs.places[mapping.quantity as usize];
             let Some(channel) = self.channels.get_mut(usize::from(place)) else { continue };
             let time = frame.time - channel.traits.delay;
-            let value = match mapping.read(frame.data()) {
+            let value = match passed(&self.gates, mapping, frame.time, channel.traits.timeout)
+                .unwrap_or_else(|| mapping.read(frame.data()))
+            {
                 Reading::NotInThisFrame => continue,
                 Reading::NotAvailable => {
                     taken |= Faults::NOT_AVAILABLE;
@@ -265,18 +280,33 @@ impl Sampler {
     }
 }
 
+/// What the quality signals of other messages say against a value; `None` if nothing.
+#[inline]
+fn passed(
+    gates: &[Option<(Micros, bool)>],
+    mapping: &Mapping,
+    now: Micros,
+    timeout: Micros,
+) -> Option<Reading> {
+    mapping.gates.iter().find_map(|gate| match gates[*gate] {
+        Some((time, true)) if now - time <= timeout => None,
+        Some((time, false)) if now - time <= timeout => Some(Reading::NotAvailable),
+        // Nothing is known of its quality: as if the value had not come.
+        _ => Some(Reading::NotInThisFrame),
+    })
+}
+
 /// Finds the place of a needed identifier: a table for standard ones, a search for extended ones.
 #[derive(Clone, Debug)]
 struct IdIndex {
-    standard: Box<[u8; IdIndex::STANDARD]>,
+    standard: Box<[u16; IdIndex::STANDARD]>,
     extended: Vec<(CanId, usize)>,
 }
 
 impl IdIndex {
     const STANDARD: usize = CanId::MAX_STANDARD as usize + 1;
-    const NONE: u8 = u8::MAX;
+    const NONE: u16 = u16::MAX;
 
-    /// There are at most as many messages as quantities.
     fn new(ids: &[CanId]) -> Self {
         let mut standard = Box::new([Self::NONE; Self::STANDARD]);
         let mut extended = Vec::new();
@@ -284,7 +314,7 @@ impl IdIndex {
             if id.is_extended() {
                 extended.push((*id, place));
             } else {
-                standard[id.number() as usize] = place as u8;
+                standard[id.number() as usize] = place as u16;
             }
         }
         Self { standard, extended }

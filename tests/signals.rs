@@ -77,7 +77,8 @@ fn a_quality_signal_may_have_any_good_values_and_stand_in_another_message() {
     let yaw = |page: Option<u8>| {
         let config = car::config(&signals);
         let inputs = Inputs::compile(&config, &car::database(), car::RADIUS).unwrap();
-        let mut frames: Vec<_> = page.iter().map(|page| car::frame(0.0, car::MUXED, &[*page, 0, 0, 0])).collect();
+        let mut frames: Vec<_> =
+            page.iter().map(|page| car::frame(0.0, car::MUXED, &[*page, 0, 0, 0])).collect();
         frames.extend([car::wheels(1.0, 54.0), car::steering(1.0, 0, 0), car::esp(1.0, 5.0, 0.0)]);
         frames.push(car::wheels(600.0, 54.0));
         let samples = car::run(&mut Sampler::new(inputs, &config.sampling), &frames, true);
@@ -100,7 +101,8 @@ fn codes_for_not_available_are_taken_from_the_configuration_and_from_the_dbc() {
         assert_eq!(sample("", &frames).get(Quantity::LateralAcceleration).is_none(), named, "{raw}");
         for code in [raw as i64, raw as i64 & 0xFFF] {
             let more = format!("sampling = {{}}\n{}", car::signals_without("lateral_acceleration"));
-            let signals = format!("{more}lateral_acceleration = {{ signal = \"ESP.AccLat\", not_available = {code} }}");
+            let signals =
+                format!("{more}lateral_acceleration = {{ signal = \"ESP.AccLat\", not_available = {code} }}");
             let config = car::config(&signals);
             let inputs = Inputs::compile(&config, &car::database(), car::RADIUS).unwrap();
             let mut all = vec![car::wheels(0.0, 54.0), car::steering(0.0, 0, 0)];
@@ -195,10 +197,22 @@ fn each_mistake_is_answered_with_what_to_do() {
         ("yaw_rate = {}", "yaw_rate", "sum"),
         ("yaw_rate = { signal = \"ESP.Yaw\", sum = [\"ESP.Yaw\"] }", "yaw_rate", "either"),
         ("yaw_rate = { signal = \"ESP.Yaw\", not_available = [65536] }", "yaw_rate.not_available", "14 bits"),
-        ("yaw_rate = { signal = \"ESP.Yaw\", valid = \"ESP.YawQuality\", valid_when = 2 }", "yaw_rate.valid_when", "1 bits"),
+        (
+            "yaw_rate = { signal = \"ESP.Yaw\", valid = \"ESP.YawQuality\", valid_when = 2 }",
+            "yaw_rate.valid_when",
+            "1 bits",
+        ),
         ("yaw_rate = { signal = \"ESP.Yaw\", counter_modulo = 15 }", "yaw_rate.counter_modulo", "counter = "),
-        ("yaw_rate = { signal = \"ESP.Yaw\", counter = \"ESP.Counter\", counter_modulo = 17 }", "yaw_rate.counter", "2 to 2^bits"),
-        ("yaw_rate = { signal = \"ESP.Yaw\", crc = { signal = \"ESP.Counter\", kind = \"sum8\" } }", "yaw_rate.crc", "one byte"),
+        (
+            "yaw_rate = { signal = \"ESP.Yaw\", counter = \"ESP.Counter\", counter_modulo = 17 }",
+            "yaw_rate.counter",
+            "2 to 2^bits",
+        ),
+        (
+            "yaw_rate = { signal = \"ESP.Yaw\", crc = { signal = \"ESP.Counter\", kind = \"sum8\" } }",
+            "yaw_rate.crc",
+            "one byte",
+        ),
         ("yaw_rate = { signal = \"ESP.Yaw\", timeout_ms = 0 }", "yaw_rate.timeout_ms", "between"),
         ("yaw_rate = { signal = \"ESP.Yaw\", delay_ms = -1 }", "yaw_rate.delay_ms", "between"),
         ("yaw_rate = { signal = \"ESP.Yaw\", noise_std = 0 }", "yaw_rate.noise_std", "positive"),
@@ -258,7 +272,10 @@ fn what_the_simulator_sends_is_what_the_service_reads() {
         let step = time.0 / 10_000;
         let near = |quantity, truth: f64, step: f64| {
             let value = sample.get(quantity).unwrap_or_else(|| panic!("{quantity} at {time}"));
-            assert!((value - truth).abs() <= 0.5 * step + 1e-9, "{quantity} at {time}: {value} is not {truth}");
+            assert!(
+                (value - truth).abs() <= 0.5 * step + 1e-9,
+                "{quantity} at {time}: {value} is not {truth}"
+            );
         };
         let phase = step as f64 * 0.05;
         near(Quantity::WheelSpeedFl, 50.0 + 0.01 * step as f64, 0.01 / 3.6 / car::RADIUS);
@@ -301,7 +318,8 @@ fn each_message_is_sent_at_its_own_period_and_phase_whatever_the_step() {
 #[test]
 fn what_does_not_fit_saturates_without_becoming_a_code() {
     let rest = car::signals_without("lateral_acceleration");
-    let config = car::config(&(rest + "lateral_acceleration = { signal = \"ESP.AccLat\", not_available = 2047 }"));
+    let config =
+        car::config(&(rest + "lateral_acceleration = { signal = \"ESP.AccLat\", not_available = 2047 }"));
     let mut outputs = Outputs::compile(&config, &car::database(), car::RADIUS).unwrap();
     let database = car::database();
     let signal = database.signal("ESP.AccLat").unwrap().1;
@@ -313,7 +331,9 @@ fn what_does_not_fit_saturates_without_becoming_a_code() {
         values.set(Quantity::LateralAcceleration, value);
         let mut sent = None;
         let mut outputs = outputs.clone();
-        outputs.send(&values, &mut |frame| sent = sent.or((frame.id.number() == car::ESP).then(|| signal.raw(frame.data()))));
+        outputs.send(&values, &mut |frame| {
+            sent = sent.or((frame.id.number() == car::ESP).then(|| signal.raw(frame.data())))
+        });
         assert_eq!(sent, Some(Some(raw)), "{value}");
     }
     // A value that is not there and cannot be said not to be there is not sent at all.
@@ -329,7 +349,9 @@ fn what_does_not_fit_saturates_without_becoming_a_code() {
 fn real_files_can_be_mapped() {
     let Some(folder) = car::shared("dbc") else { return };
     let cars = [
-        ("vw_pq.dbc", r#"
+        (
+            "vw_pq.dbc",
+            r#"
             wheel_speed_fl = "Bremse_3.Radgeschw__VL_4_1"
             wheel_speed_fr = "Bremse_3.Radgeschw__VR_4_1"
             wheel_speed_rl = "Bremse_3.Radgeschw__HL_4_1"
@@ -337,8 +359,11 @@ fn real_files_can_be_mapped() {
             yaw_rate = { signal = "Bremse_5.BR5_Giergeschw", sign = "Bremse_5.BR5_Vorzeichen", valid = "Bremse_5.BR5_Sta_Gierrate" }
             lateral_acceleration = "Bremse_2.Querbeschleunigung"
             steering_wheel_angle = { signal = "Lenkwinkel_1.LW1_LRW", sign = "Lenkwinkel_1.LW1_LRW_Sign", not_available = 0x7FFF, counter = "Lenkwinkel_1.LW1_Zaehler" }
-        "#),
-        ("hyundai_2015_ccan.dbc", r#"
+        "#,
+        ),
+        (
+            "hyundai_2015_ccan.dbc",
+            r#"
             wheel_speed_fl = { signal = "WHL_SPD11.WHL_SPD_FL", counter = ["WHL_SPD11.WHL_SPD_AliveCounter_LSB", "WHL_SPD11.WHL_SPD_AliveCounter_MSB"] }
             wheel_speed_fr = "WHL_SPD11.WHL_SPD_FR"
             wheel_speed_rl = "WHL_SPD11.WHL_SPD_RL"
@@ -347,8 +372,11 @@ fn real_files_can_be_mapped() {
             lateral_acceleration = { signal = "ESP12.LAT_ACCEL", counter = "ESP12.ESP12_AliveCounter" }
             steering_wheel_angle = "SAS11.SAS_Angle"
             brake_pressure = "ESP12.CYL_PRES"
-        "#),
-        ("hyundai_canfd_generated.dbc", r#"
+        "#,
+        ),
+        (
+            "hyundai_canfd_generated.dbc",
+            r#"
             wheel_speed_fl = "WHEEL_SPEEDS.WHL_SpdFLVal"
             wheel_speed_fr = "WHEEL_SPEEDS.WHL_SpdFRVal"
             wheel_speed_rl = "WHEEL_SPEEDS.WHL_SpdRLVal"
@@ -356,8 +384,11 @@ fn real_files_can_be_mapped() {
             yaw_rate = { signal = "IMU_01_10ms.IMU_YawRtVal", valid = "IMU_01_10ms.IMU_YawSigSta" }
             lateral_acceleration = "IMU_01_10ms.IMU_LatAccelVal"
             steering_wheel_angle = "STEERING_SENSORS.STEERING_ANGLE"
-        "#),
-        ("ford_lincoln_base_pt.dbc", r#"
+        "#,
+        ),
+        (
+            "ford_lincoln_base_pt.dbc",
+            r#"
             wheel_speed_fl = "WheelSpeed.WhlFl_W_Meas"
             wheel_speed_fr = "WheelSpeed.WhlFr_W_Meas"
             wheel_speed_rl = "WheelSpeed.WhlRl_W_Meas"
@@ -365,15 +396,21 @@ fn real_files_can_be_mapped() {
             yaw_rate = { signal = "Yaw_Data_FD1.VehYaw_W_Actl", valid = "Yaw_Data_FD1.VehYawWActl_D_Qf", valid_when = 3 }
             lateral_acceleration = "BrakeSnData_3.VehLatComp_A_Actl"
             steering_wheel_angle = { signal = "SteeringPinion_Data.StePinComp_An_Est", valid = "SteeringPinion_Data.StePinCompAnEst_D_Qf", valid_when = 3 }
-        "#),
-        ("tesla_model3_party.dbc", r#"
+        "#,
+        ),
+        (
+            "tesla_model3_party.dbc",
+            r#"
             wheel_speed_fl = { signal = "ESP_wheelSpeeds.ESP_wheelSpeedFrL", valid = "ESP_B.ESP_wheelSpeedsQF", valid_when = 1, counter = "ESP_wheelSpeeds.ESP_wheelSpeedsCounter" }
             wheel_speed_fr = "ESP_wheelSpeeds.ESP_wheelSpeedFrR"
             wheel_speed_rl = "ESP_wheelSpeeds.ESP_wheelSpeedReL"
             wheel_speed_rr = "ESP_wheelSpeeds.ESP_wheelSpeedReR"
             steering_wheel_angle = "SCCM_steeringAngleSensor.SCCM_steeringAngle"
-        "#),
-        ("fca_giorgio.dbc", r#"
+        "#,
+        ),
+        (
+            "fca_giorgio.dbc",
+            r#"
             wheel_speed_fl = "ABS_1.WHEEL_SPEED_FL"
             wheel_speed_fr = "ABS_1.WHEEL_SPEED_FR"
             wheel_speed_rl = "ABS_1.WHEEL_SPEED_RL"
@@ -381,7 +418,8 @@ fn real_files_can_be_mapped() {
             yaw_rate = "ABS_2.YAW_RATE"
             lateral_acceleration = "ABS_2.LATERAL_ACCEL"
             steering_wheel_angle = "EPS_1.STEERING_ANGLE"
-        "#),
+        "#,
+        ),
     ];
     for (file, text) in cars {
         let database = Database::load(&folder.join(file)).unwrap();
@@ -420,8 +458,8 @@ fn the_volkswagen_example_fits_a_real_mqb_file() {
     let Some(path) = car::shared("dbc/vw_mqb.dbc") else { return };
     let (signals, vehicle, _) = shipped("vw_mqb.toml");
     let database = Database::load(&path).unwrap();
-    let inputs = Inputs::compile(&signals, &database, vehicle.wheel_radius_m.value)
-        .unwrap_or_else(|e| panic!("{e}"));
+    let inputs =
+        Inputs::compile(&signals, &database, vehicle.wheel_radius_m.value).unwrap_or_else(|e| panic!("{e}"));
     assert!(inputs.has(Quantity::BrakePressure));
 }
 

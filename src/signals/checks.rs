@@ -327,6 +327,7 @@ mod tests {
         let same = checksum("M.Crc", generic, None).unwrap();
         let data = [0xAA, 0x05, 1, 2, 3, 4, 5, 6];
         assert_eq!(crc.reckon(&data), same.reckon(&data));
+        assert_eq!(crc.reckon(&data), crate::signals::e2e::profile_1_crc(0x123, &data, 0));
         assert_eq!(crc.reckon(&data), crc.reckon(&[0, 0x05, 1, 2, 3, 4, 5, 6]));
         assert_ne!(crc.reckon(&data), crc.reckon(&[0xAA, 0x06, 1, 2, 3, 4, 5, 6]));
         let cnt = counter(&["M.Cnt"], None).unwrap();

@@ -1,7 +1,7 @@
 //! Compiles the `[signals]` table against a DBC, gathering all that is wrong.
 
 use super::checks::{Checksum, Counter};
-use super::config::{QuantityConfig, SignalsConfig};
+use super::config::{CrcConfig, CrcKind, QuantityConfig, SignalsConfig};
 use super::error::Problems;
 use super::inputs::MessageInput;
 use super::mapping::{Gate, Mapping, Part, Quality};
@@ -237,7 +237,11 @@ impl<'a> Compiler<'a> {
         for name in &config.counter {
             parts.push(self.beside(&key, name, message)?.codec());
         }
-        let counter = Counter::new(parts, config.counter_modulo);
+        let profile_1 = |crc: &CrcConfig| matches!(crc.kind, CrcKind::E2eP01a | CrcKind::E2eP01b);
+        let four_bits = parts.iter().map(|part| part.extractor.size()).sum::<u32>() == 4;
+        // Profile 1 counts from 0 to 14.
+        let implied = (four_bits && config.crc.as_ref().is_some_and(profile_1)).then_some(15);
+        let counter = Counter::new(parts, config.counter_modulo.or(implied));
         if counter.is_none() {
             self.problems.add(
                 key,

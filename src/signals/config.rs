@@ -53,7 +53,8 @@ pub struct QuantityConfig {
     pub delay_ms: f64,
     /// The message's counter; several signals are put together, least significant first.
     pub counter: Vec<String>,
-    /// At how much the counter starts over. Default: what its bits can hold.
+    /// At how much the counter starts over. Default: what its bits can hold; 15 for four bits with a checksum
+    /// of AUTOSAR's profile 1.
     pub counter_modulo: Option<u64>,
     /// The message's checksum.
     pub crc: Option<CrcConfig>,

@@ -6,11 +6,13 @@
 //!
 //! [`SignalsConfig`] is the `[signals]` table as written; [`Inputs`] is the same, compiled against a DBC;
 //! [`Sampler`] makes samples of frames with it; [`Outputs`] makes frames of values, for the simulator.
+//! The way back, from estimates to protected frames, is in [`publish`] and [`e2e`].
 
 mod checks;
 mod compile;
 mod config;
 mod counts;
+pub mod e2e;
 mod error;
 mod grid;
 mod history;
@@ -19,6 +21,7 @@ mod limits;
 mod mapping;
 mod outputs;
 mod plausibility;
+pub mod publish;
 mod sampler;
 mod units;
 

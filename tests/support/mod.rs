@@ -1,0 +1,70 @@
+//! What several tests need: the shared data, and a Python with the reference implementations.
+
+#![allow(dead_code, reason = "each test binary uses a part of it")]
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The implementations to compare with, pinned.
+const REQUIREMENTS: [&str; 2] = ["cantools==45.1.0", "autosar-e2e==1.0.0"];
+
+/// A file or folder of the shared data; `None`, with a printed message, where it is not there.
+pub fn shared(path: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("GRIPD_SHARED")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
+    let found = root.join(path);
+    if found.exists() {
+        return Some(found);
+    }
+    eprintln!("skipped: no {} (set GRIPD_SHARED)", found.display());
+    None
+}
+
+/// A file of `tests/data`.
+pub fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
+}
+
+/// A Python that has the reference implementations, in a virtual environment below `target`;
+/// `None`, with a printed message, where it cannot be had.
+pub fn python() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reference-venv");
+    let python = folder.join("bin/python");
+    // Several tests may come here at once.
+    let lock = File::create(folder.with_extension("lock")).unwrap();
+    lock.lock().unwrap();
+    let ready = folder.join(format!("ready-{}", REQUIREMENTS.join("-")));
+    if ready.exists() {
+        return Some(python);
+    }
+    let made = run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder))
+        && run(Command::new(&python).args(["-m", "pip", "install", "--quiet"]).args(REQUIREMENTS));
+    if !made {
+        eprintln!("skipped: no Python with {}", REQUIREMENTS.join(" and "));
+        return None;
+    }
+    File::create(ready).unwrap();
+    Some(python)
+}
+
+/// The reference script, run by that Python.
+pub fn reference(python: &Path) -> Command {
+    let mut command = Command::new(python);
+    command.arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cantools_reference.py"));
+    command
+}
+
+fn run(command: &mut Command) -> bool {
+    match command.output() {
+        Ok(output) if output.status.success() => true,
+        Ok(output) => {
+            eprintln!("{command:?} failed: {}", String::from_utf8_lossy(&output.stderr));
+            false
+        }
+        Err(error) => {
+            eprintln!("{command:?} cannot be run: {error}");
+            false
+        }
+    }
+}

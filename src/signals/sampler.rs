@@ -60,6 +60,8 @@ struct Channel {
     quantity: Quantity,
     traits: Traits,
     history: History,
+    /// Time of the first point since the start.
+    since: Option<Micros>,
     rate: RateCheck,
     run: Run,
 }
@@ -76,6 +78,7 @@ impl Sampler {
             quantity,
             traits,
             history: History::reaching(reach),
+            since: None,
             rate: RateCheck::default(),
             run: Run::default(),
         };
@@ -154,12 +157,13 @@ impl Sampler {
         let mut sample = Sample::empty(time, elapsed_s);
         let mut lasting = Faults::empty();
         let mut too_old = 0;
-        let excused = if self.grid.is_starting() { !self.heard } else { 0 };
+        let starting = self.grid.is_starting();
         for channel in &self.channels {
             match channel.history.at(time, channel.traits.interpolate, channel.traits.timeout) {
                 At::Value(value) => sample.set(channel.quantity, value),
                 At::NotAvailable => lasting |= Faults::NOT_AVAILABLE,
-                At::TooOld => too_old |= (1 << channel.quantity as usize) & !excused,
+                At::TooOld if starting && channel.since.is_none_or(|since| since > time) => {}
+                At::TooOld => too_old |= 1 << channel.quantity as usize,
             }
         }
         for _ in 0..(too_old & !self.too_old).count_ones() {
@@ -197,6 +201,7 @@ impl Sampler {
     fn forget(&mut self) {
         for channel in &mut self.channels {
             channel.history.clear();
+            channel.since = None;
             channel.rate = RateCheck::default();
             channel.run = Run::default();
         }
@@ -273,6 +278,7 @@ impl Sampler {
                     continue;
                 }
             }
+            channel.since = channel.since.or(Some(time));
             channel.history.push(Point { time, value });
         }
         self.note(taken);

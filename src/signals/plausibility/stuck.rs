@@ -3,6 +3,12 @@
 use super::{Kinematics, Run, SLOW};
 use crate::{Faults, Quantity, Sample, Wheel};
 
+/// Fewer equal values than these are no evidence, however slow the message.
+const FRAMES: u32 = 20;
+/// Runs are those of the frames, which are ahead of the samples: the last equal values have yet to come
+/// when the sensor is seen to move again, s.
+const DISTRUST_S: f64 = 0.1;
+
 /// A coarse sensor shows the very same value for long on a straight road, so a constant value alone
 /// says nothing: the witnesses must have moved far more than any sensor's step meanwhile.
 #[derive(Clone, Copy, Debug, Default)]
@@ -16,6 +22,8 @@ struct Watch {
     run: Run,
     first: Span,
     second: Span,
+    /// How long a value is still not believed, s.
+    distrust_s: f64,
 }
 
 /// Lowest and highest.
@@ -56,13 +64,14 @@ impl StuckCheck {
         for quantity in Quantity::ALL {
             let run = runs[quantity as usize];
             let watch = &mut self.watched[quantity as usize];
-            if watch.run.since != run.since || watch.run.frames > run.frames {
-                *watch = Watch::default();
+            if watch.run.since != run.since {
+                *watch = Watch { distrust_s: watch.distrust_s, ..Watch::default() };
             }
             watch.run = run;
+            watch.distrust_s = (watch.distrust_s - sample.elapsed_s).max(0.0);
             let Some(value) = sample.get(quantity) else { continue };
             if !moving {
-                *watch = Watch { run, ..Watch::default() };
+                *watch = Watch { run, distrust_s: watch.distrust_s, ..Watch::default() };
                 continue;
             }
             let lasted = (run.until - run.since).seconds();
@@ -103,7 +112,10 @@ impl StuckCheck {
                     lasted > 1.0 && value.abs() > 1.0 && moved
                 }
             };
-            if stuck && run.frames >= 20 {
+            if stuck && run.frames >= FRAMES {
+                watch.distrust_s = DISTRUST_S;
+            }
+            if watch.distrust_s > 0.0 {
                 sample.clear(quantity);
                 faults |= Faults::STUCK;
             }

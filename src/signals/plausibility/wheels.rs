@@ -14,22 +14,31 @@ const NEAR: f64 = 0.07;
 const NEAR_RAD_PER_S: f64 = 0.5;
 /// A wheel may spin or lock as long as this before anything intervenes, s.
 const SLIDING_S: f64 = 2.0;
-/// A wheel too slow without any braking needs no patience, s.
+/// A wheel too slow without any braking needs little patience …
 const UNBRAKED_S: f64 = 0.3;
+/// … if nobody has braked for so long: on ice a wheel takes long to turn again, s.
+const RECOVERED_S: f64 = 2.0;
 
 /// Finds the wheel whose speed the other three contradict.
 ///
 /// Slip explains a lot: a wheel that spins on ice, or locks. So a wheel counts as contradicting only
-/// after two seconds, or at once when it is slow while nobody brakes.
+/// after two seconds, or at once when it is slow though nobody brakes or has braked.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct WheelCheck {
+    /// Time without braking, as far as the bus tells, s.
+    unbraked_s: f64,
     /// Wheel, too slow rather than too fast, and for how long, s.
     suspect: Option<(Wheel, bool, f64)>,
 }
 
 impl WheelCheck {
     pub(super) fn check(&mut self, sample: &mut Sample, wheel_radius_m: f64) -> Faults {
-        let Some((wheel, slow)) = odd_one(sample, wheel_radius_m) else {
+        let elapsed_s = sample.elapsed_s.min(0.1);
+        let braking = braking(sample);
+        self.unbraked_s = if braking == Some(false) { self.unbraked_s + elapsed_s } else { 0.0 };
+        let odd = odd_one(sample, wheel_radius_m);
+        // However long it lasts, a braked wheel may be locked.
+        let Some((wheel, slow)) = odd.filter(|(_, slow)| !(*slow && braking == Some(true))) else {
             self.suspect = None;
             return Faults::empty();
         };
@@ -37,14 +46,9 @@ impl WheelCheck {
             Some((suspect, was_slow, time)) if (suspect, was_slow) == (wheel, slow) => time,
             _ => 0.0,
         };
-        let lasted = before + sample.elapsed_s.min(0.1);
+        let lasted = before + elapsed_s;
         self.suspect = Some((wheel, slow, lasted));
-        let patience = match braking(sample) {
-            Some(false) if slow => UNBRAKED_S,
-            // However long it lasts, a braked wheel may be locked.
-            Some(true) if slow => return Faults::empty(),
-            _ => SLIDING_S,
-        };
+        let patience = if slow && self.unbraked_s > RECOVERED_S { UNBRAKED_S } else { SLIDING_S };
         if lasted < patience {
             return Faults::empty();
         }

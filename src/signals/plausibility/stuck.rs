@@ -1,0 +1,125 @@
+//! A sensor that does not move although others show that it must.
+
+use super::{Kinematics, Run, SLOW};
+use crate::{Faults, Quantity, Sample, Wheel};
+
+/// Fewer equal values than these are no evidence, however slow the message.
+const FRAMES: u32 = 20;
+/// Runs are those of the frames, which are ahead of the samples: the last equal values have yet to come
+/// when the sensor is seen to move again, s.
+const DISTRUST_S: f64 = 0.1;
+
+/// A coarse sensor shows the very same value for long on a straight road, so a constant value alone
+/// says nothing: the witnesses must have moved far more than any sensor's step meanwhile.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct StuckCheck {
+    watched: [Watch; Quantity::COUNT],
+}
+
+/// What the witnesses did during a run of equal values.
+#[derive(Clone, Copy, Debug, Default)]
+struct Watch {
+    run: Run,
+    first: Span,
+    second: Span,
+    /// How long a value is still not believed, s.
+    distrust_s: f64,
+}
+
+/// Lowest and highest.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    low: f64,
+    high: f64,
+}
+
+impl Default for Span {
+    fn default() -> Self {
+        Self { low: f64::INFINITY, high: f64::NEG_INFINITY }
+    }
+}
+
+impl Span {
+    fn include(&mut self, value: f64) {
+        self.low = self.low.min(value);
+        self.high = self.high.max(value);
+    }
+
+    /// Minus infinity while empty.
+    fn width(&self) -> f64 {
+        self.high - self.low
+    }
+}
+
+impl StuckCheck {
+    pub(super) fn check(
+        &mut self,
+        sample: &mut Sample,
+        wheels: &Kinematics,
+        runs: &[Run; Quantity::COUNT],
+    ) -> Faults {
+        let mut faults = Faults::empty();
+        let speeds = sample.wheel_speeds();
+        let moving = wheels.speed.is_some_and(|speed| speed > SLOW);
+        for quantity in Quantity::ALL {
+            let run = runs[quantity as usize];
+            let watch = &mut self.watched[quantity as usize];
+            if watch.run.since != run.since {
+                *watch = Watch { distrust_s: watch.distrust_s, ..Watch::default() };
+            }
+            watch.run = run;
+            watch.distrust_s = (watch.distrust_s - sample.elapsed_s).max(0.0);
+            let Some(value) = sample.get(quantity) else { continue };
+            if !moving {
+                *watch = Watch { run, distrust_s: watch.distrust_s, ..Watch::default() };
+                continue;
+            }
+            let lasted = (run.until - run.since).seconds();
+            let stuck = match quantity {
+                Quantity::YawRate => {
+                    let (Some(yaw), Some(steering)) =
+                        (wheels.yaw_rate, sample.get(Quantity::SteeringWheelAngle))
+                    else {
+                        continue;
+                    };
+                    watch.first.include(yaw);
+                    watch.second.include(steering);
+                    lasted > 2.0 && watch.first.width() > 0.15 && watch.second.width() > 0.15
+                }
+                Quantity::LateralAcceleration => {
+                    let (Some(yaw), Some(speed)) = (sample.get(Quantity::YawRate), wheels.speed) else {
+                        continue;
+                    };
+                    watch.first.include(yaw * speed);
+                    lasted > 2.0 && watch.first.width() > 2.0
+                }
+                Quantity::SteeringWheelAngle => {
+                    // A wheel held still while the car turns from left to right and back is not held.
+                    let (Some(yaw), Some(other)) = (sample.get(Quantity::YawRate), wheels.yaw_rate) else {
+                        continue;
+                    };
+                    watch.first.include(yaw);
+                    watch.second.include(other);
+                    let both_ways = |span: &Span| span.low < -0.1 && span.high > 0.1;
+                    lasted > 5.0 && both_ways(&watch.first) && both_ways(&watch.second)
+                }
+                _ => {
+                    let (Some(wheel), Some(speeds)) = (quantity.wheel(), speeds) else { continue };
+                    let others = Wheel::ALL.into_iter().filter(|other| *other != wheel);
+                    watch.first.include(others.map(|other| speeds[other as usize]).sum::<f64>() / 3.0);
+                    // At standstill a wheel is locked rather than its sensor stuck.
+                    let moved = watch.first.width() > 3.0 + 0.2 * watch.first.high;
+                    lasted > 1.0 && value.abs() > 1.0 && moved
+                }
+            };
+            if stuck && run.frames >= FRAMES {
+                watch.distrust_s = DISTRUST_S;
+            }
+            if watch.distrust_s > 0.0 {
+                sample.clear(quantity);
+                faults |= Faults::STUCK;
+            }
+        }
+        faults
+    }
+}

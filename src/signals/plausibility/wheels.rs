@@ -1,0 +1,101 @@
+//! One wheel against the other three.
+
+use super::{SLOW, TRACK};
+use crate::{Faults, Quantity, Sample, Wheel};
+
+/// A difference beyond any curve, tire radius (an emergency spare included) or normal slip: so much of
+/// the speed …
+const FAR: f64 = 0.2;
+/// … and so much besides, rad/s.
+const FAR_RAD_PER_S: f64 = 1.0;
+/// The three others agree to so much of the speed …
+const NEAR: f64 = 0.07;
+/// … and so much besides, rad/s.
+const NEAR_RAD_PER_S: f64 = 0.5;
+/// A wheel may spin or lock as long as this before anything intervenes, s.
+const SLIDING_S: f64 = 2.0;
+/// A wheel too slow without any braking needs little patience …
+const UNBRAKED_S: f64 = 0.3;
+/// … if nobody has braked for so long: on ice a wheel takes long to turn again, s.
+const RECOVERED_S: f64 = 2.0;
+
+/// Finds the wheel whose speed the other three contradict.
+///
+/// Slip explains a lot: a wheel that spins on ice, or locks. So a wheel counts as contradicting only
+/// after two seconds, or at once when it is slow though nobody brakes or has braked.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct WheelCheck {
+    /// Time without braking, as far as the bus tells, s.
+    unbraked_s: f64,
+    /// Wheel, too slow rather than too fast, and for how long, s.
+    suspect: Option<(Wheel, bool, f64)>,
+}
+
+impl WheelCheck {
+    pub(super) fn check(&mut self, sample: &mut Sample, wheel_radius_m: f64) -> Faults {
+        let elapsed_s = sample.elapsed_s.min(0.1);
+        let braking = braking(sample);
+        self.unbraked_s = if braking == Some(false) { self.unbraked_s + elapsed_s } else { 0.0 };
+        let odd = odd_one(sample, wheel_radius_m);
+        // However long it lasts, a braked wheel may be locked.
+        let Some((wheel, slow)) = odd.filter(|(_, slow)| !(*slow && braking == Some(true))) else {
+            self.suspect = None;
+            return Faults::empty();
+        };
+        let before = match self.suspect {
+            Some((suspect, was_slow, time)) if (suspect, was_slow) == (wheel, slow) => time,
+            _ => 0.0,
+        };
+        let lasted = before + elapsed_s;
+        self.suspect = Some((wheel, slow, lasted));
+        let patience = if slow && self.unbraked_s > RECOVERED_S { UNBRAKED_S } else { SLIDING_S };
+        if lasted < patience {
+            return Faults::empty();
+        }
+        sample.clear(Quantity::wheel_speed(wheel));
+        Faults::WHEEL_MISMATCH
+    }
+}
+
+/// The wheel that contradicts the others, and whether it is too slow.
+fn odd_one(sample: &Sample, wheel_radius_m: f64) -> Option<(Wheel, bool)> {
+    let speeds = sample.wheel_speeds()?;
+    let mut sorted = speeds.map(f64::abs);
+    sorted.sort_by(f64::total_cmp);
+    let median = 0.5 * (sorted[1] + sorted[2]);
+    if median * wheel_radius_m < SLOW {
+        return None;
+    }
+    let far = FAR * median + FAR_RAD_PER_S;
+    let near = NEAR * median + NEAR_RAD_PER_S;
+    let [fl, fr, rl, rr] = speeds;
+    // One side's wheels must agree; it tells, with the yaw rate, how fast the other side's should be.
+    let left_is_right = (fl - rl).abs() < near;
+    let right_is_right = (fr - rr).abs() < near;
+    if left_is_right == right_is_right {
+        return None;
+    }
+    let spread = sample.get(Quantity::YawRate).unwrap_or(0.0) * TRACK / wheel_radius_m;
+    let (expected, suspects) = if left_is_right {
+        (0.5 * (fl + rl) + spread, [Wheel::Fr, Wheel::Rr])
+    } else {
+        (0.5 * (fr + rr) - spread, [Wheel::Fl, Wheel::Rl])
+    };
+    let deviation = |wheel: Wheel| speeds[wheel as usize] - expected;
+    let [front, rear] = suspects;
+    let (odd, other) =
+        if deviation(front).abs() > deviation(rear).abs() { (front, rear) } else { (rear, front) };
+    let certain = deviation(odd).abs() > far && deviation(other).abs() < near;
+    certain.then_some((odd, deviation(odd) < 0.0))
+}
+
+/// Is anyone braking? `None` if the bus does not tell.
+fn braking(sample: &Sample) -> Option<bool> {
+    let told = [
+        sample.get(Quantity::BrakePressure).map(|bar| bar > 3.0),
+        sample.get(Quantity::BrakeTorque).map(|torque| torque > 50.0),
+        sample.get(Quantity::BrakeActive).map(|active| active > 0.5),
+        sample.get(Quantity::AbsActive).filter(|active| *active > 0.5).map(|_| true),
+    ];
+    told.into_iter().flatten().reduce(|a, b| a || b)
+}

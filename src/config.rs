@@ -1,5 +1,183 @@
 //! The configuration file: what each room wants to know, joined and checked.
 
-/// The whole configuration.
-#[derive(Clone, Debug)]
-pub struct Config {}
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use thiserror::Error;
+
+use crate::dbc::{Database, DbcError};
+use crate::estimate::EstimatorsConfig;
+use crate::model::{Vehicle, VehicleError};
+use crate::service::ServiceConfig;
+use crate::signals::SignalsConfig;
+use crate::signals::publish::{PublishConfig, built_in_database};
+
+/// The whole file. Unknown keys are errors; paths are relative to the file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Config {
+    /// `[bus]`
+    #[serde(default)]
+    pub bus: BusConfig,
+    /// `[dbc]`
+    pub dbc: DbcConfig,
+    /// `[signals]`
+    pub signals: SignalsConfig,
+    /// `[vehicle]`
+    pub vehicle: Vehicle,
+    /// `[[effect]]`
+    #[serde(default)]
+    pub effect: Vec<EffectConfig>,
+    /// `[estimators]`
+    #[serde(default)]
+    pub estimators: EstimatorsConfig,
+    /// `[publish]`
+    #[serde(default)]
+    pub publish: PublishConfig,
+    /// `[service]`
+    #[serde(default)]
+    pub service: ServiceConfig,
+}
+
+/// `[bus]`: where the frames come from.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct BusConfig {
+    /// The CAN interface.
+    pub interface: String,
+    /// Receive FD frames, too.
+    pub fd: bool,
+    /// Kernel receive buffer, bytes: how long a pause the kernel bridges. Zero leaves its default.
+    pub receive_buffer_bytes: usize,
+}
+
+impl Default for BusConfig {
+    fn default() -> Self {
+        Self { interface: "vcan0".into(), fd: false, receive_buffer_bytes: 1 << 20 }
+    }
+}
+
+/// `[dbc]`: the car's DBC files, and optionally an own layout for what is published.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DbcConfig {
+    /// The car's.
+    pub input: Vec<PathBuf>,
+    /// Ours; the built-in one if not given.
+    #[serde(default)]
+    pub output: Option<PathBuf>,
+}
+
+/// `[[effect]]`: physics beyond the plain model.
+#[derive(Clone, Debug, Deserialize)]
+pub struct EffectConfig {
+    /// Its name.
+    pub kind: String,
+}
+
+/// A configuration that cannot be used.
+#[derive(Debug, Error)]
+pub enum ConfigError {
+    /// The file cannot be read.
+    #[error("cannot read the configuration {path}: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// Not TOML, an unknown or missing key, or a value of the wrong kind; the message has the line.
+    #[error("{path}: {message}")]
+    Parse {
+        /// The file.
+        path: PathBuf,
+        /// What and where.
+        message: String,
+    },
+    /// A `[vehicle]` value that cannot be.
+    #[error("{path}: {source}")]
+    Vehicle {
+        /// The file.
+        path: PathBuf,
+        /// Which, and why.
+        source: VehicleError,
+    },
+    /// A value that makes no sense.
+    #[error("{path}: {key}: {reason}")]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// The key.
+        key: String,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+    /// A DBC file that cannot be used.
+    #[error(transparent)]
+    Dbc(#[from] DbcError),
+}
+
+impl Config {
+    /// Reads and checks a file; DBC files are not opened yet.
+    ///
+    /// # Errors
+    /// Names the file and the line or key, what is wrong, and what to do.
+    pub fn load(path: &Path) -> Result<Self, ConfigError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
+        Self::parse(&text, path)
+    }
+
+    /// The same from text; `path` is where its relative paths start, and what errors name.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self, ConfigError> {
+        let mut config: Self = toml::from_str(text).map_err(|error| ConfigError::Parse {
+            path: path.to_owned(),
+            message: error.to_string().trim_end().to_owned(),
+        })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        for file in config.dbc.input.iter_mut().chain(config.dbc.output.as_mut()) {
+            *file = folder.join(&*file);
+        }
+        config.validate(path)?;
+        Ok(config)
+    }
+
+    fn validate(&self, path: &Path) -> Result<(), ConfigError> {
+        self.vehicle.validate().map_err(|source| ConfigError::Vehicle { path: path.to_owned(), source })?;
+        let fail = |key: &str, reason: String| {
+            Err(ConfigError::Value { path: path.to_owned(), key: key.to_owned(), reason })
+        };
+        if let Some(effect) = self.effect.first() {
+            return fail("effect", format!("this version has no effect `{}`; remove the table", effect.kind));
+        }
+        if self.dbc.input.is_empty() {
+            return fail("dbc.input", "name at least one DBC file of the car".into());
+        }
+        if let Some((key, reason)) = self.estimators.problem() {
+            return fail(&format!("estimators.{key}"), reason.into());
+        }
+        Ok(())
+    }
+
+    /// The car's DBC files as one database.
+    ///
+    /// # Errors
+    /// If a file cannot be read or is no DBC.
+    pub fn input_database(&self) -> Result<Database, ConfigError> {
+        Ok(Database::load_all(&self.dbc.input)?)
+    }
+
+    /// The layout of what is published.
+    ///
+    /// # Errors
+    /// If the given file cannot be read or is no DBC.
+    pub fn output_database(&self) -> Result<Database, ConfigError> {
+        Ok(match &self.dbc.output {
+            Some(path) => Database::load(path)?,
+            None => built_in_database()?,
+        })
+    }
+}

@@ -22,6 +22,7 @@ pub mod estimates;
 pub mod faults;
 pub mod filter;
 pub mod model;
+pub mod new_file;
 pub mod sample;
 pub mod service;
 pub mod signals;

@@ -347,7 +347,7 @@ fn the_truth_is_written_as_csv() {
     for row in &truth {
         writer.write(row).unwrap();
     }
-    writer.flush().unwrap();
+    writer.into_inner().unwrap();
     drop(writer);
     let mut reader = csv::Reader::from_reader(out.as_slice());
     assert_eq!(reader.headers().unwrap().iter().collect::<Vec<_>>(), Truth::columns());

@@ -1,8 +1,122 @@
 //! The command line: one file per subcommand.
 
+mod check;
+mod demo;
+mod demo_car;
+mod output;
+mod player;
+mod progress;
+mod replay;
+mod run;
+mod simulate;
+mod tables;
+
+use std::fmt;
+use std::io::IsTerminal;
 use std::process::ExitCode;
 
-/// Parses the arguments and runs the subcommand.
+use clap::{Parser, Subcommand};
+use tracing_subscriber::EnvFilter;
+
+use crate::config::ConfigError;
+use crate::service::SetupError;
+
+/// How a command failed; decides the exit code.
+#[derive(Debug)]
+pub enum Failure {
+    /// Exit code 1: the work failed.
+    Work(String),
+    /// Exit code 2: bad usage or configuration.
+    Usage(String),
+}
+
+impl Failure {
+    /// The work failed.
+    fn work(reason: impl fmt::Display) -> Self {
+        Self::Work(reason.to_string())
+    }
+
+    /// The user has to change something.
+    fn usage(reason: impl fmt::Display) -> Self {
+        Self::Usage(reason.to_string())
+    }
+}
+
+impl From<ConfigError> for Failure {
+    fn from(error: ConfigError) -> Self {
+        Self::usage(error)
+    }
+}
+
+impl From<SetupError> for Failure {
+    fn from(error: SetupError) -> Self {
+        Self::usage(error)
+    }
+}
+
+/// Tire stiffness and tire-road friction from a vehicle's CAN bus.
+#[derive(Parser)]
+#[command(name = "gripd", version, about, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+    /// Log more (-v: debug, -vv: trace). RUST_LOG, if set, decides instead.
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    verbose: u8,
+    /// Log warnings and errors only.
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Simulate a drive over asphalt, gravel and ice, run the service on it, draw a page of plots.
+    Demo(demo::Demo),
+    /// Run the service on a CAN interface.
+    Run(run::Run),
+    /// Run the same pipeline over recordings.
+    Replay(replay::Replay),
+    /// Simulate a scenario to a recording.
+    Simulate(simulate::Simulate),
+    /// Check a configuration, and on recordings the measurement chain.
+    Check(check::Check),
+}
+
+/// Parses the arguments and runs the subcommand. Diagnostics go to stderr, results to stdout.
 pub fn main() -> ExitCode {
-    ExitCode::SUCCESS
+    // Clap itself ends with 2 on bad usage and 0 on --help.
+    let arguments = Arguments::parse();
+    set_up_logging(&arguments);
+    let result = match arguments.command {
+        Command::Demo(command) => command.run(),
+        Command::Run(command) => command.run(),
+        Command::Replay(command) => command.run(),
+        Command::Simulate(command) => command.run(),
+        Command::Check(command) => command.run(),
+    };
+    let (reason, code) = match result {
+        Ok(()) => return ExitCode::SUCCESS,
+        Err(Failure::Work(reason)) => (reason, 1),
+        Err(Failure::Usage(reason)) => (reason, 2),
+    };
+    eprintln!("gripd: {reason}");
+    ExitCode::from(code)
+}
+
+fn set_up_logging(arguments: &Arguments) {
+    let default = match (arguments.quiet, arguments.verbose) {
+        (true, _) => "warn",
+        (_, 0) => "info",
+        (_, 1) => "debug",
+        _ => "trace",
+    };
+    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(default));
+    // Under systemd the journal has the time already.
+    let journal = std::env::var_os("JOURNAL_STREAM").is_some();
+    let log = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_target(false)
+        .with_ansi(std::io::stderr().is_terminal());
+    if journal { log.without_time().init() } else { log.init() }
 }

@@ -6,11 +6,6 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct EstimatorsConfig {
-    /// Period of the uniform samples, ms.
-    pub sample_period_ms: u32,
-    /// How long after its instant a sample is put together, ms, so that slower frames have arrived
-    /// and values can be interpolated. The largest `delay_ms` of the signals is added.
-    pub lag_ms: u32,
     /// Below this speed slip and lateral motion are not estimated, m/s.
     pub minimum_speed_mps: f64,
     /// Longitudinal slip slope (thesis 5.2.1).
@@ -30,8 +25,6 @@ pub struct EstimatorsConfig {
 impl Default for EstimatorsConfig {
     fn default() -> Self {
         Self {
-            sample_period_ms: 10,
-            lag_ms: 20,
             minimum_speed_mps: 4.0,
             slope: SlopeConfig::default(),
             cornering: CorneringConfig::default(),
@@ -40,6 +33,26 @@ impl Default for EstimatorsConfig {
             friction: FrictionConfig::default(),
             lateral_slope_source: LateralVelocitySource::Joint,
         }
+    }
+}
+
+impl EstimatorsConfig {
+    /// The first value that no estimator can work with: its key and what would be accepted.
+    pub fn problem(&self) -> Option<(&'static str, &'static str)> {
+        let positive = |value: f64| value.is_finite() && value > 0.0;
+        let checks = [
+            ("minimum_speed_mps", positive(self.minimum_speed_mps), "must be positive"),
+            ("slope.block_s", (0.05..=2.0).contains(&self.slope.block_s), "must be 0.05 to 2 s"),
+            ("slope.compliance_walk", positive(self.slope.compliance_walk), "must be positive"),
+            ("slope.cusum_threshold", positive(self.slope.cusum_threshold), "must be positive"),
+            ("slope.change_boost", positive(self.slope.change_boost), "must be positive"),
+            ("slope.initial_offset_std", positive(self.slope.initial_offset_std), "must be positive"),
+            ("cornering.stiffness_walk", positive(self.cornering.stiffness_walk), "must be positive"),
+            ("cornering.inconsistent_nis", self.cornering.inconsistent_nis > 1.0, "must be above 1"),
+            ("brush.initial_mu", positive(self.brush.initial_mu), "must be positive"),
+            ("friction.memory_s", positive(self.friction.memory_s), "must be positive"),
+        ];
+        checks.into_iter().find(|(_, good, _)| !good).map(|(key, _, reason)| (key, reason))
     }
 }
 
@@ -119,18 +132,27 @@ impl Default for SlopeConfig {
 pub struct CorneringConfig {
     /// Random walk of the cornering stiffnesses, relative to their value, 1/√s.
     pub stiffness_walk: f64,
-    /// Unmodelled lateral acceleration (bank, wind, tire dynamics), m/s²/√Hz.
+    /// Unmodelled lateral acceleration (wind, unevenness), m/s²/√Hz.
     pub acceleration_noise: f64,
-    /// Unmodelled yaw acceleration, rad/s²/√Hz.
-    pub yaw_acceleration_noise: f64,
+    /// Unmodelled slip angle (alignment, roll steer, dynamics of the tire), rad.
+    pub slip_angle_noise: f64,
     /// Offset of the road wheel angle before anything is measured, rad.
     pub steering_offset_std: f64,
     /// Offset of the yaw rate sensor before anything is measured, rad/s.
     pub yaw_rate_offset_std: f64,
     /// Offset of the lateral accelerometer before anything is measured (mounting, bank), m/s².
     pub acceleration_offset_std: f64,
-    /// Drift of the accelerometer offset, which follows the road's bank, m/s²/√s.
-    pub acceleration_offset_walk: f64,
+    /// Relative error of the speed from the wheels (worn, warm or unequal tires), on top of the
+    /// wheel radius's own uncertainty.
+    pub speed_scale_std: f64,
+    /// Gravity's part along the road's cross slope (rms), m/s².
+    pub bank_std: f64,
+    /// How long a cross slope lasts, s.
+    pub bank_time_s: f64,
+    /// CUSUM: standard deviations forgiven at each tenth of a second.
+    pub cusum_drift: f64,
+    /// CUSUM: standard deviations that must add up for a surface change.
+    pub cusum_threshold: f64,
     /// Lateral acceleration above which the linear tire no longer teaches the stiffness, m/s².
     pub linear_up_to_mps2: f64,
     /// Mean NIS above which the filter calls itself inconsistent.
@@ -147,12 +169,16 @@ impl Default for CorneringConfig {
     fn default() -> Self {
         Self {
             stiffness_walk: 0.003,
-            acceleration_noise: 0.05,
-            yaw_acceleration_noise: 0.02,
+            acceleration_noise: 0.02,
+            slip_angle_noise: 3e-4,
             steering_offset_std: 0.01,
             yaw_rate_offset_std: 0.01,
-            acceleration_offset_std: 0.3,
-            acceleration_offset_walk: 0.02,
+            acceleration_offset_std: 0.1,
+            speed_scale_std: 0.01,
+            bank_std: 0.15,
+            bank_time_s: 20.0,
+            cusum_drift: 1.0,
+            cusum_threshold: 10.0,
             linear_up_to_mps2: 4.0,
             inconsistent_nis: 4.0,
             valid_relative_std: 0.15,

@@ -1,45 +1,66 @@
 //! The joint lateral filter that is published: motion, both axles' cornering stiffness, and the
-//! offsets of the three sensors it stands on.
+//! errors of the sensors it stands on.
 //!
-//! Beyond thesis (5.21): front and rear stiffness apart, sensor offsets as states (a hundredth of a
-//! radian of steering offset would otherwise go into the stiffness), noise learned from the
-//! innovations, a change detector, and a linear-range guard: above `linear_up_to_mps2` the tire is no
-//! longer linear and teaches less and less. All tires are linear here.
+//! The joint EKF of thesis (5.21) multiplies two unknowns, stiffness and slip angle, and is soon surer
+//! of both than it can be. Here the *measured* forces are the regressors: lateral acceleration and
+//! yaw acceleration give each axle's normalized force μ, and with the compliance κ = 1/k every
+//! equation is linear in what is unknown:
+//!
+//! ```text
+//! v̇_y = a_y − v_x r                                 kinematics: no tire in it
+//! δ − (v_y + a r)/v_x = κ_F μ_F                       μ_F = (a_y + J ṙ/(m b))/g
+//!   − (v_y − b r)/v_x = κ_R μ_R                       μ_R = (a_y − J ṙ/(m a))/g     (thesis 5.20)
+//! ```
+//!
+//! All of it holds for means over a window as it does for an instant, if only v_y's change from one
+//! window's mean to the next is integrated from every sample ([`Window`]). Windows are long, because
+//! noise in a regressor pulls the compliance to zero, and what counts against it is how much the force
+//! *changes* from window to window. The yaw acceleration, in gentle driving mostly noise, is shrunk to
+//! its expectation for the same reason ([`YawAcceleration`]).
+//!
+//! Further states are the offsets of steering, accelerometer and gyro, the scales of speed and
+//! steering angle, and the road's bank, which turns v_y but is no tire force. Noise is learned from the
+//! innovations; a CUSUM detector per axle notices a change of surface.
 
-use nalgebra::{Matrix2, SMatrix, SVector, Vector2, vector};
+use nalgebra::SVector;
 
 use super::{Car, CorneringConfig, Kinematics};
 use crate::estimates::{Estimate, SensorOffsets};
-use crate::filter::discretize::zero_order_hold;
 use crate::filter::{Cusum, Gaussian, LearnedNoise};
 use crate::model::GRAVITY;
 use crate::{Quantity, Sensors};
 
-type State = Gaussian<7>;
+const STATES: usize = 9;
 
-/// Places in the state: v_y m/s, r rad/s, normalized stiffnesses 1/rad, offsets in SI.
+/// Places in the state.
 const VY: usize = 0;
-const YAW: usize = 1;
-const FRONT: usize = 2;
-const REAR: usize = 3;
-const ANGLE_OFFSET: usize = 4;
-const AY_OFFSET: usize = 5;
-const YAW_OFFSET: usize = 6;
+/// Compliances of the axles, rad per unit of normalized force.
+const FRONT: usize = 1;
+const REAR: usize = 2;
+/// Offsets: road wheel angle rad, lateral acceleration m/s², yaw rate rad/s.
+const ANGLE_OFFSET: usize = 3;
+const AY_OFFSET: usize = 4;
+const YAW_OFFSET: usize = 5;
+/// Relative errors of speed and steering angle.
+const SPEED_SCALE: usize = 6;
+const ANGLE_SCALE: usize = 7;
+/// Gravity's part along the road's cross slope, m/s².
+const BANK: usize = 8;
+
+type Row = SVector<f64, STATES>;
 
 /// The filter.
 #[derive(Clone, Debug)]
 pub struct CorneringEstimator {
     car: Car,
     config: CorneringConfig,
-    state: State,
-    yaw_variance: f64,
-    acceleration_variance: f64,
-    angle_variance: f64,
-    yaw_noise: LearnedNoise,
-    acceleration_noise: LearnedNoise,
-    change: ChangeDetector,
-    minimum_speed: f64,
+    noise: SensorNoise,
+    state: Gaussian<STATES>,
+    window: Window,
     running: bool,
+    axles: [AxleMonitor; 2],
+    yaw_acceleration: YawAcceleration,
+    minimum_speed: f64,
     standing_s: f64,
     age_s: f64,
     informed: bool,
@@ -60,57 +81,77 @@ pub struct LateralMotion {
     pub slip_angles: [f64; 2],
 }
 
-/// Lateral forces at the present state: accelerations of each axle and their sensitivities.
-struct Forces {
-    /// Slip angles front and rear.
-    alpha: [f64; 2],
-    /// Axle load / mass, m/s².
-    load: [f64; 2],
-    /// Yaw acceleration per normalized axle force, rad/s².
-    yaw_lever: f64,
+/// Standard deviations of single samples.
+#[derive(Clone, Copy, Debug)]
+struct SensorNoise {
+    yaw_rate: f64,
+    acceleration: f64,
+    road_angle: f64,
+}
+
+/// What an axle's innovations say.
+#[derive(Clone, Debug)]
+struct AxleMonitor {
+    noise: LearnedNoise,
+    cusum: Cusum,
 }
 
 impl CorneringEstimator {
-    /// Samples that the learned noise remembers.
-    const NOISE_MEMORY: f64 = 1000.0;
-    /// Stiffness stays within these, 1/rad.
-    const STIFFNESS_LIMITS: (f64, f64) = (1.0, 80.0);
-    /// Lateral acceleration from which a sample tells something of the stiffness, m/s².
-    const INFORMATIVE: f64 = 0.5;
-    /// Relative uncertainty that a stiffness has again after a change of surface.
+    /// Samples are averaged over this time before each update, s.
+    const WINDOW_S: f64 = 0.4;
+    /// Windows that the learned noise remembers.
+    const NOISE_MEMORY: f64 = 100.0;
+    /// Learned noise this many times (variance) the promised one is no longer a sensor's.
+    const NOISE_LIMIT: f64 = 100.0;
+    /// A compliance stays within these, rad.
+    const COMPLIANCE_LIMITS: (f64, f64) = (1.0 / 80.0, 1.0);
+    /// Lateral acceleration from which a window tells something of the stiffness, m/s².
+    const INFORMATIVE: f64 = 0.4;
+    /// Relative uncertainty that a compliance has again after a change of surface.
     const CHANGE_STD: f64 = 0.4;
+    /// Normalized innovations count in the CUSUM up to this.
+    const ALARM_CLIP: f64 = 4.0;
     /// All wheels slower than this, for [`Self::STANDING_AFTER`]: the car stands, m/s.
     const STANDING_BELOW: f64 = 0.1;
     const STANDING_AFTER: f64 = 0.5;
+    /// Lateral velocity of which nothing is known yet, m/s.
+    const UNKNOWN_VY: f64 = 0.5;
 
     /// Starts from the vehicle's priors.
     pub fn new(car: &Car, sensors: &Sensors, config: &CorneringConfig, minimum_speed: f64) -> Self {
-        let [front, rear] = car.cornering_prior;
-        let prior_std = |(value, std): (f64, f64)| std.max(0.05 * value);
-        let state = Gaussian::new(
-            [0.0, 0.0, front.0, rear.0, 0.0, 0.0, 0.0],
-            [
-                0.3,
-                0.05,
-                prior_std(front),
-                prior_std(rear),
-                config.steering_offset_std,
-                config.acceleration_offset_std,
-                config.yaw_rate_offset_std,
-            ],
-        );
-        let variance = |quantity| sensors.noise_std(quantity).powi(2);
+        let compliance = car.cornering_prior.map(|(value, std)| {
+            let relative = (std / value).max(0.05);
+            (1.0 / value, relative / value)
+        });
+        let mut mean = [0.0; STATES];
+        let mut std = [0.0; STATES];
+        for (i, (value, deviation)) in [FRONT, REAR].into_iter().zip(compliance) {
+            mean[i] = value;
+            std[i] = deviation;
+        }
+        std[VY] = Self::UNKNOWN_VY;
+        std[ANGLE_OFFSET] = config.steering_offset_std;
+        std[AY_OFFSET] = config.acceleration_offset_std;
+        std[YAW_OFFSET] = config.yaw_rate_offset_std;
+        std[SPEED_SCALE] = config.speed_scale_std.hypot(car.radius_relative_std);
+        std[ANGLE_SCALE] = car.steering_ratio_relative_std;
+        std[BANK] = config.bank_std;
+        let axle = AxleMonitor {
+            noise: LearnedNoise::new(Self::NOISE_MEMORY),
+            cusum: Cusum::new(config.cusum_drift, config.cusum_threshold),
+        };
         Self {
-            state,
-            yaw_variance: variance(Quantity::YawRate),
-            acceleration_variance: variance(Quantity::LateralAcceleration),
-            angle_variance: variance(Quantity::SteeringWheelAngle)
-                / (car.steering_ratio * car.steering_ratio),
-            yaw_noise: LearnedNoise::new(Self::NOISE_MEMORY),
-            acceleration_noise: LearnedNoise::new(Self::NOISE_MEMORY),
-            change: ChangeDetector::default(),
-            minimum_speed,
+            noise: SensorNoise {
+                yaw_rate: sensors.noise_std(Quantity::YawRate),
+                acceleration: sensors.noise_std(Quantity::LateralAcceleration),
+                road_angle: sensors.noise_std(Quantity::SteeringWheelAngle) / car.steering_ratio,
+            },
+            state: Gaussian::new(mean, std),
+            window: Window::default(),
             running: false,
+            axles: [axle.clone(), axle],
+            yaw_acceleration: YawAcceleration::default(),
+            minimum_speed,
             standing_s: 0.0,
             age_s: 0.0,
             informed: false,
@@ -132,30 +173,22 @@ impl CorneringEstimator {
         let (Some(speed), Some(r), Some(ay), Some(angle)) =
             (moving, now.yaw_rate, now.lateral_acceleration, now.road_angle)
         else {
-            self.running = false;
-            self.walk(now.elapsed_s);
+            self.stop(now.elapsed_s);
             return false;
         };
-        if !self.running {
-            self.restart(r);
+        if now.elapsed_s > 0.25 * Self::WINDOW_S {
+            self.stop(now.elapsed_s);
         }
         (self.idle_s, self.seen) = (0.0, true);
-        self.predict(speed, angle, now.elapsed_s);
-        self.measure_yaw_rate(r);
-        let changed = self.measure_acceleration(speed, angle, ay, now.elapsed_s);
-        self.keep_sound();
-        if ay.abs() > Self::INFORMATIVE {
-            self.age_s = 0.0;
-            self.informed = true;
+        let sample = Means { speed, yaw_rate: r, acceleration: ay, angle, samples: 1.0, ..Means::default() };
+        let mut changed = false;
+        if let Some(mut means) = self.window.step(&sample, now.elapsed_s) {
+            self.yaw_acceleration.shrink(&mut means);
+            changed = self.update(&means);
+            self.running = true;
         }
-        let forces = self.forces(speed, angle);
-        self.motion = Some(LateralMotion {
-            lateral_velocity: self.state.mean[VY],
-            lateral_velocity_std: self.state.std(VY),
-            slip_angles: forces.alpha,
-        });
-        if changed {
-            self.surface_changed();
+        if self.running {
+            self.motion = Some(self.motion_at(&sample));
         }
         changed
     }
@@ -168,9 +201,11 @@ impl CorneringEstimator {
     /// Normalized cornering stiffness front and rear, 1/rad.
     pub fn stiffness(&self) -> [Option<Estimate>; 2] {
         [FRONT, REAR].map(|i| {
+            let compliance = self.state.mean[i];
+            let relative = self.state.std(i) / compliance;
             self.informed.then(|| Estimate {
-                value: self.state.mean[i],
-                std: self.state.std(i),
+                value: 1.0 / compliance,
+                std: relative / compliance,
                 age_s: self.age_s,
             })
         })
@@ -209,9 +244,9 @@ impl CorneringEstimator {
     /// Innovations are about as large as the filter believes, and the noise it had to assume for
     /// that is still a sensor's.
     pub fn is_consistent(&self) -> bool {
-        [&self.yaw_noise, &self.acceleration_noise]
-            .into_iter()
-            .all(|noise| noise.nis() < self.config.inconsistent_nis && noise.scale() < Self::NOISE_MEMORY)
+        self.axles.iter().all(|axle| {
+            axle.noise.nis() < self.config.inconsistent_nis && axle.noise.scale() < Self::NOISE_LIMIT
+        })
     }
 
     /// The surface changed, as this filter or another noticed: the stiffness may be anything near.
@@ -219,6 +254,9 @@ impl CorneringEstimator {
         for i in [FRONT, REAR] {
             let std = Self::CHANGE_STD * self.state.mean[i];
             self.state.inflate(i, std * std);
+        }
+        for axle in &mut self.axles {
+            axle.cusum.reset();
         }
     }
 
@@ -233,187 +271,307 @@ impl CorneringEstimator {
         if let Some(r) = now.yaw_rate
             && self.standing_s > Self::STANDING_AFTER
         {
-            let mut h = SVector::<f64, 7>::zeros();
+            let mut h = Row::zeros();
             h[YAW_OFFSET] = 1.0;
-            // The motion is not part of it: drop its correlations before the update.
-            self.restart(0.0);
-            self.running = false;
-            self.state.update(&h, r - self.state.mean[YAW_OFFSET], self.yaw_variance);
+            self.state.update(&h, r - self.state.mean[YAW_OFFSET], self.noise.yaw_rate.powi(2));
         }
     }
 
-    /// The motion is unknown again; stiffness and offsets are kept.
-    fn restart(&mut self, r: f64) {
-        for i in [VY, YAW] {
-            self.state.covariance.row_mut(i).fill(0.0);
-            self.state.covariance.column_mut(i).fill(0.0);
+    /// The motion is not known for a while; stiffness and sensor errors are kept.
+    fn stop(&mut self, elapsed_s: f64) {
+        self.window = Window::default();
+        if std::mem::take(&mut self.running) {
+            self.forget(VY, 0.0, Self::UNKNOWN_VY);
         }
-        let yaw_rate = r - self.state.mean[YAW_OFFSET];
-        self.state.mean[VY] = self.car.b * yaw_rate;
-        self.state.mean[YAW] = yaw_rate;
-        self.state.covariance[(VY, VY)] = 0.3 * 0.3;
-        self.state.covariance[(YAW, YAW)] = 0.05 * 0.05;
-        self.running = true;
-    }
-
-    fn forces(&self, speed: f64, angle: f64) -> Forces {
-        let car = &self.car;
-        let x = &self.state.mean;
-        let wheelbase = car.wheelbase();
-        Forces {
-            alpha: car.slip_angles(speed, x[VY], x[YAW], angle - x[ANGLE_OFFSET]),
-            load: [GRAVITY * car.b / wheelbase, GRAVITY * car.a / wheelbase],
-            yaw_lever: car.mass * GRAVITY * car.a * car.b / (wheelbase * car.yaw_inertia),
-        }
-    }
-
-    /// Rosenbrock–Euler step of the motion, with the exact discretization of its linearization.
-    fn predict(&mut self, speed: f64, angle: f64, elapsed_s: f64) {
-        let forces = self.forces(speed, angle);
-        let Forces { alpha, load, yaw_lever } = forces;
-        let (front, rear) = (self.state.mean[FRONT], self.state.mean[REAR]);
-        let (pf, pr) = (load[0] * front, load[1] * rear);
-        let (a, b) = (self.car.a, self.car.b);
-        let jacobian = Matrix2::new(
-            -(pf + pr) / speed,
-            -speed - (a * pf - b * pr) / speed,
-            -yaw_lever * (front - rear) / speed,
-            -yaw_lever * (a * front + b * rear) / speed,
-        );
-        let rates = Vector2::new(
-            -speed * self.state.mean[YAW] + pf * alpha[0] + pr * alpha[1],
-            yaw_lever * (front * alpha[0] - rear * alpha[1]),
-        );
-        let (motion, integral) = zero_order_hold(&jacobian, elapsed_s);
-        let by_angle = vector![pf, yaw_lever * front];
-        let mut transition = SMatrix::<f64, 7, 7>::identity();
-        transition.fixed_view_mut::<2, 2>(0, 0).copy_from(&motion);
-        let columns = [
-            (FRONT, vector![load[0] * alpha[0], yaw_lever * alpha[0]]),
-            (REAR, vector![load[1] * alpha[1], -yaw_lever * alpha[1]]),
-            (ANGLE_OFFSET, -by_angle),
-        ];
-        for (column, sensitivity) in columns {
-            transition.fixed_view_mut::<2, 1>(0, column).copy_from(&(integral * sensitivity));
-        }
-        let step = integral * rates;
-        self.state.mean[VY] += step[0];
-        self.state.mean[YAW] += step[1];
-        let config = &self.config;
-        let by_steering_noise = integral * by_angle;
-        let mut noise = SMatrix::<f64, 7, 7>::zeros();
-        noise
-            .fixed_view_mut::<2, 2>(0, 0)
-            .copy_from(&(by_steering_noise * by_steering_noise.transpose() * self.angle_variance));
-        noise[(VY, VY)] += config.acceleration_noise.powi(2) * elapsed_s;
-        noise[(YAW, YAW)] += config.yaw_acceleration_noise.powi(2) * elapsed_s;
-        self.state.predict_covariance(&transition, &noise);
         self.walk(elapsed_s);
     }
 
-    /// Random walks of what changes on its own.
+    /// A component is unknown again, and unrelated to the others.
+    fn forget(&mut self, i: usize, mean: f64, std: f64) {
+        self.state.covariance.row_mut(i).fill(0.0);
+        self.state.covariance.column_mut(i).fill(0.0);
+        self.state.mean[i] = mean;
+        self.state.covariance[(i, i)] = std * std;
+    }
+
+    /// Random walks of what changes on its own, and the bank, which comes and goes.
     fn walk(&mut self, elapsed_s: f64) {
+        let config = &self.config;
         for i in [FRONT, REAR] {
-            let walk = self.config.stiffness_walk * self.state.mean[i];
+            let walk = config.stiffness_walk * self.state.mean[i];
             self.state.inflate(i, walk * walk * elapsed_s);
         }
-        self.state.inflate(AY_OFFSET, self.config.acceleration_offset_walk.powi(2) * elapsed_s);
-        // Bank is bounded: so is what has not been seen of it.
-        let limit = self.config.acceleration_offset_std.powi(2);
-        if self.state.covariance[(AY_OFFSET, AY_OFFSET)] > limit {
-            let shrink = (limit / self.state.covariance[(AY_OFFSET, AY_OFFSET)]).sqrt();
-            self.state.covariance.row_mut(AY_OFFSET).scale_mut(shrink);
-            self.state.covariance.column_mut(AY_OFFSET).scale_mut(shrink);
+        let kept = (-elapsed_s / config.bank_time_s).exp();
+        self.state.mean[BANK] *= kept;
+        self.state.covariance.row_mut(BANK).scale_mut(kept);
+        self.state.covariance.column_mut(BANK).scale_mut(kept);
+        self.state.inflate(BANK, config.bank_std.powi(2) * (1.0 - kept * kept));
+    }
+
+    /// From the last window's middle to this one's, then both axles' equations.
+    fn update(&mut self, now: &Means) -> bool {
+        if self.running {
+            self.predict(now);
+        } else {
+            let r = now.yaw_rate - self.state.mean[YAW_OFFSET];
+            let vy = self.car.steady_lateral_velocity(now.speed, r, now.acceleration);
+            self.forget(VY, vy, Self::UNKNOWN_VY);
         }
-    }
-
-    fn measure_yaw_rate(&mut self, r: f64) {
-        let mut h = SVector::<f64, 7>::zeros();
-        h[YAW] = 1.0;
-        h[YAW_OFFSET] = 1.0;
-        let residual = r - self.state.mean[YAW] - self.state.mean[YAW_OFFSET];
-        let variance = self.yaw_noise.variance(self.yaw_variance);
-        let expected = self.state.innovation(&h, residual, variance);
-        self.yaw_noise.learn(&expected, self.yaw_variance);
-        self.state.update(&h, residual, variance * self.yaw_noise.redundancy());
-    }
-
-    fn measure_acceleration(&mut self, speed: f64, angle: f64, ay: f64, elapsed_s: f64) -> bool {
-        let Forces { alpha, load, .. } = self.forces(speed, angle);
-        let x = &self.state.mean;
-        let (pf, pr) = (load[0] * x[FRONT], load[1] * x[REAR]);
-        let mut h = SVector::<f64, 7>::zeros();
-        h[VY] = -(pf + pr) / speed;
-        h[YAW] = -(self.car.a * pf - self.car.b * pr) / speed;
-        h[FRONT] = load[0] * alpha[0];
-        h[REAR] = load[1] * alpha[1];
-        h[ANGLE_OFFSET] = -pf;
-        h[AY_OFFSET] = 1.0;
-        let residual = ay - pf * alpha[0] - pr * alpha[1] - x[AY_OFFSET];
-        let promised = self.acceleration_variance + pf * pf * self.angle_variance;
-        let excess = (ay.abs() - self.config.linear_up_to_mps2).max(0.0);
-        let nonlinear = 1.0 + 100.0 * excess * excess;
-        let variance = self.acceleration_noise.variance(promised) * nonlinear;
-        let expected = self.state.innovation(&h, residual, variance);
-        if excess == 0.0 {
-            self.acceleration_noise.learn(&expected, promised);
+        let mut changed = false;
+        for axle in [FRONT, REAR] {
+            changed |= self.measure(axle, now);
         }
-        self.state.update(&h, residual, variance * self.acceleration_noise.redundancy());
-        let redundancy = self.acceleration_noise.redundancy();
-        self.change.step(expected.normalized(), redundancy, ay, elapsed_s)
-    }
-
-    fn keep_sound(&mut self) {
         for i in [FRONT, REAR] {
-            self.state.mean[i] = self.state.mean[i].clamp(Self::STIFFNESS_LIMITS.0, Self::STIFFNESS_LIMITS.1);
+            let (low, high) = Self::COMPLIANCE_LIMITS;
+            self.state.mean[i] = self.state.mean[i].clamp(low, high);
         }
         if !self.state.is_sound() {
-            let sensors_noise = (self.yaw_variance, self.acceleration_variance, self.angle_variance);
-            *self = Self::new(&self.car, &Sensors::default(), &self.config, self.minimum_speed);
-            (self.yaw_variance, self.acceleration_variance, self.angle_variance) = sensors_noise;
+            self.start_again();
         }
-    }
-}
-
-/// CUSUM on tenths of a second of lateral-acceleration innovations, signed by the acceleration: a
-/// softer axle gives less than predicted in whichever direction.
-#[derive(Clone, Debug)]
-struct ChangeDetector {
-    cusum: Cusum,
-    sum: f64,
-    count: f64,
-    time_s: f64,
-}
-
-impl Default for ChangeDetector {
-    fn default() -> Self {
-        Self { cusum: Cusum::new(1.0, 10.0), sum: 0.0, count: 0.0, time_s: 0.0 }
-    }
-}
-
-impl ChangeDetector {
-    const WINDOW_S: f64 = 0.1;
-    const CLIP: f64 = 4.0;
-
-    fn step(&mut self, normalized: f64, redundancy: f64, ay: f64, elapsed_s: f64) -> bool {
-        self.time_s += elapsed_s;
-        if normalized.is_finite() && ay.abs() > CorneringEstimator::INFORMATIVE {
-            self.sum += normalized * ay.signum();
-            self.count += 1.0;
+        if now.acceleration.abs() > Self::INFORMATIVE {
+            self.age_s = 0.0;
+            self.informed = true;
         }
-        if self.time_s < Self::WINDOW_S {
+        if changed {
+            self.surface_changed();
+        }
+        changed
+    }
+
+    /// v̇_y = a_y − v_x r from window to window, with the sensors' errors and the bank taken off.
+    fn predict(&mut self, now: &Means) {
+        let path = now.path;
+        let x = &self.state.mean;
+        let turned = path.turned - x[YAW_OFFSET] * path.distance;
+        self.state.mean[VY] += self.along(&path);
+        let mut transition = nalgebra::SMatrix::<f64, STATES, STATES>::identity();
+        transition[(VY, AY_OFFSET)] = -path.time;
+        transition[(VY, BANK)] = -path.time;
+        transition[(VY, YAW_OFFSET)] = path.distance;
+        transition[(VY, SPEED_SCALE)] = -turned;
+        let white =
+            self.noise.acceleration.hypot(now.speed * self.noise.yaw_rate) * path.time / now.samples.sqrt();
+        let unmodelled = self.config.acceleration_noise * path.time.sqrt();
+        let mut noise = nalgebra::SMatrix::<f64, STATES, STATES>::zeros();
+        noise[(VY, VY)] = white * white + unmodelled * unmodelled;
+        self.state.predict_covariance(&transition, &noise);
+        self.walk(path.time);
+    }
+
+    /// Change of v_y along a path, m/s.
+    fn along(&self, path: &Path) -> f64 {
+        let x = &self.state.mean;
+        let turned = path.turned - x[YAW_OFFSET] * path.distance;
+        path.pushed - (x[AY_OFFSET] + x[BANK]) * path.time - (1.0 + x[SPEED_SCALE]) * turned
+    }
+
+    /// One axle's equation: what the slip angle is by the motion, less what it is by the force.
+    fn measure(&mut self, axle: usize, now: &Means) -> bool {
+        let car = &self.car;
+        let x = &self.state.mean;
+        let front = axle == FRONT;
+        // Along the car to the axle, and how its inertia turns yaw acceleration into axle force.
+        let lever = if front { car.a } else { -car.b };
+        let turning = car.yaw_inertia / (car.mass * if front { car.b } else { -car.a });
+        let force = (now.acceleration - x[AY_OFFSET] + turning * now.yaw_acceleration) / GRAVITY;
+        let speed = now.speed * (1.0 + x[SPEED_SCALE]);
+        let along = (x[VY] + lever * (now.yaw_rate - x[YAW_OFFSET])) / speed;
+        let steered = if front { now.angle * (1.0 + x[ANGLE_SCALE]) - x[ANGLE_OFFSET] } else { 0.0 };
+        let compliance = x[axle];
+        let residual = -(steered - along.atan() - compliance * force);
+        let mut h = Row::zeros();
+        h[VY] = -1.0 / speed;
+        h[axle] = -force;
+        h[AY_OFFSET] = compliance / GRAVITY;
+        h[YAW_OFFSET] = lever / speed;
+        h[SPEED_SCALE] = along;
+        if front {
+            h[ANGLE_OFFSET] = -1.0;
+            h[ANGLE_SCALE] = now.angle;
+        }
+        let promised = self.promised_variance(axle, compliance, turning, lever / speed, now);
+        let excess = (now.acceleration.abs() - self.config.linear_up_to_mps2).max(0.0);
+        let nonlinear = 1.0 + 100.0 * excess * excess;
+        let monitor = &mut self.axles[axle - FRONT];
+        let variance = monitor.noise.variance(promised) * nonlinear;
+        let expected = self.state.innovation(&h, residual, variance);
+        if excess == 0.0 {
+            monitor.noise.learn(&expected, promised);
+        }
+        let redundancy = monitor.noise.redundancy();
+        self.state.update(&h, residual, variance * redundancy);
+        if force.abs() * GRAVITY < Self::INFORMATIVE {
             return false;
         }
-        let mean = if self.count > 0.0 { self.sum / (self.count * redundancy).sqrt() } else { 0.0 };
-        (self.sum, self.count, self.time_s) = (0.0, 0.0, 0.0);
-        self.cusum.step(mean.clamp(-Self::CLIP, Self::CLIP)).is_some()
+        let evidence = expected.normalized() * force.signum() / redundancy.sqrt();
+        monitor.cusum.step(evidence.clamp(-Self::ALARM_CLIP, Self::ALARM_CLIP)).is_some()
+    }
+
+    /// Noise of an axle's equation as the sensors' data sheets promise it, rad².
+    fn promised_variance(&self, axle: usize, compliance: f64, turning: f64, lever: f64, now: &Means) -> f64 {
+        let averaged = 1.0 / now.samples.sqrt();
+        let force = (self.noise.acceleration * averaged).hypot(turning * now.yaw_acceleration_std) / GRAVITY;
+        let mut variance = (compliance * force).powi(2) + (lever * self.noise.yaw_rate * averaged).powi(2);
+        if axle == FRONT {
+            variance += (self.noise.road_angle * averaged).powi(2);
+        }
+        variance + self.config.slip_angle_noise.powi(2)
+    }
+
+    /// The motion now, brought forward from the last window's mean.
+    fn motion_at(&self, now: &Means) -> LateralMotion {
+        let x = &self.state.mean;
+        let vy = x[VY] + self.along(&self.window.path);
+        let r = now.yaw_rate - x[YAW_OFFSET];
+        let angle = now.angle * (1.0 + x[ANGLE_SCALE]) - x[ANGLE_OFFSET];
+        LateralMotion {
+            lateral_velocity: vy,
+            lateral_velocity_std: self.state.std(VY),
+            slip_angles: self.car.slip_angles(now.speed * (1.0 + x[SPEED_SCALE]), vy, r, angle),
+        }
+    }
+
+    /// Numbers got out of hand: better to know nothing than to go on with them.
+    fn start_again(&mut self) {
+        let noise = self.noise;
+        *self = Self::new(&self.car, &Sensors::default(), &self.config, self.minimum_speed);
+        self.noise = noise;
+    }
+}
+
+/// Integrals along the way: what v_y changes by.
+#[derive(Clone, Copy, Debug, Default)]
+struct Path {
+    /// Time, s.
+    time: f64,
+    /// Distance, m.
+    distance: f64,
+    /// ∫ a_y dt, m/s.
+    pushed: f64,
+    /// ∫ v_x r dt, m/s.
+    turned: f64,
+}
+
+impl Path {
+    /// This one's entries combined with another's.
+    fn with(&self, other: &Path, combine: impl Fn(f64, f64) -> f64) -> Path {
+        Path {
+            time: combine(self.time, other.time),
+            distance: combine(self.distance, other.distance),
+            pushed: combine(self.pushed, other.pushed),
+            turned: combine(self.turned, other.turned),
+        }
+    }
+}
+
+/// Means of a window.
+#[derive(Clone, Copy, Debug, Default)]
+struct Means {
+    speed: f64,
+    yaw_rate: f64,
+    yaw_acceleration: f64,
+    /// What is not known of the yaw acceleration.
+    yaw_acceleration_std: f64,
+    acceleration: f64,
+    angle: f64,
+    samples: f64,
+    /// Mean of the integrals, counted from the mean of the window before.
+    path: Path,
+}
+
+/// Sums of the samples of a window.
+#[derive(Clone, Debug, Default)]
+struct Window {
+    sums: Means,
+    /// Integrals up to now, counted from the last window's mean.
+    path: Path,
+    time: f64,
+    time_sum: f64,
+    time_square: f64,
+    time_yaw: f64,
+    yaw_square: f64,
+}
+
+impl Window {
+    fn step(&mut self, sample: &Means, elapsed_s: f64) -> Option<Means> {
+        let passed = Path {
+            time: elapsed_s,
+            distance: elapsed_s * sample.speed,
+            pushed: elapsed_s * sample.acceleration,
+            turned: elapsed_s * sample.speed * sample.yaw_rate,
+        };
+        self.path = self.path.with(&passed, |sum, step| sum + step);
+        let sums = &mut self.sums;
+        sums.samples += 1.0;
+        sums.speed += sample.speed;
+        sums.yaw_rate += sample.yaw_rate;
+        sums.acceleration += sample.acceleration;
+        sums.angle += sample.angle;
+        sums.path = sums.path.with(&self.path, |sum, path| sum + path);
+        self.time_sum += self.time;
+        self.time_square += self.time * self.time;
+        self.time_yaw += self.time * sample.yaw_rate;
+        self.yaw_square += sample.yaw_rate * sample.yaw_rate;
+        self.time += elapsed_s;
+        // Half a sample of tolerance: the sum of many periods is not exactly the window's length.
+        if self.time + 0.5 * elapsed_s < CorneringEstimator::WINDOW_S {
+            return None;
+        }
+        let means = self.means();
+        let path = self.path.with(&means.path, |now, mean| now - mean);
+        *self = Self { path, ..Self::default() };
+        (means.samples >= 4.0).then_some(means)
+    }
+
+    fn means(&self) -> Means {
+        let sums = &self.sums;
+        let n = sums.samples;
+        let spread = self.time_square - self.time_sum * self.time_sum / n;
+        let rate = (self.time_yaw - self.time_sum * sums.yaw_rate / n) / spread;
+        let around_line = self.yaw_square - sums.yaw_rate * sums.yaw_rate / n - rate * rate * spread;
+        Means {
+            speed: sums.speed / n,
+            yaw_rate: sums.yaw_rate / n,
+            yaw_acceleration: rate,
+            yaw_acceleration_std: (around_line.max(0.0) / (n - 2.0).max(1.0) / spread).sqrt(),
+            acceleration: sums.acceleration / n,
+            angle: sums.angle / n,
+            samples: n,
+            path: sums.path.with(&Path::default(), |sum, _| sum / n),
+        }
+    }
+}
+
+/// Running variances of the yaw acceleration and of its noise.
+#[derive(Clone, Copy, Debug, Default)]
+struct YawAcceleration {
+    total: f64,
+    noise: f64,
+}
+
+impl YawAcceleration {
+    /// Windows that are remembered.
+    const MEMORY: f64 = 100.0;
+
+    /// Replaces the measured yaw acceleration by its expectation, given how much of what is measured
+    /// is noise: an error that remains is then independent of the value, and does not bias a slope.
+    fn shrink(&mut self, means: &mut Means) {
+        self.total += (means.yaw_acceleration.powi(2) - self.total) / Self::MEMORY;
+        self.noise += (means.yaw_acceleration_std.powi(2) - self.noise) / Self::MEMORY;
+        let signal = (self.total - self.noise).max(0.0);
+        let share =
+            if self.total > 0.0 { signal / (signal + self.noise).max(f64::MIN_POSITIVE) } else { 0.0 };
+        means.yaw_acceleration *= share;
+        means.yaw_acceleration_std = (share * self.noise).sqrt();
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::filter::discretize::zero_order_hold;
     use crate::model::Vehicle;
+    use nalgebra::Vector2;
 
     const OFFSETS: [f64; 3] = [0.004, -0.08, 0.006];
 

@@ -20,6 +20,10 @@ pub struct Car {
     pub wheel_inertia: f64,
     /// Steering wheel angle per road wheel angle.
     pub steering_ratio: f64,
+    /// Relative standard deviation of the steering ratio.
+    pub steering_ratio_relative_std: f64,
+    /// Relative standard deviation of the wheel radius.
+    pub radius_relative_std: f64,
     /// Track widths front and rear, m.
     pub track: [f64; 2],
     /// Static load of one front and one rear wheel, N.
@@ -56,6 +60,8 @@ impl Car {
             radius: vehicle.wheel_radius_m.value,
             wheel_inertia: vehicle.wheel_inertia_kgm2.value,
             steering_ratio: vehicle.steering_ratio.value,
+            steering_ratio_relative_std: vehicle.steering_ratio.std / vehicle.steering_ratio.value,
+            radius_relative_std: vehicle.wheel_radius_m.std / vehicle.wheel_radius_m.value,
             track: [vehicle.track_front_m.value, vehicle.track_rear_m.value],
             wheel_load,
             driven_axle: vehicle.driven_axle,

@@ -147,9 +147,11 @@ impl WheelSlope {
     fn slope(&self) -> Option<Estimate> {
         let compliance = self.filter.mean[0];
         let relative = self.filter.std(0) / compliance;
+        // Slip is measured against a reference that the offset scales, too.
+        let scale = 1.0 + self.filter.mean[1];
         (self.informed && compliance > 0.0 && relative < Self::UNKNOWN).then(|| Estimate {
-            value: 1.0 / compliance,
-            std: relative / compliance,
+            value: scale / compliance,
+            std: scale * relative / compliance,
             age_s: self.age_s,
         })
     }

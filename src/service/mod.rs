@@ -1,1 +1,62 @@
 //! The daemon: receive, estimate, publish.
+//!
+//! One task does all of it, in order: a frame is decoded, sampled, estimated and answered before the
+//! next one is looked at. There is no queue between receiving and publishing that could grow old.
+
+mod daemon;
+mod engine;
+
+use serde::Deserialize;
+use thiserror::Error;
+
+use crate::can::CanId;
+use crate::config::ConfigError;
+use crate::dbc::DbcError;
+use crate::signals::SignalsError;
+use crate::signals::publish::PublishError;
+
+pub use daemon::{Link, ServiceError, Tally, run, serve};
+pub use engine::{Engine, EngineCounts, Sink};
+
+/// `[service]`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ServiceConfig {
+    /// A line with counts goes to the log this often, s; 0: never.
+    pub report_every_s: u64,
+}
+
+impl Default for ServiceConfig {
+    fn default() -> Self {
+        Self { report_every_s: 60 }
+    }
+}
+
+/// A configuration that parses but cannot be set up.
+#[derive(Debug, Error)]
+pub enum SetupError {
+    /// Reading the configuration or its DBC files.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// The mapping of `[signals]`.
+    #[error(transparent)]
+    Signals(#[from] SignalsError),
+    /// The layout of what is published.
+    #[error(transparent)]
+    Publish(#[from] PublishError),
+    /// An identifier that is both needed and published.
+    #[error(
+        "identifier {id} is needed as an input and would be published, too: \
+         give the message another one in [publish.ids]"
+    )]
+    OwnIdentifier {
+        /// The identifier.
+        id: CanId,
+    },
+}
+
+impl From<DbcError> for SetupError {
+    fn from(error: DbcError) -> Self {
+        Self::Config(error.into())
+    }
+}

@@ -99,6 +99,21 @@ impl Outputs {
     }
 }
 
+impl Outputs {
+    /// Emits now, whatever their periods, the messages that carry any of these quantities: for a
+    /// source that has its own times.
+    pub fn send_updated(&mut self, updated: &[Quantity], values: &Sample, emit: &mut impl FnMut(&Frame)) {
+        for sender in &mut self.messages {
+            let carries = |quantity| sender.message.mappings.iter().any(|m| m.quantity == quantity);
+            if updated.iter().any(|quantity| carries(*quantity))
+                && let Some(frame) = sender.make(values.time, values)
+            {
+                emit(&frame);
+            }
+        }
+    }
+}
+
 impl Sender {
     /// The frame that is due, if one is.
     fn frame(&mut self, values: &Sample) -> Option<Frame> {

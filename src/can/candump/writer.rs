@@ -1,10 +1,7 @@
 //! Writes a log as `candump -L` would; a file appears under its name only when it is complete.
 
-use std::ffi::OsString;
-use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::path::Path;
 
 use flate2::write::GzEncoder;
 
@@ -12,6 +9,7 @@ use super::LogError;
 use crate::Micros;
 use crate::can::wire::{ERROR, fd_flags};
 use crate::can::{Frame, FrameKind};
+use crate::new_file::NewFile;
 
 /// Writes frames as candump lines.
 ///
@@ -22,7 +20,7 @@ pub struct Writer {
     interface: String,
     sink: Sink,
     line: Vec<u8>,
-    aside: Option<Aside>,
+    file: Option<NewFile>,
 }
 
 type Output = BufWriter<Box<dyn Write + Send>>;
@@ -38,7 +36,7 @@ impl Writer {
     /// Writes to anything, for frames of `interface`.
     pub fn new(output: impl Write + Send + 'static, interface: &str) -> Self {
         let sink = Sink::Plain(buffered(Box::new(output)));
-        Self { name: "output".into(), interface: interface.into(), sink, line: Vec::new(), aside: None }
+        Self { name: "output".into(), interface: interface.into(), sink, line: Vec::new(), file: None }
     }
 
     /// Creates a file; `-` is the standard output. A name in `.gz` or `.zst` is packed accordingly.
@@ -56,25 +54,15 @@ impl Writer {
     }
 
     fn create_file(path: &Path, interface: &str) -> io::Result<Self> {
-        let (file, aside) = match fs::metadata(path) {
-            Ok(there) if there.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
-            Ok(there) if !there.is_file() => (OpenOptions::new().write(true).open(path)?, None),
-            existing => {
-                let (file, aside) = Aside::create(path)?;
-                if let Ok(there) = existing {
-                    file.set_permissions(there.permissions())?;
-                }
-                (file, Some(aside))
-            }
-        };
-        let output = buffered(Box::new(file));
+        let file = NewFile::create(path)?;
+        let output = buffered(Box::new(file.writer()?));
         let sink = match path.extension().and_then(|extension| extension.to_str()) {
             Some("gz") => Sink::Gzip(GzEncoder::new(output, flate2::Compression::default())),
             Some("zst") => Sink::Zstd(zstd::Encoder::new(output, zstd::DEFAULT_COMPRESSION_LEVEL)?),
             _ => Sink::Plain(output),
         };
         let (name, interface) = (path.display().to_string(), interface.to_owned());
-        Ok(Self { name, interface, sink, line: Vec::new(), aside })
+        Ok(Self { name, interface, sink, line: Vec::new(), file: Some(file) })
     }
 
     /// Writes a frame of the writer's interface.
@@ -116,9 +104,9 @@ impl Writer {
     /// # Errors
     /// If any of this fails; then the file that was there before is still there.
     pub fn finish(self) -> Result<(), LogError> {
-        let Self { name, sink, aside, .. } = self;
+        let Self { name, sink, file, .. } = self;
         sink.finish()
-            .and_then(|()| aside.map_or(Ok(()), Aside::commit))
+            .and_then(|()| file.map_or(Ok(()), NewFile::commit))
             .map_err(|source| LogError::Write { name, source })
     }
 
@@ -149,51 +137,6 @@ impl Sink {
         }
         .flush()
     }
-}
-
-/// A file that does not have its final name yet. Dropped without [`Aside::commit`], it goes away.
-struct Aside {
-    file: File,
-    temporary: PathBuf,
-    target: PathBuf,
-}
-
-impl Aside {
-    fn create(path: &Path) -> io::Result<(File, Self)> {
-        // Through symbolic links: the file they point to is to be replaced, not the link.
-        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        let temporary = temporary_name(&target).ok_or(io::ErrorKind::InvalidFilename)?;
-        let file = OpenOptions::new().write(true).create_new(true).open(&temporary)?;
-        let aside = Self { file: file.try_clone()?, temporary, target };
-        Ok((file, aside))
-    }
-
-    /// The contents first, then the name: after a power cut there is the old file or the new one.
-    fn commit(mut self) -> io::Result<()> {
-        self.file.sync_all()?;
-        fs::rename(&self.temporary, &self.target)?;
-        self.temporary = PathBuf::new();
-        let folder = self.target.parent().filter(|folder| !folder.as_os_str().is_empty());
-        File::open(folder.unwrap_or(Path::new(".")))?.sync_all()
-    }
-}
-
-impl Drop for Aside {
-    fn drop(&mut self) {
-        if !self.temporary.as_os_str().is_empty() {
-            // Nothing could be done about a failure here, and the name tells what it is.
-            let _ = fs::remove_file(&self.temporary);
-        }
-    }
-}
-
-/// `.NAME.PROCESS-COUNT.part` beside the target; `None` if the path has no file name.
-fn temporary_name(target: &Path) -> Option<PathBuf> {
-    static COUNT: AtomicU32 = AtomicU32::new(0);
-    let mut name = OsString::from(".");
-    name.push(target.file_name()?);
-    name.push(format!(".{}-{}.part", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed)));
-    Some(target.with_file_name(name))
 }
 
 /// Appends a frame as `candump -L` would print it, with a newline.

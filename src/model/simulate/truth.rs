@@ -203,12 +203,12 @@ impl<W: io::Write> TruthWriter<W> {
         csv.write_record(None::<&[u8]>)
     }
 
-    /// Flushes what is buffered.
+    /// Flushes what is buffered and gives the writer back.
     ///
     /// # Errors
     /// What the writer reports.
-    pub fn flush(&mut self) -> io::Result<()> {
-        self.csv.flush()
+    pub fn into_inner(self) -> io::Result<W> {
+        self.csv.into_inner().map_err(csv::IntoInnerError::into_error)
     }
 }
 

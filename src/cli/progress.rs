@@ -1,0 +1,48 @@
+//! A progress bar, on a terminal only.
+
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Shows that long work goes on.
+pub struct Progress {
+    bar: ProgressBar,
+}
+
+impl Progress {
+    /// Work of unknown length over recordings, counted in lines.
+    pub fn of_files(files: &[PathBuf]) -> Self {
+        let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
+        Self::lines(&names.join(", "))
+    }
+
+    fn lines(name: &str) -> Self {
+        let bar = ProgressBar::new_spinner();
+        if !std::io::stderr().is_terminal() {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
+        }
+        if let Ok(style) =
+            ProgressStyle::with_template("{spinner} {msg}: {human_pos} lines, {per_sec}, {elapsed}")
+        {
+            bar.set_style(style);
+        }
+        bar.set_message(name.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self { bar }
+    }
+
+    /// So many lines are done. Cheap enough for every line.
+    #[inline]
+    pub fn advance(&self, lines: u64) {
+        if lines.is_multiple_of(4096) {
+            self.bar.set_position(lines);
+        }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(self) {
+        self.bar.finish_and_clear();
+    }
+}

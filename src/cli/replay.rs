@@ -1,0 +1,268 @@
+//! `gripd replay`: the service's own engine over recordings.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::Failure;
+use super::output::{Output, write_json};
+use super::player::Player;
+use super::progress::Progress;
+use super::tables::{EstimatesTable, SamplesTable};
+use crate::can::Frame;
+use crate::can::candump::{LogError, Reader, Writer};
+use crate::service::{Engine, Sink};
+use crate::{Config, Estimates, Sample};
+
+/// Without -i nothing touches a bus, and the same input gives the same output to the last bit.
+#[derive(Args)]
+pub struct Replay {
+    /// Configuration of the car.
+    #[arg(short, long)]
+    config: PathBuf,
+    /// Recordings (candump -L; plain, gzip or zstd; `-` is the standard input), one after the other.
+    #[arg(required = true)]
+    logs: Vec<PathBuf>,
+    /// Write the published frames as candump lines (`-`: standard output).
+    #[arg(short, long)]
+    out: Option<PathBuf>,
+    /// Write the recordings' own frames to --out, too.
+    #[arg(long, requires = "out")]
+    all: bool,
+    /// Write the estimates as CSV, a row for each sample.
+    #[arg(long, value_name = "CSV")]
+    estimates: Option<PathBuf>,
+    /// Write the decoded signals as CSV, as the estimators see them.
+    #[arg(long, value_name = "CSV")]
+    samples: Option<PathBuf>,
+    /// Write counts and speed as JSON.
+    #[arg(long, value_name = "JSON")]
+    stats: Option<PathBuf>,
+    /// Play in real time, or X times as fast.
+    #[arg(long, value_name = "X", num_args = 0..=1, require_equals = true, default_missing_value = "1")]
+    realtime: Option<f64>,
+    /// Play the recording onto this interface, together with what is published on it.
+    #[arg(short, long, value_name = "IF")]
+    interface: Option<String>,
+}
+
+/// `--stats`.
+#[derive(Serialize)]
+struct Stats {
+    frames_in: u64,
+    frames_out: u64,
+    samples: u64,
+    seconds_of_recording: f64,
+    wall_s: f64,
+    frames_per_s: f64,
+    skipped_lines: u64,
+    dropped_by_recorder: u64,
+    time_backwards: u64,
+    faults: BTreeMap<String, u64>,
+}
+
+impl Replay {
+    /// Runs it.
+    pub fn run(self) -> Result<(), Failure> {
+        if let Some(speed) = self.realtime.filter(|speed| !(speed.is_finite() && *speed > 0.0)) {
+            return Err(Failure::usage(format_args!("--realtime={speed}: must be a positive number")));
+        }
+        let config = Config::load(&self.config)?;
+        let mut engine = Engine::new(&config)?;
+        let mut results = Results::create(&self, &config)?;
+        let mut player = Player::new(self.realtime, self.interface.as_deref(), &config)?;
+        let started = Instant::now();
+        let mut totals = Totals::default();
+        let progress = Progress::of_files(&self.logs);
+        for path in &self.logs {
+            let mut reader = Reader::open(path).map_err(Failure::work)?;
+            // What could be read before the damage is still worth its results.
+            if let Err(error) = play(&mut reader, &mut engine, &mut results, &mut player, &progress) {
+                totals.broken.push(error.to_string());
+            }
+            totals.add(&reader);
+            engine.report_dropped(reader.stats().dropped);
+        }
+        engine.finish(&mut results);
+        progress.finish();
+        let stats = totals.stats(&engine, started);
+        results.finish()?;
+        if let Some(path) = &self.stats {
+            write_json(path, &stats)?;
+        }
+        tracing::info!(
+            "{} frames in, {} published; {:.1} s of recording in {:.2} s",
+            stats.frames_in,
+            stats.frames_out,
+            stats.seconds_of_recording,
+            stats.wall_s
+        );
+        if totals.broken.is_empty() { Ok(()) } else { Err(Failure::Work(totals.broken.join("; "))) }
+    }
+}
+
+/// One recording through the engine.
+fn play(
+    reader: &mut Reader,
+    engine: &mut Engine,
+    results: &mut Results,
+    player: &mut Player,
+    progress: &Progress,
+) -> Result<(), LogError> {
+    while let Some(frame) = reader.next_frame()? {
+        player.play(&frame);
+        results.input(reader.interface(), &frame);
+        engine.frame(&frame, results);
+        for published in results.published.drain(..) {
+            player.send(&published);
+        }
+        progress.advance(reader.stats().lines);
+        if results.failure.is_some() {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Everything a replay writes. The first failure to write is kept and ends the replay.
+struct Results {
+    out: Option<Writer>,
+    all: bool,
+    estimates: Option<EstimatesTable<Output>>,
+    samples: Option<SamplesTable<Output>>,
+    /// Frames that still have to go onto a bus.
+    published: Vec<Frame>,
+    onto_bus: bool,
+    failure: Option<String>,
+}
+
+impl Results {
+    fn create(command: &Replay, config: &Config) -> Result<Self, Failure> {
+        let interface = config.publish.interface.as_deref().unwrap_or(&config.bus.interface);
+        let out = command.out.as_ref().map(|path| Writer::create(path, interface));
+        let estimates = command
+            .estimates
+            .as_ref()
+            .map(|path| EstimatesTable::new(Output::create(path)?).map_err(Failure::work));
+        let samples = command.samples.as_ref().map(|path| {
+            let quantities = config.signals.quantities.keys().copied().collect();
+            SamplesTable::new(Output::create(path)?, quantities).map_err(Failure::work)
+        });
+        Ok(Self {
+            out: out.transpose().map_err(Failure::work)?,
+            all: command.all,
+            estimates: estimates.transpose()?,
+            samples: samples.transpose()?,
+            published: Vec::new(),
+            onto_bus: command.interface.is_some(),
+            failure: None,
+        })
+    }
+
+    fn input(&mut self, interface: &str, frame: &Frame) {
+        if self.all
+            && let Some(out) = &mut self.out
+        {
+            let written = out.write_as(interface, frame);
+            self.check(written);
+        }
+    }
+
+    fn check<E: std::fmt::Display>(&mut self, result: Result<(), E>) {
+        if let Err(error) = result {
+            self.failure.get_or_insert_with(|| error.to_string());
+        }
+    }
+
+    fn finish(self) -> Result<(), Failure> {
+        if let Some(reason) = self.failure {
+            return Err(Failure::Work(reason));
+        }
+        if let Some(out) = self.out {
+            out.finish().map_err(Failure::work)?;
+        }
+        if let Some(table) = self.estimates {
+            table.into_inner().map_err(Failure::work)?.finish()?;
+        }
+        if let Some(table) = self.samples {
+            table.into_inner().map_err(Failure::work)?.finish()?;
+        }
+        Ok(())
+    }
+}
+
+impl Sink for Results {
+    fn estimates(&mut self, sample: &Sample, estimates: &Estimates) {
+        if let Some(table) = &mut self.estimates {
+            let written = table.row(sample, estimates);
+            self.check(written);
+        }
+        if let Some(table) = &mut self.samples {
+            let written = table.row(sample);
+            self.check(written);
+        }
+    }
+
+    fn publish(&mut self, frame: &Frame) {
+        if let Some(out) = &mut self.out {
+            let written = out.write(frame);
+            self.check(written);
+        }
+        if self.onto_bus {
+            self.published.push(*frame);
+        }
+    }
+}
+
+/// Sums over all recordings.
+#[derive(Default)]
+struct Totals {
+    seconds: f64,
+    skipped_lines: u64,
+    dropped: u64,
+    time_backwards: u64,
+    broken: Vec<String>,
+}
+
+impl Totals {
+    fn add(&mut self, reader: &Reader) {
+        let stats = reader.stats();
+        self.seconds += stats.seconds();
+        self.skipped_lines += stats.skipped_lines;
+        self.dropped += stats.dropped;
+        self.time_backwards += stats.time_backwards;
+        let name = reader.name();
+        for skipped in stats.first_skipped.iter().take(3) {
+            tracing::warn!("{name}:{}: {}; the line is skipped", skipped.line, skipped.reason);
+        }
+        if stats.skipped_lines > 3 {
+            tracing::warn!("{name}: {} lines skipped in all", stats.skipped_lines);
+        }
+        if let Some(line) = stats.first_backwards {
+            tracing::warn!("{name}:{line}: time runs backwards ({} times)", stats.time_backwards);
+        }
+        if stats.dropped > 0 {
+            tracing::warn!("{name}: the recorder dropped {} frames", stats.dropped);
+        }
+    }
+
+    fn stats(&self, engine: &Engine, started: Instant) -> Stats {
+        let counts = engine.counts();
+        let wall_s = started.elapsed().as_secs_f64();
+        Stats {
+            frames_in: counts.frames_in,
+            frames_out: counts.frames_out,
+            samples: counts.samples,
+            seconds_of_recording: self.seconds,
+            wall_s,
+            frames_per_s: if wall_s > 0.0 { counts.frames_in as f64 / wall_s } else { 0.0 },
+            skipped_lines: self.skipped_lines,
+            dropped_by_recorder: self.dropped,
+            time_backwards: self.time_backwards,
+            faults: engine.sampler().counts().iter().collect(),
+        }
+    }
+}

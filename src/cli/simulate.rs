@@ -1,0 +1,115 @@
+//! `gripd simulate`: a scenario to a recording, and what was true beside it.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::Failure;
+use super::demo_car;
+use super::output::Output;
+use crate::can::Frame;
+use crate::can::candump::Writer;
+use crate::model::{Scenario, Simulation, TruthWriter};
+use crate::signals::Outputs;
+use crate::{Config, Quantity, Sample};
+
+/// The same scenario and seed give the same recording to the last bit.
+#[derive(Args)]
+pub struct Simulate {
+    /// The scenario.
+    scenario: PathBuf,
+    /// The recording (candump; `.gz` and `.zst` are packed; `-` is the standard output).
+    #[arg(short, long)]
+    out: PathBuf,
+    /// Write what was true, as CSV with a row for each 10 ms.
+    #[arg(long, value_name = "CSV")]
+    truth: Option<PathBuf>,
+    /// Seed of everything random, instead of the scenario's.
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Write frames as this car's configuration maps them, instead of the demo car's.
+    #[arg(short, long)]
+    config: Option<PathBuf>,
+}
+
+impl Simulate {
+    /// Runs it.
+    pub fn run(self) -> Result<(), Failure> {
+        let path = self.scenario.display();
+        let text = std::fs::read_to_string(&self.scenario)
+            .map_err(|e| Failure::usage(format_args!("cannot read the scenario {path}: {e}")))?;
+        let scenario = Scenario::parse(&text).map_err(|e| Failure::usage(format_args!("{path}: {e}")))?;
+        let seed = self.seed.unwrap_or(scenario.seed);
+        let mut simulation = Simulation::new(&scenario, seed).map_err(Failure::usage)?;
+        let (config, database) = match &self.config {
+            Some(path) => {
+                let config = Config::load(path)?;
+                let database = config.input_database()?;
+                (config, database)
+            }
+            None => demo_car::configuration()?,
+        };
+        let radius = scenario.vehicle.wheel_radius_m.value;
+        let outputs = Outputs::compile(&config.signals, &database, radius).map_err(Failure::usage)?;
+        let mut frames = SimulatedFrames::new(outputs);
+        let mut log = Writer::create(&self.out, &config.bus.interface).map_err(Failure::work)?;
+        let mut truth = match &self.truth {
+            Some(path) => Some(TruthWriter::new(Output::create(path)?).map_err(Failure::work)?),
+            None => None,
+        };
+        let mut failure = None;
+        while let Some(tick) = simulation.next_tick() {
+            frames.take(tick.readings, &mut |frame| {
+                if let Err(error) = log.write(frame) {
+                    failure.get_or_insert(error);
+                }
+            });
+            if let Some(truth) = &mut truth {
+                truth.write(tick.truth).map_err(Failure::work)?;
+            }
+        }
+        if let Some(error) = failure {
+            return Err(Failure::work(error));
+        }
+        log.finish().map_err(Failure::work)?;
+        match truth {
+            Some(truth) => truth.into_inner().map_err(Failure::work)?.finish(),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Puts sensor readings into the frames that carry them, at the readings' own times.
+pub struct SimulatedFrames {
+    outputs: Outputs,
+    /// The latest reading of each quantity.
+    values: Sample,
+    /// Quantities that were read at the values' time.
+    updated: Vec<Quantity>,
+}
+
+impl SimulatedFrames {
+    /// For a compiled mapping.
+    pub fn new(outputs: Outputs) -> Self {
+        let values = Sample::empty(crate::Micros(0), 0.0);
+        Self { outputs, values, updated: Vec::with_capacity(Quantity::COUNT) }
+    }
+
+    /// Takes readings in order of time. Readings of one instant share their frames.
+    pub fn take(&mut self, readings: &[crate::model::Reading], emit: &mut impl FnMut(&Frame)) {
+        for reading in readings {
+            if reading.time != self.values.time {
+                self.flush(emit);
+                self.values.time = reading.time;
+            }
+            self.values.set(reading.quantity, reading.value);
+            self.updated.push(reading.quantity);
+        }
+        self.flush(emit);
+    }
+
+    fn flush(&mut self, emit: &mut impl FnMut(&Frame)) {
+        self.outputs.send_updated(&self.updated, &self.values, emit);
+        self.updated.clear();
+    }
+}

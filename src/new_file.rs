@@ -1,0 +1,124 @@
+//! Files that appear under their name only when they are complete.
+
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// A file being written aside, under a hidden name in the same folder. [`NewFile::commit`] makes sure
+/// that it is on the disk and gives it its name; dropped before that it goes away, and what was there
+/// is untouched.
+///
+/// What exists under the name and is no ordinary file (a pipe, a terminal) is written directly.
+#[derive(Debug)]
+pub struct NewFile {
+    file: File,
+    aside: Option<Aside>,
+}
+
+impl NewFile {
+    /// Creates it beside `path`, with the permissions of the file it is to replace.
+    ///
+    /// # Errors
+    /// If the folder does not let us, or `path` is a folder.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        match fs::metadata(path) {
+            Ok(there) if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+            Ok(there) if !there.is_file() => {
+                Ok(Self { file: OpenOptions::new().write(true).open(path)?, aside: None })
+            }
+            existing => {
+                let (file, aside) = Aside::create(path)?;
+                if let Ok(there) = existing {
+                    file.set_permissions(there.permissions())?;
+                }
+                Ok(Self { file, aside: Some(aside) })
+            }
+        }
+    }
+
+    /// Where to write.
+    ///
+    /// # Errors
+    /// If the process has no file descriptor left.
+    pub fn writer(&self) -> io::Result<File> {
+        self.file.try_clone()
+    }
+
+    /// The contents first, then the name: after a power cut there is the old file or the new one.
+    ///
+    /// # Errors
+    /// If the disk is full or broken; then the old file is still there.
+    pub fn commit(self) -> io::Result<()> {
+        match self.aside {
+            Some(aside) => aside.commit(&self.file),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The hidden name and the one it is to become.
+#[derive(Debug)]
+struct Aside {
+    temporary: PathBuf,
+    target: PathBuf,
+}
+
+impl Aside {
+    fn create(path: &Path) -> io::Result<(File, Self)> {
+        // Through symbolic links: the file they point to is to be replaced, not the link.
+        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let temporary = temporary_name(&target).ok_or(io::ErrorKind::InvalidFilename)?;
+        let file = OpenOptions::new().write(true).create_new(true).open(&temporary)?;
+        Ok((file, Self { temporary, target }))
+    }
+
+    fn commit(mut self, file: &File) -> io::Result<()> {
+        file.sync_all()?;
+        fs::rename(&self.temporary, &self.target)?;
+        self.temporary = PathBuf::new();
+        let folder = self.target.parent().filter(|folder| !folder.as_os_str().is_empty());
+        File::open(folder.unwrap_or(Path::new(".")))?.sync_all()
+    }
+}
+
+impl Drop for Aside {
+    fn drop(&mut self) {
+        if !self.temporary.as_os_str().is_empty() {
+            // Nothing could be done about a failure here, and the name tells what it is.
+            let _ = fs::remove_file(&self.temporary);
+        }
+    }
+}
+
+/// `.NAME.PROCESS-COUNT.part` beside the target; `None` if the path has no file name.
+fn temporary_name(target: &Path) -> Option<PathBuf> {
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let mut name = OsString::from(".");
+    name.push(target.file_name()?);
+    name.push(format!(".{}-{}.part", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed)));
+    Some(target.with_file_name(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    #[test]
+    fn what_is_not_committed_leaves_the_old_file_and_no_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("state");
+        fs::write(&path, "old").unwrap();
+        let new = NewFile::create(&path).unwrap();
+        new.writer().unwrap().write_all(b"new").unwrap();
+        drop(new);
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+        let new = NewFile::create(&path).unwrap();
+        new.writer().unwrap().write_all(b"new").unwrap();
+        new.commit().unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}

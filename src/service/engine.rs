@@ -1,0 +1,167 @@
+//! The engine: frames in, frames out. Live, in replay, in tests and benchmarks it is the same one.
+
+use super::SetupError;
+use crate::can::{CanId, Frame};
+use crate::dbc::Database;
+use crate::estimate::Pipeline;
+use crate::signals::publish::Publisher;
+use crate::signals::{Inputs, Pushed, Sampler};
+use crate::{Config, Estimates, Faults, Micros, Quantity, Sample, Sensors};
+
+/// Who takes what the engine makes.
+pub trait Sink {
+    /// A sample and what the estimators know after it.
+    fn estimates(&mut self, _sample: &Sample, _estimates: &Estimates) {}
+    /// A frame to be published.
+    fn publish(&mut self, frame: &Frame);
+}
+
+/// Sampler, estimators and publisher in a row. Does no I/O, knows no clock, and does not allocate
+/// once built.
+#[derive(Debug)]
+pub struct Engine {
+    sampler: Sampler,
+    pipeline: Pipeline,
+    publisher: Publisher,
+    period: Micros,
+    next_publication: Option<Micros>,
+    /// Faults since the last publication.
+    faults: Faults,
+    dropped: u64,
+    counts: EngineCounts,
+}
+
+/// What went through the engine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EngineCounts {
+    /// Frames offered.
+    pub frames_in: u64,
+    /// Frames published.
+    pub frames_out: u64,
+    /// Samples made.
+    pub samples: u64,
+}
+
+impl Engine {
+    /// Builds everything from a configuration. Warnings (of DBC files, of optional things left out)
+    /// go to the log.
+    ///
+    /// # Errors
+    /// Everything that is wrong with DBC files and the mapping.
+    pub fn new(config: &Config) -> Result<Self, SetupError> {
+        Self::with_databases(config, &config.input_database()?, &config.output_database()?)
+    }
+
+    /// The same with databases that are loaded already.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the mapping.
+    pub fn with_databases(config: &Config, input: &Database, output: &Database) -> Result<Self, SetupError> {
+        for warning in input.warnings().iter().chain(output.warnings()) {
+            tracing::debug!("{warning}");
+        }
+        let inputs = Inputs::compile(&config.signals, input, config.vehicle.wheel_radius_m.value)?;
+        let publisher = Publisher::new(output, &config.publish)?;
+        for warning in publisher.warnings() {
+            tracing::warn!("{warning}");
+        }
+        if let Some(id) = publisher.ids().iter().find(|id| inputs.ids().contains(id)) {
+            return Err(SetupError::OwnIdentifier { id: *id });
+        }
+        let pipeline = Pipeline::new(&config.vehicle, &sensors(&inputs), &config.estimators);
+        Ok(Self {
+            sampler: Sampler::new(inputs, &config.signals.sampling),
+            pipeline,
+            period: publisher.period(),
+            publisher,
+            next_publication: None,
+            faults: Faults::empty(),
+            dropped: 0,
+            counts: EngineCounts::default(),
+        })
+    }
+
+    /// Identifiers that are needed: all others may be filtered out before.
+    pub fn ids(&self) -> &[CanId] {
+        self.sampler.inputs().ids()
+    }
+
+    /// Takes a frame; hands on the samples it completes, and what is then due to be published.
+    pub fn frame(&mut self, frame: &Frame, sink: &mut impl Sink) {
+        self.counts.frames_in += 1;
+        if self.sampler.push(frame) == Pushed::Ignored {
+            return;
+        }
+        self.drain(sink);
+        self.publish_if_due(frame.time, sink);
+    }
+
+    /// At the end of a recording: the samples that waited for later frames.
+    pub fn finish(&mut self, sink: &mut impl Sink) {
+        self.sampler.flush();
+        self.drain(sink);
+    }
+
+    /// Something is wrong with the bus; it shows in the next status frame.
+    pub fn report(&mut self, faults: Faults) {
+        self.faults |= faults;
+    }
+
+    /// Frames were lost before they came here.
+    pub fn report_dropped(&mut self, count: u64) {
+        self.dropped = self.dropped.saturating_add(count);
+        self.faults |= Faults::DROPPED;
+        self.pipeline.set_dropped_frames(self.dropped);
+    }
+
+    /// What went through so far.
+    pub fn counts(&self) -> EngineCounts {
+        self.counts
+    }
+
+    /// The sampler, for its fault counts.
+    pub fn sampler(&self) -> &Sampler {
+        &self.sampler
+    }
+
+    fn drain(&mut self, sink: &mut impl Sink) {
+        while let Some(sample) = self.sampler.next_sample() {
+            self.counts.samples += 1;
+            let estimates = self.pipeline.step(&sample);
+            self.faults |= estimates.faults;
+            sink.estimates(&sample, estimates);
+        }
+    }
+
+    /// Publication runs on frame time, on multiples of the period: a replay publishes what the live
+    /// run did, wherever either began. Nothing is published before the first sample, and nothing
+    /// while no frames come: a receiver sees silence, never a stale value with a live counter.
+    fn publish_if_due(&mut self, now: Micros, sink: &mut impl Sink) {
+        if self.counts.samples == 0 {
+            return;
+        }
+        let due = *self.next_publication.get_or_insert(now.next_multiple_of(self.period));
+        // After the clock was set back, the next multiple lies far ahead: start again.
+        let stepped_back = due - now > self.period;
+        if now < due && !stepped_back {
+            return;
+        }
+        self.next_publication = Some((now + Micros(1)).next_multiple_of(self.period));
+        let mut estimates = *self.pipeline.latest();
+        estimates.faults |= std::mem::take(&mut self.faults);
+        let sent = &mut self.counts.frames_out;
+        self.publisher.publish(now, &estimates, &mut |frame| {
+            *sent += 1;
+            sink.publish(frame);
+        });
+    }
+}
+
+/// What the mapping tells the estimators of the sensors.
+fn sensors(inputs: &Inputs) -> Sensors {
+    let mut sensors = Sensors::default();
+    for quantity in Quantity::ALL.into_iter().filter(|quantity| inputs.has(*quantity)) {
+        sensors.add(quantity, inputs.noise_std(quantity));
+    }
+    sensors
+}

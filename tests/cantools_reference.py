@@ -66,7 +66,7 @@ def put(payload, signal, value):
 
 class Reference:
     """One message, by cantools' own conversion; signal by signal where signals overlap, since there
-    cantools' whole-message codec shifts what follows."""
+    cantools' whole-message codec shifts what follows, or where it leaves some out."""
 
     def __init__(self, message):
         self.message = message
@@ -85,6 +85,10 @@ class Reference:
         for signal in self.usable:
             if signal.multiplexer_signal in self.by_name:
                 self.selectors.setdefault(signal.multiplexer_signal, set()).update(signal.multiplexer_ids or [])
+                # vw_pq names a selector in SG_MUL_VAL_ but marks it "m" rather than "M": cantools loads
+                # the signals below it but its whole-message codec never decodes them.
+                if not self.by_name[signal.multiplexer_signal].is_multiplexer:
+                    self.whole = False
 
     def single(self, payload, name, scaling=True):
         signal = self.by_name[name]

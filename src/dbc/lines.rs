@@ -4,6 +4,9 @@
 //! is given one statement at a time: what it refuses is lost alone, and every message and signal has
 //! a line to be named by.
 
+/// The keyword of a line that may have begun a statement but has none.
+const NOT_UNDERSTOOD: &str = "?";
+
 /// One statement: a `BO_` or `SG_` line, or anything else up to its semicolon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Statement<'a> {
@@ -99,6 +102,11 @@ pub(super) fn statements(text: &str) -> Statements<'_> {
             let goes_on = in_nodes && whole_line.starts_with([' ', '\t']);
             if !goes_on {
                 found.strays.push(Stray { line, reason: "not a DBC statement, ignored" });
+                // It may have been the head of a message: the signals below it are not those of the
+                // message above. A damaged signal line, which these marks give away, parts nothing.
+                if !content.contains(['@', '|']) {
+                    found.statements.push(Statement { keyword: NOT_UNDERSTOOD, line, text: content });
+                }
             }
         } else {
             found.any_keyword = true;
@@ -213,6 +221,12 @@ mod tests {
             assert_eq!(keywords(&text), [("VAL_", 2), ("BO_", 3)]);
         }
         assert_eq!(statements("CM_ \"open").strays.len(), 1);
+    }
+
+    #[test]
+    fn signals_below_a_damaged_head_do_not_join_the_message_above() {
+        let text = "BO_ 1 M: 8 A\n SG_ a : 0|8\n G_ b : 0|8@1\n SG_ c : 0|8\nB0_ 2 N: 8 A\n SG_ d : 0|8\n";
+        assert_eq!(keywords(text), [("BO_", 1), ("SG_", 2), ("SG_", 4), ("?", 5), ("SG_", 6)]);
     }
 
     #[test]

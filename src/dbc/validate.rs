@@ -8,7 +8,7 @@ use can_dbc::{MultiplexIndicator, NumericValue, SignalExtendedValueType, ValueTy
 use super::codec::{ByteOrder, Codec, ValueKind};
 use super::error::Warning;
 use super::extract::Extractor;
-use super::load::{RawMessage, RawSignal, Source, can_id};
+use super::load::{MuxRow, RawMessage, RawSignal, Source, can_id};
 use super::message::Message;
 use super::mux::{Condition, Mux};
 use super::signal::Signal;
@@ -47,6 +47,7 @@ pub(super) fn validate(mut source: Source, file: &Arc<str>) -> Validated {
     }
     let messages = std::mem::take(&mut source.messages);
     let mut validator = Validator { source, file: file.clone(), result };
+    validator.warn_of_strangers(&messages);
     let (mut ids, mut names) = (HashMap::new(), HashMap::new());
     for raw in messages {
         let (line, raw_id) = (raw.line, raw.raw_id);
@@ -111,6 +112,30 @@ impl Validator {
     fn skip_signal(&mut self, line: usize, message: &str, signal: String, why: &str) {
         let warning = self.warn(line, format!("signal `{message}.{signal}` skipped: {why}"));
         self.result.skipped.push(Skipped { message: message.to_owned(), signal: Some(signal), warning });
+    }
+
+    /// A float or multiplexing statement on a signal that is not there is probably meant for one that
+    /// is, which would then be read wrongly.
+    fn warn_of_strangers(&mut self, messages: &[RawMessage]) {
+        let mut signals: HashMap<CanId, HashSet<&str>> = HashMap::new();
+        for message in messages {
+            if let Some(id) = can_id(message.raw_id) {
+                signals.entry(id).or_default().extend(message.signals.iter().map(|s| s.signal.name.as_str()));
+            }
+        }
+        let floats = self.source.floats.iter().map(|(key, (line, _))| ("SIG_VALTYPE_", *line, key));
+        let rows = self.source.mux.iter();
+        let rows = rows.flat_map(|(key, rows)| rows.iter().map(move |row| ("SG_MUL_VAL_", row.line, key)));
+        let strangers: Vec<(usize, String)> = floats
+            .chain(rows)
+            .filter(|(_, _, (id, name))| signals.get(id).is_some_and(|known| !known.contains(name.as_str())))
+            .map(|(keyword, line, (id, name))| {
+                (line, format!("{keyword} statement ignored: message {id} has no signal `{name}`"))
+            })
+            .collect();
+        for (line, message) in strangers {
+            self.warn(line, message);
+        }
     }
 
     fn message(&mut self, id: CanId, name: String, raw: RawMessage) {
@@ -220,6 +245,12 @@ impl Validator {
     }
 }
 
+/// The selector of a signal, as an index, and the values of it that switch the signal on.
+struct Selection {
+    selector: usize,
+    ranges: Vec<(u64, u64)>,
+}
+
 /// Finds the selectors of the multiplexed signals of one message.
 struct Resolver<'a> {
     source: &'a Source,
@@ -233,7 +264,7 @@ impl Resolver<'_> {
         let mut conditions = Vec::new();
         let mut seen = HashSet::from([index]);
         let mut at = index;
-        while let Some((selector, ranges)) = self.selector(at)? {
+        while let Some(Selection { selector, ranges }) = self.selection(at)? {
             let chosen = &self.candidates[selector];
             if matches!(chosen.signal.codec.kind, ValueKind::Float32 | ValueKind::Float64) {
                 return Err(format!("its selector `{}` is a float", chosen.signal.name));
@@ -247,8 +278,8 @@ impl Resolver<'_> {
         Ok(Mux::new(conditions))
     }
 
-    /// The selector of a signal and the values that switch the signal on; `None` if it has none.
-    fn selector(&self, index: usize) -> Result<Option<(usize, Vec<(u64, u64)>)>, String> {
+    /// What switches a signal on; `None` if nothing has to.
+    fn selection(&self, index: usize) -> Result<Option<Selection>, String> {
         let candidate = &self.candidates[index];
         if let Some(rows) = self.source.mux.get(&(self.id, candidate.short_name.clone())) {
             return self.extended(rows).map(Some);
@@ -261,7 +292,7 @@ impl Resolver<'_> {
         let mut selectors = (0..self.candidates.len())
             .filter(|other| self.candidates[*other].indicator == MultiplexIndicator::Multiplexor);
         match (selectors.next(), selectors.next()) {
-            (Some(selector), None) => Ok(Some((selector, vec![(value, value)]))),
+            (Some(selector), None) => Ok(Some(Selection { selector, ranges: vec![(value, value)] })),
             (None, _) => Err("it is multiplexed, but the message has no usable selector (M)".to_owned()),
             _ => {
                 Err("the message has several selectors (M) and no SG_MUL_VAL_ says which is its own"
@@ -271,7 +302,7 @@ impl Resolver<'_> {
     }
 
     /// A selector named by `SG_MUL_VAL_`; its ranges stand for all values, also the one after the `m`.
-    fn extended(&self, rows: &[super::load::MuxRow]) -> Result<(usize, Vec<(u64, u64)>), String> {
+    fn extended(&self, rows: &[MuxRow]) -> Result<Selection, String> {
         let Some(first) = rows.first() else { return Err("no selector".to_owned()) };
         if let Some(other) = rows.iter().find(|row| row.selector != first.selector) {
             return Err(format!("lines {} and {} give it different selectors", first.line, other.line));
@@ -283,7 +314,7 @@ impl Resolver<'_> {
                 first.line, first.selector
             ));
         };
-        Ok((selector, rows.iter().flat_map(|row| row.ranges.iter().copied()).collect()))
+        Ok(Selection { selector, ranges: rows.iter().flat_map(|row| row.ranges.iter().copied()).collect() })
     }
 }
 

@@ -1,5 +1,6 @@
 //! What several tests need: the shared data, and a Python with the reference implementations.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
 use std::fs::File;

@@ -1,6 +1,9 @@
 //! Broken, stuck and contradicting sensors are found; real driving is not taken for them.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that fails may panic")]
+
 mod signals_support;
+mod support;
 
 use gripd::can::Frame;
 use gripd::dbc::Database;
@@ -251,7 +254,7 @@ fn recordings() -> Vec<(String, String, std::path::PathBuf, std::path::PathBuf)>
         logs.sort();
         logs
     };
-    if let Some(root) = car::shared("recordings") {
+    if let Some(root) = support::shared("recordings") {
         for (folder, signals) in [("zoe", &zoe), ("revsted", &revsted)] {
             for log in logs(&root.join(folder)) {
                 found.push((format!("{folder} {log:?}"), signals.clone(), root.join("recording.dbc"), log));
@@ -263,7 +266,7 @@ fn recordings() -> Vec<(String, String, std::path::PathBuf, std::path::PathBuf)>
         let signals = toml::to_string(&toml["signals"]).unwrap();
         found.push(("rav4".into(), signals, here.join("dbc/rav4.dbc"), root.join("rav4/bus0.log.gz")));
     }
-    if let Some(root) = car::shared("trials/practice") {
+    if let Some(root) = support::shared("trials/practice") {
         for log in logs(&root) {
             let path = log.display().to_string().replace(".log.gz", ".toml");
             let toml: toml::Table = std::fs::read_to_string(path).unwrap().parse().unwrap();
@@ -281,6 +284,9 @@ fn replay(signals: &str, dbc: &std::path::Path, frames: &[Frame]) -> (Vec<Sample
     (car::run(&mut sampler, frames, true), sampler)
 }
 
+/// What this shows is limited by what the recordings contain: signs can be judged only above 8 m/s and with
+/// some turning (not in the RAV4's cruise and most Zoe scenes), and wheels differ by more than 20 % only for
+/// seconds of slow, tight curves. None has a locked or spinning wheel at speed.
 #[test]
 fn real_and_realistic_driving_raises_no_fault_and_loses_no_value() {
     for (name, signals, dbc, log) in recordings() {
@@ -299,7 +305,7 @@ fn real_and_realistic_driving_raises_no_fault_and_loses_no_value() {
 
 #[test]
 fn signs_turned_round_in_realistic_driving_are_found_where_the_car_turns() {
-    let Some(root) = car::shared("trials/practice") else { return };
+    let Some(root) = support::shared("trials/practice") else { return };
     // A slalom and a mixed drive.
     let mut found = 0;
     let mut tried = 0;
@@ -330,7 +336,7 @@ fn signs_turned_round_in_realistic_driving_are_found_where_the_car_turns() {
 
 #[test]
 fn the_rav4s_own_checksums_are_right_and_a_damaged_frame_is_dropped() {
-    let Some(log) = car::shared("recordings/rav4/bus0.log.gz") else { return };
+    let Some(log) = support::shared("recordings/rav4/bus0.log.gz") else { return };
     let (_, signals, dbc, _) = recordings().into_iter().find(|(name, ..)| name == "rav4").unwrap();
     let mut frames = car::recording(&log);
     let damaged =
@@ -344,7 +350,7 @@ fn the_rav4s_own_checksums_are_right_and_a_damaged_frame_is_dropped() {
 
 #[test]
 fn the_rav4_mapping_makes_all_witnesses_of_the_yaw_rate_agree() {
-    let Some(log) = car::shared("recordings/rav4/bus0.log.gz") else { return };
+    let Some(log) = support::shared("recordings/rav4/bus0.log.gz") else { return };
     let (_, signals, dbc, _) = recordings().into_iter().find(|(name, ..)| name == "rav4").unwrap();
     let (samples, _) = replay(&signals, &dbc, &car::recording(&log));
     // Means over a second, without their common mean.

@@ -1,5 +1,7 @@
 //! From frames to samples: time, order, gaps, time-outs.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that fails may panic")]
+
 mod signals_support;
 
 use gripd::can::Frame;

@@ -1,6 +1,9 @@
 //! The mapping: from configured names to values in SI, and back into frames.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that fails may panic")]
+
 mod signals_support;
+mod support;
 
 use gripd::can::Frame;
 use gripd::dbc::Database;
@@ -295,6 +298,34 @@ fn what_the_simulator_sends_is_what_the_service_reads() {
 }
 
 #[test]
+fn a_quality_signal_in_another_message_is_sent_with_it() {
+    let signals = car::signals_without("yaw_rate")
+        + "yaw_rate = { signal = \"ESP.Yaw\", valid = \"MUXED.Page\", valid_when = 2 }";
+    let config = car::config(&signals);
+    let mut outputs = Outputs::compile(&config, &car::database(), car::RADIUS).unwrap();
+    let mut sampler = car::sampler("");
+    assert_eq!(sampler.inputs().ids().len(), 3);
+    let inputs = Inputs::compile(&config, &car::database(), car::RADIUS).unwrap();
+    assert_eq!(inputs.ids().len(), 4);
+    sampler = Sampler::new(inputs, &config.sampling);
+    let mut samples = Vec::new();
+    for step in 0..100 {
+        let mut values = Sample::empty(Micros::from_millis(step * 10), 0.01);
+        for quantity in Quantity::ALL.into_iter().filter(|q| *q != Quantity::YawRate || step < 50) {
+            values.set(quantity, 0.25);
+        }
+        outputs.send(&values, &mut |frame| {
+            sampler.push(frame);
+        });
+        samples.extend(std::iter::from_fn(|| sampler.next_sample()));
+    }
+    let with_yaw = |sample: &&Sample| sample.get(Quantity::YawRate).is_some();
+    // The quality's message has the higher identifier: it tells of the frames that come after it.
+    assert_eq!(samples.iter().filter(with_yaw).count(), 50);
+    assert!(samples.iter().all(|sample| sample.wheel_speeds().is_some()));
+}
+
+#[test]
 fn each_message_is_sent_at_its_own_period_and_phase_whatever_the_step() {
     let config = car::config(car::SIGNALS);
     let mut outputs = Outputs::compile(&config, &car::database(), car::RADIUS).unwrap();
@@ -347,7 +378,7 @@ fn what_does_not_fit_saturates_without_becoming_a_code() {
 /// Mappings of the needed signals of real cars: they must compile against the real files.
 #[test]
 fn real_files_can_be_mapped() {
-    let Some(folder) = car::shared("dbc") else { return };
+    let Some(folder) = support::shared("dbc") else { return };
     let cars = [
         (
             "vw_pq.dbc",
@@ -455,7 +486,7 @@ fn shipped_configurations_fit_their_dbc_files() {
 
 #[test]
 fn the_volkswagen_example_fits_a_real_mqb_file() {
-    let Some(path) = car::shared("dbc/vw_mqb.dbc") else { return };
+    let Some(path) = support::shared("dbc/vw_mqb.dbc") else { return };
     let (signals, vehicle, _) = shipped("vw_mqb.toml");
     let database = Database::load(&path).unwrap();
     let inputs =

@@ -112,7 +112,6 @@ impl Traits {
         let quantity = mapping.quantity;
         let typical = Limits::typical(quantity);
         let quantization = mapping.resolution() / 12f64.sqrt();
-        let gain = config.gain.unwrap_or(1.0).abs();
         Self {
             timeout: micros(config.timeout_ms.unwrap_or(signals.sampling.timeout_ms)),
             delay: micros(config.delay_ms),
@@ -122,9 +121,7 @@ impl Traits {
                 max: config.max.unwrap_or(typical.max),
                 rate_max: config.rate_max.unwrap_or(typical.rate_max),
             },
-            noise_std: config
-                .noise_std
-                .unwrap_or_else(|| typical_noise(quantity).hypot(quantization).max(gain * f64::MIN_POSITIVE)),
+            noise_std: config.noise_std.unwrap_or_else(|| typical_noise(quantity).hypot(quantization)),
         }
     }
 }

@@ -133,7 +133,7 @@ impl Mapping {
         sayable
     }
 
-    /// Half a step of the finest part, SI: what one frame cannot tell apart.
+    /// The step of the finest part, SI.
     pub(super) fn resolution(&self) -> f64 {
         let steps = self.parts.iter().map(|part| (part.codec.factor * part.to_si * self.gain).abs());
         steps.fold(f64::INFINITY, f64::min)

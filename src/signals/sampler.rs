@@ -124,6 +124,9 @@ impl Sampler {
     }
 
     /// Takes a frame. Frames that are not needed change nothing, not even the time.
+    ///
+    /// Of a needed identifier any data frame will do, classic or FD, that has at least the bytes the DBC
+    /// gives the message; remote requests and shorter frames are dropped with [`Faults::FRAME`].
     pub fn push(&mut self, frame: &Frame) -> Pushed {
         if frame.kind == FrameKind::Error {
             return Pushed::Ignored;

@@ -3,7 +3,6 @@
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 use std::io::{BufRead, BufReader};
-use std::path::PathBuf;
 
 use gripd::can::{CanId, Frame};
 use gripd::dbc::Database;
@@ -122,18 +121,6 @@ pub fn run(sampler: &mut Sampler, frames: &[Frame], flush: bool) -> Vec<Sample> 
         samples.extend(std::iter::from_fn(|| sampler.next_sample()));
     }
     samples
-}
-
-/// The folder of shared recordings, or `None` (with a message) where it is not.
-pub fn shared(path: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("GRIPD_SHARED")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
-    let path = root.join(path);
-    if path.exists() {
-        return Some(path);
-    }
-    eprintln!("skipped: {} is not there (set GRIPD_SHARED)", path.display());
-    None
 }
 
 /// The frames of a gzipped candump log.

@@ -348,7 +348,6 @@ fn the_truth_is_written_as_csv() {
         writer.write(row).unwrap();
     }
     writer.into_inner().unwrap();
-    drop(writer);
     let mut reader = csv::Reader::from_reader(out.as_slice());
     assert_eq!(reader.headers().unwrap().iter().collect::<Vec<_>>(), Truth::columns());
     let rows: Vec<_> = reader.records().map(Result::unwrap).collect();

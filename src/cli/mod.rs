@@ -21,6 +21,8 @@ use tracing_subscriber::EnvFilter;
 use crate::config::ConfigError;
 use crate::service::SetupError;
 
+pub use simulate::SimulatedFrames;
+
 /// How a command failed; decides the exit code.
 #[derive(Debug)]
 pub enum Failure {

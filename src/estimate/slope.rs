@@ -121,6 +121,8 @@ impl WheelSlope {
     const NOISE_MEMORY: f64 = 120.0;
     /// Normalized innovations count up to this, so that one bad block is no change of surface.
     const CLIP: f64 = 4.0;
+    /// Surfaces change the compliance by as much as this share of itself: down and up.
+    const CHANGES: (f64, f64) = (0.6, 1.5);
     /// Up to this relative uncertainty a slope is known well enough to notice its change.
     const SETTLED: f64 = 0.15;
     /// A slope this uncertain (relative) is not given out at all.
@@ -160,7 +162,13 @@ impl WheelSlope {
         self.informed = true;
         // A softer surface makes more slip in the direction of the force.
         let evidence = normalized * point.mu.signum();
-        self.is_settled().then(|| evidence.clamp(-Self::CLIP, Self::CLIP))
+        // A tooth wheel locked to the sampling shifts the slip for a second, whatever the force. What no
+        // change of surface could explain is no evidence of one.
+        let explicable = self.filter.mean[0].abs() * point.mu.abs() / expected.variance.sqrt();
+        let (stiffer, softer) = Self::CHANGES;
+        self.is_settled().then(|| {
+            evidence.clamp(-Self::CLIP, Self::CLIP).clamp(-stiffer * explicable, softer * explicable)
+        })
     }
 
     /// Is the slope known well enough that a contradiction is news?

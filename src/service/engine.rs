@@ -114,6 +114,9 @@ impl Engine {
 
     /// Frames were lost before they came here.
     pub fn report_dropped(&mut self, count: u64) {
+        if count == 0 {
+            return;
+        }
         self.dropped = self.dropped.saturating_add(count);
         self.faults |= Faults::DROPPED;
         self.pipeline.set_dropped_frames(self.dropped);

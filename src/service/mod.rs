@@ -5,6 +5,7 @@
 
 mod daemon;
 mod engine;
+mod throttle;
 
 use serde::Deserialize;
 use thiserror::Error;

@@ -61,10 +61,8 @@ impl Color {
             Self::Second => "second",
             Self::Third => "third",
             Self::Notice => "notice",
-            Self::Surface(number) => {
-                ["surface-0", "surface-1", "surface-2", "surface-3", "surface-4"]
-                    [usize::from(number % Self::SURFACES)]
-            }
+            Self::Surface(number) => ["surface-0", "surface-1", "surface-2", "surface-3", "surface-4"]
+                [usize::from(number % Self::SURFACES)],
         }
     }
 
@@ -100,7 +98,11 @@ mod tests {
         let style = include_str!("page.css");
         for (index, color) in Color::ALL.iter().enumerate() {
             assert!(Color::ALL.iter().skip(index + 1).all(|c| c.placeholder() != color.placeholder()));
-            assert_eq!(style.matches(&format!("--{}:", color.name())).count(), 2, "{color:?}: light and dark");
+            assert_eq!(
+                style.matches(&format!("--{}:", color.name())).count(),
+                2,
+                "{color:?}: light and dark"
+            );
         }
         assert_eq!(Color::Surface(7).name(), "surface-2");
         assert_eq!(Color::Surface(7).placeholder(), Color::Surface(2).placeholder());

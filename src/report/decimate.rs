@@ -27,12 +27,7 @@ pub fn lines(points: impl Iterator<Item = (f64, f64)>, column: f64) -> Vec<Vec<(
 fn end_column(bin: &mut Vec<(f64, f64)>, piece: &mut Vec<(f64, f64)>) {
     let count = bin.len();
     let by_y = |a: &usize, b: &usize| bin[*a].1.total_cmp(&bin[*b].1);
-    let mut keep = [
-        Some(0),
-        (0..count).min_by(by_y),
-        (0..count).max_by(by_y),
-        count.checked_sub(1),
-    ];
+    let mut keep = [Some(0), (0..count).min_by(by_y), (0..count).max_by(by_y), count.checked_sub(1)];
     keep.sort_unstable();
     let mut last = None;
     for index in keep.into_iter().flatten() {
@@ -74,7 +69,8 @@ mod tests {
 
     #[test]
     fn peaks_survive_and_points_are_few() {
-        let wave = (0..10_000).map(|i| (f64::from(i) * 0.01, if i == 4321 { 9.0 } else { (f64::from(i) * 0.7).sin() }));
+        let wave = (0..10_000)
+            .map(|i| (f64::from(i) * 0.01, if i == 4321 { 9.0 } else { (f64::from(i) * 0.7).sin() }));
         let pieces = lines(wave, 1.0);
         assert_eq!(pieces.len(), 1);
         assert!(pieces[0].len() <= 400, "{}", pieces[0].len());

@@ -9,5 +9,5 @@ mod page;
 mod plot;
 
 pub use color::Color;
-pub use page::{Page, escape};
+pub use page::{Page, escape, number};
 pub use plot::{Mark, Plot, PlotError, Segment, Span};

@@ -14,7 +14,8 @@ pub struct Page {
 impl Page {
     /// Begins with the title, and in a sentence or two what it is about.
     pub fn new(title: &str, lead: &str) -> Self {
-        let body = format!("<header><h1>{}</h1><p class=\"lead\">{}</p></header>\n", escape(title), escape(lead));
+        let body =
+            format!("<header><h1>{}</h1><p class=\"lead\">{}</p></header>\n", escape(title), escape(lead));
         Self { title: title.into(), body }
     }
 
@@ -66,8 +67,11 @@ impl Page {
             self.body += "<tr>";
             for (index, cell) in row.iter().enumerate() {
                 let cell = escape(cell);
-                self.body +=
-                    &if index == 0 { format!("<th scope=\"row\">{cell}</th>") } else { format!("<td>{cell}</td>") };
+                self.body += &if index == 0 {
+                    format!("<th scope=\"row\">{cell}</th>")
+                } else {
+                    format!("<td>{cell}</td>")
+                };
             }
             self.body += "</tr>\n";
         }
@@ -102,6 +106,11 @@ pub fn escape(text: &str) -> String {
         }
     }
     escaped
+}
+
+/// A number with so many decimals; a dash where there is none.
+pub fn number(value: f64, decimals: usize) -> String {
+    if value.is_finite() { format!("{value:.decimals$}") } else { "–".into() }
 }
 
 #[cfg(test)]

@@ -193,7 +193,8 @@ impl Plot {
     }
 
     fn draw(&self) -> Result<String, String> {
-        let range = |range: &Range<f64>| range.start.is_finite() && range.end.is_finite() && range.start < range.end;
+        let range =
+            |range: &Range<f64>| range.start.is_finite() && range.end.is_finite() && range.start < range.end;
         if !range(&self.x) || !range(&self.y) {
             return Err(format!("an axis from {:?} to {:?}", self.x, self.y));
         }
@@ -214,6 +215,10 @@ impl Plot {
             escape(&self.title),
             Color::substitute(body)
         ))
+    }
+
+    fn text(color: Color) -> TextStyle<'static> {
+        ("sans-serif", Self::FINE * Self::SMALL).into_font().color(&color.placeholder())
     }
 
     /// Of one pixel column, in x.
@@ -238,8 +243,7 @@ impl Plot {
 
     fn draw_mesh(&self, chart: &mut Chart) -> Drawn {
         let decimals = decimals(self.y.end - self.y.start);
-        let style = |color: Color| ("sans-serif", Self::FINE * Self::SMALL, &color.placeholder()).into_text_style(chart.plotting_area());
-        let (label, description) = (style(Color::Muted), style(Color::Ink));
+        let (label, description) = (Self::text(Color::Muted), Self::text(Color::Ink));
         chart
             .configure_mesh()
             .disable_x_mesh()
@@ -295,27 +299,20 @@ impl Plot {
 
     /// The spans' names above everything, the marks' below them.
     fn draw_labels(&self, chart: &mut Chart) -> Drawn {
-        let per_pixel = (self.y.end - self.y.start) / f64::from(self.height - Self::X_LABELS - 2 * Self::MARGIN);
+        let per_pixel =
+            (self.y.end - self.y.start) / f64::from(self.height - Self::X_LABELS - 2 * Self::MARGIN);
         let right_of = 5.0 * self.column();
-        let area = chart.plotting_area().clone();
-        let style = |color: Color| {
-            let style = ("sans-serif", Self::FINE * Self::SMALL, &color.placeholder()).into_text_style(&area);
-            style.pos(Pos::new(HPos::Left, VPos::Top))
-        };
+        let style = |color: Color| Self::text(color).pos(Pos::new(HPos::Left, VPos::Top));
         for span in self.spans.iter().filter(|span| self.x.contains(&span.x.start)) {
             let place = (span.x.start + right_of, self.y.end - 4.0 * per_pixel);
-            chart
-                .draw_series([Text::new(span.label.clone(), place, style(Color::Ink))])
-                .map_err(said)?;
+            chart.draw_series([Text::new(span.label.clone(), place, style(Color::Ink))]).map_err(said)?;
         }
         let line = Color::Notice.placeholder().stroke_width(3);
         for mark in self.marks.iter().filter(|mark| self.x.contains(&mark.x)) {
             let ends = vec![(mark.x, self.y.start), (mark.x, self.y.end - 20.0 * per_pixel)];
             chart.draw_series([PathElement::new(ends, line)]).map_err(said)?;
             let place = (mark.x + right_of, self.y.end - 22.0 * per_pixel);
-            chart
-                .draw_series([Text::new(mark.label.clone(), place, style(Color::Notice))])
-                .map_err(said)?;
+            chart.draw_series([Text::new(mark.label.clone(), place, style(Color::Notice))]).map_err(said)?;
         }
         Ok(())
     }
@@ -328,12 +325,12 @@ impl Plot {
             let share = (self.clip_x(x) - self.x.start) / (self.x.end - self.x.start);
             (left + share * (right - left)).round() as i32
         };
-        let text = ("sans-serif", Self::FINE * Self::SMALL, &Color::Ink.placeholder()).into_text_style(area);
-        let text = text.pos(Pos::new(HPos::Right, VPos::Center));
+        let text = Self::text(Color::Ink).pos(Pos::new(HPos::Right, VPos::Center));
         for (row, (name, segments)) in self.bars.iter().enumerate() {
             let top = fine * Self::BAR * row as f64;
             let (from, to) = ((top + 4.0 * fine) as i32, (top + fine * (Self::BAR - 6.0)) as i32);
-            let frame = Rectangle::new([(at(self.x.start), from), (at(self.x.end), to)], Color::Grid.placeholder());
+            let frame =
+                Rectangle::new([(at(self.x.start), from), (at(self.x.end), to)], Color::Grid.placeholder());
             area.draw(&frame).map_err(said)?;
             for segment in segments {
                 let corners = [(at(segment.from), from), (at(segment.to), to)];
@@ -378,7 +375,9 @@ mod tests {
     #[test]
     fn everything_is_in_the_picture_and_no_placeholder_is_left() {
         let svg = plot().svg().unwrap();
-        for part in ["m/s", "time, s", "a &lt; b", "noticed", "source", "<polygon", "<polyline", "Speed &amp; more"] {
+        for part in
+            ["m/s", "time, s", "a &lt; b", "noticed", "source", "<polygon", "<polyline", "Speed &amp; more"]
+        {
             assert!(svg.contains(part), "{part} is missing in {svg}");
         }
         assert!(!svg.contains("#C010"), "a placeholder is left");

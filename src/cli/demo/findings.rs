@@ -52,8 +52,9 @@ pub struct Quality {
     pub rms: f64,
     /// Mean of the error of the valid ones.
     pub bias: f64,
-    /// Of the error.
+    /// Of the error, and how many decimals of it are worth printing.
     pub unit: &'static str,
+    pub decimals: usize,
 }
 
 /// Everything that is told of a drive.
@@ -189,7 +190,7 @@ fn in_use(
 type Compared = (f64, f64, f64);
 
 fn quality(truth: &[Truth], in_use: &[InUse], rows: &[Row]) -> Vec<Quality> {
-    let judge = |name, unit, compare: &dyn Fn(&Row, &Truth, &InUse) -> Option<Compared>| {
+    let judge = |name, (unit, decimals), compare: &dyn Fn(&Row, &Truth, &InUse) -> Option<Compared>| {
         let compared: Vec<Compared> = rows
             .iter()
             .filter_map(|row| {
@@ -212,6 +213,7 @@ fn quality(truth: &[Truth], in_use: &[InUse], rows: &[Row]) -> Vec<Quality> {
             rms: mean(&|(estimate, _, truth)| (estimate - truth).powi(2)).sqrt(),
             bias: mean(&|(estimate, _, truth)| estimate - truth),
             unit,
+            decimals,
         }
     };
     let slope = |wheel: usize| {
@@ -239,13 +241,13 @@ fn quality(truth: &[Truth], in_use: &[InUse], rows: &[Row]) -> Vec<Quality> {
         row.round.motion_valid.then_some((estimate, f64::NAN, truth))
     };
     vec![
-        judge("Slip slope, front left", "", &slope(0)),
-        judge("Slip slope, front right", "", &slope(1)),
-        judge("Slip offset, front left", "", &offset(0)),
-        judge("Slip offset, front right", "", &offset(1)),
-        judge("Cornering stiffness, front", "1/rad", &cornering(0)),
-        judge("Cornering stiffness, rear", "1/rad", &cornering(1)),
-        judge("Sideslip", "°", &degrees),
+        judge("Slip slope, front left", ("", 1), &slope(0)),
+        judge("Slip slope, front right", ("", 1), &slope(1)),
+        judge("Slip offset, front left", ("", 5), &offset(0)),
+        judge("Slip offset, front right", ("", 5), &offset(1)),
+        judge("Cornering stiffness, front", ("1/rad", 1), &cornering(0)),
+        judge("Cornering stiffness, rear", ("1/rad", 1), &cornering(1)),
+        judge("Sideslip", ("°", 2), &degrees),
         friction(truth, rows),
         lower_bound(truth, rows),
     ]
@@ -271,6 +273,7 @@ fn friction(truth: &[Truth], rows: &[Row]) -> Quality {
         rms: (errors.iter().map(|(error, _)| error * error).sum::<f64>() / count).sqrt(),
         bias: errors.iter().map(|(error, _)| error).sum::<f64>() / count,
         unit: "",
+        decimals: 2,
     }
 }
 
@@ -289,6 +292,7 @@ fn lower_bound(truth: &[Truth], rows: &[Row]) -> Quality {
         rms: f64::NAN,
         bias: f64::NAN,
         unit: "",
+        decimals: 2,
     }
 }
 

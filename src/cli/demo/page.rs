@@ -70,7 +70,7 @@ impl Story<'_> {
         if !slopes.is_empty() {
             let (found, true_): (Vec<&str>, Vec<&str>) =
                 slopes.iter().map(|(a, b)| (a.as_str(), b.as_str())).unzip();
-            text += &format!(" Slip slope found: {}; true: {}.", list(&found), list(&true_));
+            text += &format!(" Slip slope found: {}; true in use: {}.", list(&found), list(&true_));
         }
         text
     }
@@ -99,7 +99,7 @@ impl Story<'_> {
             let change = self.findings.changes.iter().rfind(|change| change.at <= *time);
             let label = match (right, change.and_then(|change| change.delay)) {
                 (true, Some(delay)) => format!("noticed after {delay:.1} s"),
-                _ => "no change".into(),
+                _ => "noticed, but no change".into(),
             };
             Mark { x: *time, label }
         };
@@ -320,25 +320,38 @@ impl Story<'_> {
     /// Stretches of the drive with one colour.
     fn segments(&self, color: impl Fn(&Row) -> Option<Color>) -> Vec<Segment> {
         let mut segments: Vec<Segment> = Vec::new();
+        let mut goes_on = None;
         for row in self.rows {
-            let time = row.round.time;
+            let (time, color) = (row.round.time, color(row));
             if let Some(last) = segments.last_mut()
+                && goes_on.is_some()
                 && time - last.to < 0.1
             {
                 last.to = time;
-                if color(row) == Some(last.color) {
-                    continue;
-                }
             }
-            if let Some(color) = color(row) {
-                segments.push(Segment { from: time, to: time, color });
+            if let Some(new) = color
+                && color != goes_on
+            {
+                segments.push(Segment { from: time, to: time, color: new });
             }
+            goes_on = color;
         }
         segments
     }
 
+    /// The last row that counts on this surface. Before the change was noticed, what is published is of
+    /// the surface before.
     fn last_valid(&self, surface: &Surface, valid: impl Fn(&Row) -> bool) -> Option<&Row> {
-        self.rows.iter().rfind(|row| surface.time.contains(&row.round.time) && valid(row))
+        let on = self.noticed_part(surface);
+        self.rows.iter().rfind(|row| on.contains(&row.round.time) && valid(row))
+    }
+
+    fn noticed_part(&self, surface: &Surface) -> Range<f64> {
+        let Range { start, end } = surface.time;
+        match self.findings.changes.iter().find(|change| change.at == start) {
+            Some(change) => change.delay.map_or(end, |delay| start + delay)..end,
+            None => start..end,
+        }
     }
 
     fn surface_columns(&self) -> Vec<&str> {
@@ -352,7 +365,7 @@ impl Story<'_> {
         };
         let found = |row: Option<&Row>, value: &dyn Fn(&Row) -> f64, std: &dyn Fn(&Row) -> f64| match row {
             Some(row) => format!("{} ± {}", number(value(row), 1), number(1.96 * std(row), 1)),
-            None => "not available".into(),
+            None => "not valid".into(),
         };
         let end = |surface: &Surface| at(self.truth, surface.time.end - 0.01);
         let truth = |surface: &Surface, value: &dyn Fn(&Truth) -> f64| {
@@ -370,7 +383,7 @@ impl Story<'_> {
             }));
         }
         let first = self.first_wheel() as usize;
-        rows.push(each("    true, in use (at zero slip)".into(), &|surface| {
+        rows.push(each("\u{2003}true, in use (at zero slip)".into(), &|surface| {
             let [used, zero] = [in_use(surface, &|i| i.slope[first]), truth(surface, &|t| t.slope[first])];
             format!("{} ({})", number(used, 1), number(zero, 1))
         }));
@@ -379,14 +392,14 @@ impl Story<'_> {
                 let row = self.last_valid(surface, |row| row.round.cornering_valid);
                 found(row, &|row| row.round.cornering[axle], &|row| row.round.cornering_std[axle])
             }));
-            rows.push(each("    true, in use (at zero slip)".into(), &|surface| {
+            rows.push(each("\u{2003}true, in use (at zero slip)".into(), &|surface| {
                 let used = in_use(surface, &|i| i.cornering[axle]);
                 let zero = truth(surface, &|t| [t.cornering_front, t.cornering_rear][axle]);
                 format!("{} ({})", number(used, 1), number(zero, 1))
             }));
         }
         rows.push(each("Friction available: gripd".into(), &|surface| self.friction_found(surface)));
-        rows.push(each("    true".into(), &|surface| number(truth(surface, &|t| t.mu_max), 2)));
+        rows.push(each("\u{2003}true".into(), &|surface| number(truth(surface, &|t| t.mu_max), 2)));
         rows
     }
 
@@ -396,12 +409,9 @@ impl Story<'_> {
             let [max, low, high] = [round.mu_max, round.mu_low, round.mu_high].map(|value| number(value, 2));
             return format!("{max} ({low} to {high})");
         }
-        let on = self.rows.iter().filter(|row| surface.time.contains(&row.round.time));
-        // What was used before the change was noticed was used on the surface before.
-        let noticed = self.findings.changes.iter().find(|change| change.at == surface.time.start);
-        let from = surface.time.start + noticed.map_or(0.0, |change| change.delay.unwrap_or(0.0));
-        let least =
-            on.filter(|row| row.round.time > from).map(|row| row.round.mu_low).fold(f64::NAN, f64::max);
+        let on = self.noticed_part(surface);
+        let rows = self.rows.iter().filter(|row| on.contains(&row.round.time));
+        let least = rows.map(|row| row.round.mu_low).fold(f64::NAN, f64::max);
         format!("at least {}", number(least, 2))
     }
 }
@@ -419,8 +429,8 @@ fn source_color(source: &str) -> Option<Color> {
     match source {
         "lower_bound" => Some(Color::Muted),
         "slope_map" => Some(Color::Second),
-        "brush" => Some(Color::First),
-        "joint" => Some(Color::Third),
+        "brush" => Some(Color::Third),
+        "joint" => Some(Color::First),
         "abs" => Some(Color::Notice),
         _ => None,
     }
@@ -452,8 +462,8 @@ fn list(words: &[&str]) -> String {
 }
 
 fn quality_row(quality: &Quality) -> Vec<String> {
-    let decimals = if quality.rms < 0.01 { 5 } else { 2 };
-    let unit = |value: f64| format!("{} {}", number(value, decimals), quality.unit).trim_end().to_owned();
+    let unit =
+        |value: f64| format!("{} {}", number(value, quality.decimals), quality.unit).trim_end().to_owned();
     vec![
         quality.name.to_owned(),
         percent(quality.valid),

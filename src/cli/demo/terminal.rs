@@ -68,18 +68,13 @@ pub fn summary(findings: &Findings, published: u64) -> String {
     let _ = writeln!(text, "{:<30} {:>6} {:>20} {:>10}", "", "valid", "truth within 95 %", "rms error");
     for quality in &findings.quality {
         let rms = if quality.rms.is_finite() {
-            format!("{:.3} {}", quality.rms, quality.unit)
+            format!("{} {}", number(quality.rms, quality.decimals), quality.unit)
         } else {
             "–".into()
         };
-        let _ = writeln!(
-            text,
-            "{:<30} {:>6} {:>20}  {:<12}",
-            quality.name,
-            percent(quality.valid),
-            percent(quality.covered),
-            rms
-        );
+        let (valid, covered) = (percent(quality.valid), percent(quality.covered));
+        let line = format!("{:<30} {valid:>6} {covered:>20}   {rms}", quality.name);
+        let _ = writeln!(text, "{}", line.trim_end());
     }
     text
 }

@@ -23,6 +23,7 @@ pub mod faults;
 pub mod filter;
 pub mod model;
 pub mod new_file;
+pub mod report;
 pub mod sample;
 pub mod service;
 pub mod signals;

@@ -1,0 +1,13 @@
+//! Reports for people: a page that is one HTML file, and the plots on it as inline SVG.
+//!
+//! Nothing is fetched and no script runs, so a page can be mailed, printed and kept. Colours are CSS
+//! variables ([`Color`]), so that one file reads well on light and on dark screens.
+
+mod color;
+mod decimate;
+mod page;
+mod plot;
+
+pub use color::Color;
+pub use page::{Page, escape, number};
+pub use plot::{Mark, Plot, PlotError, Segment, Span};

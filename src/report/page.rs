@@ -1,0 +1,128 @@
+//! A page: one HTML file with its style in it.
+
+use super::{Plot, PlotError};
+
+const STYLE: &str = include_str!("page.css");
+
+/// A page in the making, from top to bottom.
+#[derive(Clone, Debug)]
+pub struct Page {
+    title: String,
+    body: String,
+}
+
+impl Page {
+    /// Begins with the title, and in a sentence or two what it is about.
+    pub fn new(title: &str, lead: &str) -> Self {
+        let body =
+            format!("<header><h1>{}</h1><p class=\"lead\">{}</p></header>\n", escape(title), escape(lead));
+        Self { title: title.into(), body }
+    }
+
+    /// A heading.
+    pub fn heading(&mut self, text: &str) {
+        self.body += &format!("<h2>{}</h2>\n", escape(text));
+    }
+
+    /// A paragraph.
+    pub fn paragraph(&mut self, text: &str) {
+        self.body += &format!("<p>{}</p>\n", escape(text));
+    }
+
+    /// Notes: what is meant, and its explanation.
+    pub fn notes(&mut self, notes: &[(&str, &str)]) {
+        self.body += "<dl>\n";
+        for (term, text) in notes {
+            self.body += &format!("<dt>{}</dt><dd>{}</dd>\n", escape(term), escape(text));
+        }
+        self.body += "</dl>\n";
+    }
+
+    /// A plot with its heading, legend, and what to see in it.
+    ///
+    /// # Errors
+    /// If it cannot be drawn.
+    pub fn plot(&mut self, heading: &str, plot: &Plot, caption: &str) -> Result<(), PlotError> {
+        self.body += &format!(
+            "<figure><h2>{}</h2>{}<div class=\"scroll\">{}</div>",
+            escape(heading),
+            plot.legend(),
+            plot.svg()?
+        );
+        if !caption.is_empty() {
+            self.body += &format!("<figcaption>{}</figcaption>", escape(caption));
+        }
+        self.body += "</figure>\n";
+        Ok(())
+    }
+
+    /// A table: the first cell of a row is its name, the others are numbers.
+    pub fn table(&mut self, columns: &[&str], rows: &[Vec<String>]) {
+        self.body += "<div class=\"scroll\"><table><thead><tr>";
+        for column in columns {
+            self.body += &format!("<th scope=\"col\">{}</th>", escape(column));
+        }
+        self.body += "</tr></thead><tbody>\n";
+        for row in rows {
+            self.body += "<tr>";
+            for (index, cell) in row.iter().enumerate() {
+                let cell = escape(cell);
+                self.body += &if index == 0 {
+                    format!("<th scope=\"row\">{cell}</th>")
+                } else {
+                    format!("<td>{cell}</td>")
+                };
+            }
+            self.body += "</tr>\n";
+        }
+        self.body += "</tbody></table></div>\n";
+    }
+
+    /// The whole file.
+    pub fn html(&self) -> String {
+        format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+             <meta name=\"color-scheme\" content=\"light dark\"/>\n<title>{}</title>\n\
+             <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{}</main>\n\
+             <footer>gripd {}</footer>\n</body>\n</html>\n",
+            escape(&self.title),
+            self.body,
+            env!("CARGO_PKG_VERSION")
+        )
+    }
+}
+
+/// Text as it can stand in HTML, between tags and in attributes.
+pub fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => escaped += "&amp;",
+            '<' => escaped += "&lt;",
+            '>' => escaped += "&gt;",
+            '"' => escaped += "&quot;",
+            other => escaped.push(other),
+        }
+    }
+    escaped
+}
+
+/// A number with so many decimals; a dash where there is none.
+pub fn number(value: f64, decimals: usize) -> String {
+    if value.is_finite() { format!("{value:.decimals$}") } else { "–".into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_cannot_become_markup() {
+        let mut page = Page::new("<b>", "\"a\" & b");
+        page.table(&["x", "<y>"], &[vec!["row".into(), "<script>".into()]]);
+        let html = page.html();
+        assert!(html.contains("<h1>&lt;b&gt;</h1>") && html.contains("&quot;a&quot; &amp; b"));
+        assert!(html.contains("<td>&lt;script&gt;</td>") && !html.contains("<script"));
+    }
+}

@@ -13,8 +13,8 @@ const FOUND: f64 = 16.0;
 const SURE: f64 = 12.0;
 const AHEAD: f64 = 6.0;
 /// Wheel speeds are averages over some teeth and so late by this, ± this, s.
-const WHEELS_LATE_S: f64 = 0.006;
-const WHEELS_LATE_STD_S: f64 = 0.006;
+const WHEELS_LATE_S: f64 = 0.008;
+const WHEELS_LATE_STD_S: f64 = 0.007;
 /// Messages have their own periods and phases: no relation is better than this, s.
 const PHASES_S: f64 = 0.004;
 /// A delay below this is ordinary, and above that it is none of it, s.

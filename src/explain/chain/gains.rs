@@ -14,8 +14,6 @@ const FOUND: f64 = 16.0;
 /// By so much it must beat the next cause to be sure, and to be named at all.
 const SURE: f64 = 12.0;
 const AHEAD: f64 = 6.0;
-/// Body roll, pitch, tires and roads make scales off by less than this (logarithmic).
-const PHYSICS: f64 = 0.2;
 /// A smaller deviation does no harm.
 const HARMLESS: f64 = 0.015;
 
@@ -50,6 +48,15 @@ impl Channel {
             Self::Lateral => vec![Quantity::LateralAcceleration],
             Self::Steering => vec![Quantity::SteeringWheelAngle],
             Self::Longitudinal => vec![Quantity::LongitudinalAcceleration],
+        }
+    }
+
+    /// Body roll, pitch, tires and roads make scales look off by less than this (logarithmic).
+    fn explained_by_physics(self) -> f64 {
+        match self {
+            // Understeer and a steering ratio that varies with the angle.
+            Self::Steering => 0.8,
+            _ => 0.25,
         }
     }
 
@@ -121,7 +128,7 @@ pub(super) fn scales(series: &mut Series, report: &mut ChainReport) {
         if std::mem::take(&mut first) {
             note(&links, report);
         }
-        let links: Vec<Link> = links.into_iter().filter(|link| link.is_clear).collect();
+        let links: Vec<Link> = links.into_iter().filter(Link::has_scale).collect();
         let Some((channel, factor)) = next_scale(series, &links, report) else { return };
         for quantity in channel.quantities() {
             series.scale(quantity, 1.0 / factor);
@@ -171,7 +178,7 @@ fn next_scale(series: &Series, links: &[Link], report: &mut ChainReport) -> Opti
     }
     let next = explanations.get(1).map_or(0.0, |next| next.gain);
     let factor = best.value.exp();
-    let large = best.value.abs() > PHYSICS;
+    let large = best.value.abs() > best.channel.explained_by_physics();
     let words = units::mistake(best.channel, factor, best.std, &series.vehicle).filter(|_| large);
     let confidence = if large && best.gain - next > SURE {
         Confidence::Certain

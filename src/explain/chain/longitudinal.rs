@@ -61,7 +61,7 @@ pub(super) fn swapped_accelerations(series: &mut Series, report: &mut ChainRepor
 /// The longitudinal acceleration's sign. Put right in the series.
 pub(super) fn signs(series: &mut Series, report: &mut ChainReport) {
     let quantity = Quantity::LongitudinalAcceleration;
-    let Some(link) = link(series, Relation::Longitudinal).filter(|link| link.is_clear && link.gain < 0.0)
+    let Some(link) = link(series, Relation::Longitudinal).filter(|link| link.is_clear && link.is_negative)
     else {
         return;
     };

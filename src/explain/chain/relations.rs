@@ -1,7 +1,7 @@
 //! The equations between channels, each as a regression whose first coefficient is one if all is right
 //! and whose second tells the delay.
 
-use super::regression::{FREE, Fit, Prior, Row, fit};
+use super::regression::{self, FREE, Fit, Prior, Row, fit};
 use super::series::{Series, at};
 use crate::Quantity;
 use crate::model::DrivenAxle;
@@ -14,6 +14,9 @@ const GENTLE: f64 = 4.5;
 const COASTING: f64 = 0.8;
 /// Nobody knows better where the accelerometer sits, m.
 const ACCELEROMETER_PLACE_M: f64 = 0.15;
+/// Outer wheels, pressed down, roll on a smaller radius: difference of the two, relative, per lateral
+/// acceleration, at most about this, s²/m.
+const LOADED_RADIUS: f64 = 8e-4;
 /// Delays are looked for up to this, s.
 const LONGEST_DELAY_S: f64 = 0.5;
 
@@ -66,7 +69,9 @@ pub(super) struct Link {
     pub(super) delay: f64,
     pub(super) delay_std: f64,
     pub(super) explained: f64,
-    /// Is the gain other than zero beyond doubt, and does it explain something?
+    /// Sign of the plain correlation, all small terms left out.
+    pub(super) is_negative: bool,
+    /// Is that beyond doubt, and does it explain something?
     pub(super) is_clear: bool,
 }
 
@@ -118,16 +123,37 @@ pub(super) fn rows<const K: usize>(
         .collect()
 }
 
-fn summary<const K: usize>(relation: Relation, fit: &Fit<K>, least: f64) -> Link {
+/// The least share of the variance that a relation must explain to be believed.
+fn believable(relation: Relation) -> f64 {
+    match relation {
+        Relation::Lateral | Relation::Steering => 0.3,
+        _ => 0.2,
+    }
+}
+
+fn summary<const K: usize>(relation: Relation, fit: &Fit<K>, rows: &[Row<K>]) -> Option<Link> {
+    let plain: Vec<Row<2>> = rows
+        .iter()
+        .map(|row| Row { x: [row.x[0], 1.0], y: row.y, block: row.block, place: row.place })
+        .collect();
+    let plain = regression::fit(&plain, [FREE; 2])?;
     let gain = fit.value[0];
-    Link {
+    Some(Link {
         relation,
         gain,
         gain_std: fit.std[0],
         delay: -fit.value[1] / gain,
         delay_std: fit.std[1] / gain.abs(),
         explained: fit.explained,
-        is_clear: fit.is_significant(0) && fit.explained > least,
+        is_negative: plain.value[0] < 0.0,
+        is_clear: plain.is_significant(0) && plain.explained > believable(relation),
+    })
+}
+
+impl Link {
+    /// Is the magnitude of the gain known well enough to speak of a scale?
+    pub(super) fn has_scale(&self) -> bool {
+        self.is_clear && (self.gain < 0.0) == self.is_negative && self.gain_std < 0.3 * self.gain.abs()
     }
 }
 
@@ -144,10 +170,10 @@ fn axle(series: &Series, left: Quantity, right: Quantity, relation: Relation, sh
         &y,
         shift,
         |row| gentle(series, row),
-        |row| [series.r[row], series.r_dot[row], 1.0, series.v[row]],
+        |row| [series.r[row], series.r_dot[row], 1.0, series.v[row], series.v[row] * series.vr[row]],
     );
-    let fit = fit(&rows, [FREE, FREE, FREE, FREE])?;
-    Some(summary(relation, &fit, 0.2))
+    let fit = fit(&rows, [FREE, FREE, FREE, FREE, (0.0, LOADED_RADIUS / track)])?;
+    summary(relation, &fit, &rows)
 }
 
 /// In units that may be wrong "gentle" is not known: so the bound only counts while the lateral
@@ -157,24 +183,18 @@ fn gentle(series: &Series, row: usize) -> bool {
     a < GENTLE || a > 15.0
 }
 
-/// v d/dt of what the rear axle needs of slip angle: the part of a_y that is neither v r nor b r'.
-fn sideslip_rate(series: &Series) -> Vec<f64> {
-    let vehicle = &series.vehicle;
-    let (kappa, _) = series.kappa(false);
-    let inertia = vehicle.yaw_inertia() / (vehicle.mass() * vehicle.a());
-    let acceleration =
-        |row: usize| series.vr[row] + (vehicle.b() - kappa * series.v[row].powi(2)) * series.r_dot[row];
-    let slip: Vec<f64> = (0..series.len())
-        .map(|row| series.v[row] * (acceleration(row) - inertia * series.r_dot[row]))
-        .collect();
-    series.derivative(&slip)
-}
-
 /// a_y = v r + b r' − κ d/dt[v (a_y − Jz/(m a) r')] + offset: exact for linear rear tires, whatever the
 /// front axle does (the rear axle's force follows from a_y and r' alone).
 fn lateral(series: &Series, shift: f64) -> Option<Link> {
+    let vehicle = &series.vehicle;
     let y = series.smooth(Quantity::LateralAcceleration);
-    let q = sideslip_rate(series);
+    let gain = rough_gain(series, &y);
+    let inertia = gain * vehicle.yaw_inertia() / (vehicle.mass() * vehicle.a());
+    // The delayed acceleration put back to its time, here too.
+    let slip: Vec<f64> = (0..series.len())
+        .map(|row| series.v[row] * (at(&y, row as f64 + shift / series.dt) - inertia * series.r_dot[row]))
+        .collect();
+    let q = series.derivative(&slip);
     let rows = rows(
         series,
         &y,
@@ -182,51 +202,59 @@ fn lateral(series: &Series, shift: f64) -> Option<Link> {
         |row| gentle(series, row),
         |row| [series.vr[row], series.vr_dot[row], series.r_dot[row], -q[row], 1.0],
     );
-    let fit = fit(&rows, lateral_priors(series, &rows))?;
-    Some(summary(Relation::Lateral, &fit, 0.3))
-}
-
-/// With a gain that is far off (a unit) the priors of the small terms scale with it.
-fn lateral_priors<const K: usize>(series: &Series, rows: &[Row<K>]) -> [Prior; K] {
-    let vehicle = &series.vehicle;
-    let (sum_xy, sum_xx) = rows.iter().fold((0.0, 0.0), |(a, b), r| (a + r.x[0] * r.y, b + r.x[0] * r.x[0]));
-    let slope: f64 = if sum_xx > 0.0 { sum_xy / sum_xx } else { 1.0 };
-    let gain = if (0.5..2.0).contains(&slope) { 1.0 } else { slope };
     let place = vehicle.cg_to_front_m.std.hypot(ACCELEROMETER_PLACE_M);
-    let (kappa, kappa_std) = series.kappa(false);
-    let mut priors = [FREE; K];
-    priors[2] = (gain * vehicle.b(), gain.abs() * place);
-    priors[3] = (gain * kappa, gain.abs() * kappa_std);
-    priors
+    let priors = [FREE, FREE, (gain * vehicle.b(), gain.abs() * place), series.kappa(false), FREE];
+    let fit = fit(&rows, priors)?;
+    summary(Relation::Lateral, &fit, &rows)
 }
 
-/// δ v/L = r + K v² r + T v r' + offsets: δ the road wheel angle.
+/// How many times too large the lateral acceleration is where its unit is wrong; one where it is not.
+fn rough_gain(series: &Series, lateral_acceleration: &[f64]) -> f64 {
+    let valid = (0..series.len())
+        .filter(|row| series.moves(*row))
+        .map(|row| (lateral_acceleration[row], series.vr[row]));
+    let (sum_xy, sum_xx) = valid
+        .filter(|(y, x)| y.is_finite() && x.is_finite())
+        .fold((0.0, 0.0), |(xy, xx), (y, x)| (xy + x * y, xx + x * x));
+    let slope: f64 = if sum_xx > 0.0 { sum_xy / sum_xx } else { 1.0 };
+    if (0.5..2.0).contains(&slope) || slope == 0.0 { 1.0 } else { slope }
+}
+
+/// δ v/L = r + (κ_F − κ_R) v a_y/L + (κ_F Jz/(m b) + κ_R Jz/(m a)) v r'/L + offsets, δ the road wheel
+/// angle: exact for linear tires at small angles.
 fn steering(series: &Series, shift: f64) -> Option<Link> {
     let vehicle = &series.vehicle;
-    let to_yaw = 1.0 / (vehicle.steering_ratio.value * vehicle.wheelbase_m.value);
+    let l = vehicle.wheelbase_m.value;
+    let to_yaw = 1.0 / (vehicle.steering_ratio.value * l);
     let angle = series.raw(Quantity::SteeringWheelAngle);
     let y = series.smoothed(|row| angle[row] * series.speed(row) * to_yaw);
+    let ay = series.smooth(Quantity::LateralAcceleration);
+    let ay_gain = rough_gain(series, &ay);
     let rows = rows(
         series,
         &y,
         shift,
         |row| gentle(series, row),
         |row| {
-            let (v, r) = (series.v[row], series.r[row]);
-            [r, series.r_dot[row], v * v * r, v * series.r_dot[row], v, 1.0]
+            let (v, r_dot) = (series.v[row], series.r_dot[row]);
+            [series.r[row], r_dot, v * ay[row] / ay_gain / l, v * r_dot / l, v, 1.0]
         },
     );
     let (sum_xy, sum_xx) = rows.iter().fold((0.0, 0.0), |(a, b), r| (a + r.x[0] * r.y, b + r.x[0] * r.x[0]));
     let slope = if sum_xx > 0.0 { sum_xy / sum_xx } else { 1.0 };
-    let gain = if (0.3..3.0).contains(&slope) { 1.0 } else { slope };
+    let gain = if (0.3..4.0).contains(&slope) { 1.0 } else { slope };
     let ((front, front_std), (rear, rear_std)) = (series.kappa(true), series.kappa(false));
-    let l = vehicle.wheelbase_m.value;
-    let understeer = ((front - rear) / l, 0.7 * front_std.hypot(rear_std) / l);
-    let transient = ((front * vehicle.a() + rear * vehicle.b()) / l, 0.7 * front_std.hypot(rear_std));
+    // Both stiffnesses mostly change together: with the surface, the load, the temperature.
+    let understeer = (front - rear, 0.5 * front_std.hypot(rear_std));
+    let lever = vehicle.yaw_inertia() / vehicle.mass();
+    let transient = (
+        lever * (front / vehicle.b() + rear / vehicle.a()),
+        lever * (front_std / vehicle.b() + rear_std / vehicle.a()),
+    );
     let scaled = |(mean, std): Prior| (gain * mean, gain.abs() * std);
     let priors = [FREE, FREE, scaled(understeer), scaled(transient), FREE, FREE];
     let fit = fit(&rows, priors)?;
-    Some(summary(Relation::Steering, &fit, 0.3))
+    summary(Relation::Steering, &fit, &rows)
 }
 
 /// Is the car coasting or being driven, now and a little before and after?
@@ -267,7 +295,7 @@ fn longitudinal(series: &Series, shift: f64) -> Option<Link> {
     let (kappa, kappa_std) = series.kappa(false);
     let priors = [FREE, FREE, (0.0, freely * slip), (-vehicle.b(), 0.5), (kappa, kappa_std)];
     let fit = fit(&rows, priors)?;
-    Some(summary(Relation::Longitudinal, &fit, 0.2))
+    summary(Relation::Longitudinal, &fit, &rows)
 }
 
 /// Takes each block's mean away: what changes more slowly than a block is not asked about.

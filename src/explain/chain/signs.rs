@@ -51,7 +51,7 @@ pub(super) fn lateral(series: &mut Series, report: &mut ChainReport) {
     let links: Vec<Link> = links.into_iter().filter(|link| link.is_clear).collect();
     let mut explanations: Vec<(f64, Flips)> = (0u8..32)
         .map(|bits| std::array::from_fn(|i| bits & (1 << i) != 0))
-        .filter(|flips| links.iter().all(|link| turned(*flips, link.relation) == (link.gain < 0.0)))
+        .filter(|flips| links.iter().all(|link| turned(*flips, link.relation) == link.is_negative))
         .map(|flips| (cost(flips), flips))
         .collect();
     explanations.sort_by(|a, b| a.0.total_cmp(&b.0));

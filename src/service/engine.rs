@@ -166,7 +166,7 @@ impl Engine {
 }
 
 /// What the mapping tells the estimators of the sensors.
-fn sensors(inputs: &Inputs) -> Sensors {
+pub fn sensors(inputs: &Inputs) -> Sensors {
     let mut sensors = Sensors::default();
     for quantity in Quantity::ALL.into_iter().filter(|quantity| inputs.has(*quantity)) {
         sensors.add(quantity, inputs.noise_std(quantity));

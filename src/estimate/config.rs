@@ -80,6 +80,10 @@ pub struct SlopeConfig {
     pub block_s: f64,
     /// Random walk of the compliance, 1/√s.
     pub compliance_walk: f64,
+    /// After so long without information, s, the surface may have changed unseen …
+    pub unseen_after_s: f64,
+    /// … and the compliance walks by this share of itself, 1/√s.
+    pub unseen_walk: f64,
     /// Random walk of the slip offset (tire radii drift with temperature), 1/√s.
     pub offset_walk: f64,
     /// Standard deviation of the slip offset before anything is measured: tires of one car differ in
@@ -93,6 +97,8 @@ pub struct SlopeConfig {
     pub change_boost: f64,
     /// Blocks with less normalized force than this say nothing of the slope.
     pub informative_mu: f64,
+    /// Blocks with more than this can tell a change of surface: less is needed than for the slope itself.
+    pub noticeable_mu: f64,
     /// Lateral acceleration above which a block is not used, m/s².
     pub max_lateral_acceleration_mps2: f64,
     /// Where the bus tells neither of brakes nor of drive torque: deceleration by the tires, m/s²,
@@ -111,12 +117,15 @@ impl Default for SlopeConfig {
         Self {
             block_s: 0.25,
             compliance_walk: 2e-5,
+            unseen_after_s: 5.0,
+            unseen_walk: 0.04,
             offset_walk: 2e-6,
             initial_offset_std: 0.02,
             cusum_drift: 0.75,
             cusum_threshold: 10.0,
             change_boost: 1e6,
             informative_mu: 0.03,
+            noticeable_mu: 0.012,
             max_lateral_acceleration_mps2: 3.0,
             max_coasting_deceleration_mps2: 0.0,
             cornering_slip_std: 1e-4,

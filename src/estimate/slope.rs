@@ -39,7 +39,7 @@ impl SlopeEstimator {
     /// Time passes; nothing was measured.
     pub fn age(&mut self, elapsed_s: f64) {
         for wheel in self.wheels.iter_mut().flatten() {
-            wheel.age_s += elapsed_s;
+            wheel.age(elapsed_s, &self.config);
         }
     }
 
@@ -138,6 +138,18 @@ impl WheelSlope {
         }
     }
 
+    /// After some seconds without information the surface may have become another one, unseen.
+    fn age(&mut self, elapsed_s: f64, config: &SlopeConfig) {
+        self.age_s += elapsed_s;
+        if self.age_s > config.unseen_after_s && elapsed_s.is_finite() {
+            let walk = config.unseen_walk * self.filter.mean[0];
+            let limit = (Self::UNKNOWN * self.filter.mean[0]).powi(2);
+            if self.filter.covariance[(0, 0)] < limit {
+                self.filter.inflate(0, (walk * walk * elapsed_s).min(limit));
+            }
+        }
+    }
+
     /// Returns the evidence of a softer (positive) or stiffer surface, in standard deviations, if the
     /// block says anything of it.
     fn step(&mut self, point: &TractionPoint, duration_s: f64, config: &SlopeConfig) -> Option<f64> {
@@ -155,18 +167,17 @@ impl WheelSlope {
         let normalized = expected.normalized();
         let limited = normalized.clamp(-Self::CLIP, Self::CLIP) * expected.variance.sqrt();
         self.filter.update(&regressor, limited, noise * self.noise.redundancy());
-        if point.mu.abs() < config.informative_mu {
-            return None;
+        if point.mu.abs() >= config.informative_mu {
+            self.age_s = 0.0;
+            self.informed = true;
         }
-        self.age_s = 0.0;
-        self.informed = true;
         // A softer surface makes more slip in the direction of the force.
         let evidence = normalized * point.mu.signum();
         // A tooth wheel locked to the sampling shifts the slip for a second, whatever the force. What no
         // change of surface could explain is no evidence of one.
         let explicable = self.filter.mean[0].abs() * point.mu.abs() / expected.variance.sqrt();
         let (stiffer, softer) = Self::CHANGES;
-        self.is_settled().then(|| {
+        (self.is_settled() && point.mu.abs() > config.noticeable_mu).then(|| {
             evidence.clamp(-Self::CLIP, Self::CLIP).clamp(-stiffer * explicable, softer * explicable)
         })
     }

@@ -74,6 +74,10 @@ impl Check {
 /// Recordings that cannot be read, or that lack what is required, are a failure of the work.
 fn failure(recordings: &RecordingReport) -> Result<(), Failure> {
     let mut reasons: Vec<String> = recordings.files.iter().filter_map(|file| file.broken.clone()).collect();
+    let empty = recordings.files.iter().filter(|file| file.frames == 0 && file.broken.is_none());
+    reasons.extend(empty.map(|file| {
+        format!("{}: no frame in it ({} lines skipped); is it a candump log?", file.file, file.skipped_lines)
+    }));
     for channel in recordings.quantities.iter().filter(|channel| channel.min.is_none()) {
         let required = Quantity::ALL.iter().any(|q| q.name() == channel.quantity && q.is_required());
         if required {

@@ -78,7 +78,7 @@ impl Garage {
         let garage = Self(tempfile::tempdir().unwrap());
         garage.write("car.dbc", DBC);
         garage.write("car.toml", CAR);
-        garage.write("drive.log", &drive(300));
+        garage.write("drive.log", drive(300));
         garage
     }
 

@@ -162,19 +162,34 @@ impl<'de> Deserialize<'de> for SignalsConfig {
             }
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<SignalsConfig, A::Error> {
                 let mut config = SignalsConfig::default();
-                while let Some(key) = map.next_key::<String>()? {
-                    if key == "sampling" {
-                        config.sampling = map.next_value()?;
-                    } else if let Ok(quantity) = key.parse::<Quantity>() {
-                        config.quantities.insert(quantity, map.next_value()?);
-                    } else {
-                        return Err(A::Error::custom(unknown_key(&key)));
+                while let Some(key) = map.next_key()? {
+                    match key {
+                        Key::Sampling => config.sampling = map.next_value()?,
+                        Key::Quantity(quantity) => {
+                            config.quantities.insert(quantity, map.next_value()?);
+                        }
                     }
                 }
                 Ok(config)
             }
         }
         deserializer.deserialize_map(Table)
+    }
+}
+
+/// A key of `[signals]`. Refused as a key, so that the error stands in the key's own line.
+enum Key {
+    Sampling,
+    Quantity(Quantity),
+}
+
+impl<'de> Deserialize<'de> for Key {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let key = String::deserialize(deserializer)?;
+        if key == "sampling" {
+            return Ok(Self::Sampling);
+        }
+        key.parse().map(Self::Quantity).map_err(|_| D::Error::custom(unknown_key(&key)))
     }
 }
 

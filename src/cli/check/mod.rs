@@ -5,7 +5,7 @@ mod recording;
 mod text;
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
@@ -29,7 +29,7 @@ pub struct Check {
     config: PathBuf,
     /// Recordings (candump -L; plain, gzip or zstd; `-` is the standard input), one after the other.
     logs: Vec<PathBuf>,
-    /// Write everything as JSON.
+    /// Write everything as JSON (`-`: to the standard output, instead of the text).
     #[arg(long, value_name = "JSON")]
     json: Option<PathBuf>,
 }
@@ -62,8 +62,11 @@ impl Check {
             }
         };
         let report = Report { configuration, recordings, chain };
-        let mut stdout = std::io::stdout().lock();
-        text::write(&mut stdout, &report).and_then(|()| stdout.flush()).map_err(Failure::work)?;
+        // With `--json -` the standard output is for programs.
+        if self.json.as_deref() != Some(Path::new("-")) {
+            let mut stdout = std::io::stdout().lock();
+            text::write(&mut stdout, &report).and_then(|()| stdout.flush()).map_err(Failure::work)?;
+        }
         if let Some(path) = &self.json {
             write_json(path, &report)?;
         }
@@ -74,6 +77,10 @@ impl Check {
 /// Recordings that cannot be read, or that lack what is required, are a failure of the work.
 fn failure(recordings: &RecordingReport) -> Result<(), Failure> {
     let mut reasons: Vec<String> = recordings.files.iter().filter_map(|file| file.broken.clone()).collect();
+    let empty = recordings.files.iter().filter(|file| file.frames == 0 && file.broken.is_none());
+    reasons.extend(empty.map(|file| {
+        format!("{}: no frame in it ({} lines skipped); is it a candump log?", file.file, file.skipped_lines)
+    }));
     for channel in recordings.quantities.iter().filter(|channel| channel.min.is_none()) {
         let required = Quantity::ALL.iter().any(|q| q.name() == channel.quantity && q.is_required());
         if required {

@@ -23,6 +23,8 @@ pub struct RecordingReport {
     pub files: Vec<FileReport>,
     /// Frames, all identifiers.
     pub frames: u64,
+    /// Share of frames with the very stamp of the frame before, whatever its identifier.
+    pub batch_stamps: f64,
     /// Identifiers that were seen and are not needed.
     pub unneeded_ids: usize,
     /// Frames with these.
@@ -117,6 +119,8 @@ pub struct Recorder {
     messages: BTreeMap<CanId, Message>,
     /// Frames of identifiers that are not needed.
     others: BTreeMap<CanId, u64>,
+    last_time: Option<Micros>,
+    same_stamp: u64,
     report: RecordingReport,
 }
 
@@ -160,6 +164,8 @@ impl Recorder {
             channels: configured.map(|quantity| (quantity, Channel::default())).collect(),
             messages: inputs.ids().iter().map(|id| (*id, Message::default())).collect(),
             others: BTreeMap::new(),
+            last_time: None,
+            same_stamp: 0,
             report: RecordingReport::default(),
         }
     }
@@ -168,6 +174,7 @@ impl Recorder {
     pub fn frame(&mut self, inputs: &Inputs, frame: &Frame, pushed: Pushed) {
         self.report.frames += 1;
         let first = *self.first.get_or_insert(frame.time);
+        self.same_stamp += u64::from(self.last_time.replace(frame.time) == Some(frame.time));
         let Some(message) = self.messages.get_mut(&frame.id) else {
             *self.others.entry(frame.id).or_default() += 1;
             return;
@@ -212,6 +219,7 @@ impl Recorder {
 
     /// The result.
     pub fn finish(mut self, sampler: &Sampler, samples: u64) -> RecordingReport {
+        self.report.batch_stamps = self.same_stamp as f64 / self.report.frames.max(1) as f64;
         self.report.unneeded_ids = self.others.len();
         self.report.unneeded_frames = self.others.values().sum();
         self.report.samples = samples;

@@ -126,8 +126,12 @@ fn recording(out: &mut impl Write, report: &RecordingReport) -> io::Result<()> {
     }
     writeln!(
         out,
-        "{} frames of {} identifiers are not needed; {} samples made",
-        report.unneeded_frames, report.unneeded_ids, report.samples
+        "{} frames of {} identifiers are not needed; {:.1} % of all frames bear the stamp of the one before; \
+         {} samples made",
+        report.unneeded_frames,
+        report.unneeded_ids,
+        100.0 * report.batch_stamps,
+        report.samples
     )?;
     for message in &report.messages {
         if message.frames == 0 {

@@ -10,6 +10,9 @@ use super::series::Series;
 
 /// Misfit (χ²) that one cause must take away, and by how much it must beat the next one.
 const FOUND: f64 = 16.0;
+/// Misfit from which a delay is mentioned, if it is so long, s.
+const SUSPECTED: f64 = 9.0;
+const LONG_S: f64 = 0.025;
 const SURE: f64 = 12.0;
 const AHEAD: f64 = 6.0;
 /// Wheel speeds are averages over some teeth and so late by this, ± this, s.
@@ -83,13 +86,16 @@ fn next_delay(
         .collect();
     let (_, explanations) = attribute(&evidence, &causes)?;
     let best = *explanations.first()?;
-    if best.gain < FOUND || best.value.abs() < ORDINARY_S {
+    let least = if best.value.abs() > LONG_S { SUSPECTED } else { FOUND };
+    if best.gain < least || best.value.abs() < ORDINARY_S {
         return None;
     }
     let next = explanations.get(1).map_or(0.0, |next| next.gain);
     // Tires, compliance and steering gear delay the car behind the steering wheel, too.
     let kinematic = best.channel != Channel::Steering;
-    let confidence = if kinematic && best.value > EXTRAORDINARY_S && best.gain - next > SURE {
+    let confidence = if best.gain < FOUND {
+        Confidence::Unclear
+    } else if kinematic && best.value > EXTRAORDINARY_S && best.gain - next > SURE {
         Confidence::Certain
     } else if best.gain - next > AHEAD {
         Confidence::Likely
@@ -98,7 +104,7 @@ fn next_delay(
     };
     let mut or: Vec<String> = explanations[1..]
         .iter()
-        .filter(|other| best.gain - other.gain < AHEAD && other.gain > FOUND)
+        .filter(|other| best.gain - other.gain < AHEAD && other.gain > SUSPECTED)
         .map(|other| format!("sensor_delay of {} ({:+.0} ms)", other.channel.name(), 1e3 * other.value))
         .collect();
     if !kinematic {

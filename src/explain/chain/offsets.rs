@@ -8,6 +8,8 @@ use crate::{Quantity, Wheel};
 
 /// Wheels slower than this stand, rad/s.
 const STANDING: f64 = 0.05;
+/// So many times the bound is beyond any road, too.
+const BEYOND_ROADS: f64 = 6.0;
 /// Standing for less than this is not counted, s.
 const STANDING_S: f64 = 1.0;
 
@@ -34,6 +36,7 @@ fn add(
     }
     let repair = format!("take {value:.4} from its offset (offset = {:.4} if there is none)", -value);
     let (bound, physics) = extraordinary(quantity);
+    let physics = physics.filter(|_| value.abs() < BEYOND_ROADS * bound);
     let t = value / std;
     let known = report.findings.iter().any(|f| f.effect == "sensor_bias" && f.channel == quantity.name());
     if value.abs() > bound && t.abs() > student(blocks) && (value.abs() - bound) > std && !known {

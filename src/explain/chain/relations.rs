@@ -10,6 +10,8 @@ use crate::model::DrivenAxle;
 const STRIDE_S: f64 = 0.04;
 /// Beyond this the tires are not linear any more, m/s².
 const GENTLE: f64 = 4.5;
+/// Beyond this it is no road car, but a unit that is wrong, m/s².
+const IMPOSSIBLE: f64 = 15.0;
 /// Braking shifts the wheels' speed against the car's; weaker deceleration than this is coasting, m/s².
 const COASTING: f64 = 0.8;
 /// Nobody knows better where the accelerometer sits, m.
@@ -180,7 +182,7 @@ fn axle(series: &Series, left: Quantity, right: Quantity, relation: Relation, sh
 /// acceleration seems possible at all.
 fn gentle(series: &Series, row: usize) -> bool {
     let a = series.vr[row].abs();
-    a < GENTLE || a > 15.0
+    !(GENTLE..=IMPOSSIBLE).contains(&a)
 }
 
 /// a_y = v r + b r' − κ d/dt[v (a_y − Jz/(m a) r')] + offset: exact for linear rear tires, whatever the
@@ -261,8 +263,10 @@ fn steering(series: &Series, shift: f64) -> Option<Link> {
 pub(super) fn not_braking(series: &Series) -> Vec<bool> {
     let pressure = series.smooth(Quantity::BrakePressure);
     let torque = series.smooth(Quantity::BrakeTorque);
+    // What is not known is not above anything.
+    let above = |value: f64, bound: f64| value.abs() > bound;
     let now =
-        |row: usize| series.v_dot[row] > -COASTING && !(pressure[row] > 0.5) && !(torque[row].abs() > 50.0);
+        |row: usize| series.v_dot[row] > -COASTING && !above(pressure[row], 0.5) && !above(torque[row], 50.0);
     let reach = (0.3 / series.dt) as usize;
     let mut clear = vec![true; series.len()];
     for row in (0..series.len()).filter(|row| !now(*row)) {

@@ -42,7 +42,7 @@ impl Series {
         let mut steps: Vec<f64> = samples.iter().map(|s| s.elapsed_s).filter(|s| *s > 0.0).collect();
         steps.sort_by(f64::total_cmp);
         let dt = *steps.get(steps.len() / 2)?;
-        let mut raw = vec![Vec::with_capacity(samples.len()); Quantity::COUNT];
+        let mut raw = vec![Vec::new(); Quantity::COUNT];
         let mut last = None;
         for sample in samples {
             let gap = sample.elapsed_s > 1.5 * dt || last.is_some_and(|last| sample.time <= last);
@@ -194,7 +194,7 @@ fn smooth(raw: &[f64], dt: f64) -> Vec<f64> {
 
 /// The value of a smoothed series between rows.
 pub(super) fn at(series: &[f64], place: f64) -> f64 {
-    if !(place >= 0.0) {
+    if place.is_nan() || place < 0.0 {
         return f64::NAN;
     }
     let row = place as usize;

@@ -72,7 +72,8 @@ pub(super) fn model(series: &Series, order: Order, turn: f64) -> Option<(WheelFi
             },
         );
         let rows = weighted(series, rows);
-        let fit = fit(&rows, [(1.0, 0.1), (0.0, 0.01), FREE])?;
+        let priors = [(1.0, 0.1), (0.0, 0.01), FREE];
+        let fit = constrained(&rows, priors, &[(0.5, 2.0)])?;
         Some((fit, residuals(&rows, fit.value)))
     };
     let (front, front_residuals) = axle(0)?;
@@ -114,15 +115,26 @@ fn along(series: &Series, contrast: &[f64], turn: f64) -> Option<(Fit<4>, Residu
     let rows = weighted(series, rows);
     // What no car can do is not fitted.
     let ranges = [(0.3, 1.7), (0.3 * slip, 8.0 * slip), (0.0, 4.0 * slip)];
-    let mut priors: [Prior; 4] = [(1.0, 0.3), (2.0 * slip, 2.0 * slip), (slip, slip), FREE];
-    let free = fit(&rows, priors)?;
-    for (i, (low, high)) in ranges.into_iter().enumerate() {
-        if !(low..=high).contains(&free.value[i]) {
-            priors[i] = (free.value[i].clamp(low, high), 1e-6);
+    let priors = [(1.0, 0.3), (2.0 * slip, 2.0 * slip), (slip, slip), FREE];
+    let fit = constrained(&rows, priors, &ranges)?;
+    Some((fit, residuals(&rows, fit.value)))
+}
+
+/// A fit whose first coefficients stay within what a car can do: those beyond are held at the bound.
+fn constrained<const K: usize>(
+    rows: &[Row<K>],
+    mut priors: [Prior; K],
+    ranges: &[(f64, f64)],
+) -> Option<Fit<K>> {
+    let free = fit(rows, priors)?;
+    let mut held = false;
+    for ((prior, value), (low, high)) in priors.iter_mut().zip(free.value).zip(ranges) {
+        if !(*low..=*high).contains(&value) {
+            *prior = (value.clamp(*low, *high), 1e-6);
+            held = true;
         }
     }
-    let fit = fit(&rows, priors)?;
-    Some((fit, residuals(&rows, fit.value)))
+    if held { fit(rows, priors) } else { Some(free) }
 }
 
 /// Relative differences are noisier the slower the car is.

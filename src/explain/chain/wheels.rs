@@ -79,6 +79,16 @@ pub(super) fn gross_factors(series: &mut Series, report: &mut ChainReport) {
     }
 }
 
+/// A way in which channels may be mixed up, and how much more likely it is than no mistake.
+#[derive(Clone)]
+struct Candidate {
+    /// Logarithm of the likelihood ratio.
+    ratio: f64,
+    /// The same without the block that speaks for it most.
+    robust: f64,
+    pairs: Vec<(Wheel, Wheel)>,
+}
+
 /// The ways in which channels are mixed up: one pair, or the same mistake twice.
 fn orders() -> Vec<(Order, Vec<(Wheel, Wheel)>)> {
     use Wheel::{Fl, Fr, Rl, Rr};
@@ -129,24 +139,24 @@ pub(super) fn swaps(series: &mut Series, report: &mut ChainReport) {
     let gain = gains.iter().copied().reduce(|a, b| a.max(b)).unwrap_or(1.0);
     let turn = if (0.75..1.33).contains(&gain) { 1.0 } else { gain };
     let Some((_, labelled)) = model(series, AS_LABELLED, turn) else { return };
-    let mut candidates: Vec<(f64, f64, Order, Vec<(Wheel, Wheel)>)> = orders()
+    let mut candidates: Vec<Candidate> = orders()
         .into_iter()
         .filter_map(|(order, pairs)| {
             let (_, residuals) = model(series, order, turn)?;
             let (ratio, robust) = likelihood_ratio(&labelled, &residuals);
-            Some((ratio, robust, order, pairs))
+            Some(Candidate { ratio, robust, pairs })
         })
         .collect();
-    candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let Some((ratio, robust, _, pairs)) = candidates.first().cloned() else { return };
+    candidates.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
+    let Some(Candidate { ratio, robust, pairs }) = candidates.first().cloned() else { return };
     if ratio < NAMED || robust < 0.25 * NAMED {
         return;
     }
-    let rivals: Vec<&(f64, f64, Order, Vec<(Wheel, Wheel)>)> =
-        candidates[1..].iter().filter(|rival| ratio - rival.0 < NAMED && rival.0 > NAMED).collect();
+    let rivals: Vec<&Candidate> =
+        candidates[1..].iter().filter(|rival| ratio - rival.ratio < NAMED && rival.ratio > NAMED).collect();
     let along = pairs.iter().all(|(one, other)| one.same_side() == *other);
     let mut or: Vec<String> =
-        rivals.iter().map(|rival| format!("channel_swap of {}", names(&rival.3))).collect();
+        rivals.iter().map(|rival| format!("channel_swap of {}", names(&rival.pairs))).collect();
     if along && pairs.len() == 2 && series.vehicle.driven_axle != DrivenAxle::All {
         or.push("[vehicle] driven_axle names the wrong axle".to_owned());
     }

@@ -51,9 +51,9 @@ impl Story<'_> {
             let noticed: Vec<&str> = noticed.iter().map(String::as_str).collect();
             text += &format!(" gripd, reading only the car's CAN frames, noticed {}", list(&noticed));
             text += &match self.findings.false_notices() {
-                0 => String::from(", and no change that was none."),
-                1 => String::from(", and once a change that was none."),
-                count => format!(", and {count} times a change that was none."),
+                0 => String::from("; it raised no false alarm."),
+                1 => String::from("; it raised one false alarm."),
+                count => format!("; it raised {count} false alarms."),
             };
         }
         let wheel = self.first_wheel() as usize;
@@ -71,6 +71,14 @@ impl Story<'_> {
             let (found, true_): (Vec<&str>, Vec<&str>) =
                 slopes.iter().map(|(a, b)| (a.as_str(), b.as_str())).unzip();
             text += &format!(" Slip slope found: {}; true in use: {}.", list(&found), list(&true_));
+        }
+        for surface in &self.findings.surfaces {
+            if let Some(row) = self.last_valid(surface, |row| row.round.mu_valid)
+                && let Some(truth) = at(self.truth, row.round.time).and_then(|index| self.truth.get(index))
+            {
+                let (found, true_) = (self.friction_found(surface), number(truth.mu_max, 2));
+                text += &format!(" Friction found on {}: {found}; true: {true_}.", surface.name);
+            }
         }
         text
     }
@@ -99,7 +107,7 @@ impl Story<'_> {
             let change = self.findings.changes.iter().rfind(|change| change.at <= *time);
             let label = match (right, change.and_then(|change| change.delay)) {
                 (true, Some(delay)) => format!("noticed after {delay:.1} s"),
-                _ => "noticed, but no change".into(),
+                _ => "false alarm".into(),
             };
             Mark { x: *time, label }
         };
@@ -209,13 +217,19 @@ impl Story<'_> {
             .line("gripd", Color::First, self.published(|row| row.round.lateral_velocity))
             .line("true", Color::Truth, self.truth(|row| row.lateral_velocity))
             .bar("valid", self.segments(|row| row.round.motion_valid.then_some(Color::First)));
-        page.plot("Lateral velocity at the centre of gravity, positive to the left", &plot, "")?;
-        let top = 1.3 * most(&mut self.truth.iter().map(|row| row.sideslip.to_degrees()));
+        page.plot(
+            "Lateral velocity at the centre of gravity, positive to the left",
+            &plot,
+            "Published in steps of 0.02 m/s. The bicycle model has the data sheet's stiffness; gripd learns it.",
+        )?;
+        // At walking pace the angle means nothing.
+        let sideslip = |row: &Truth| if row.speed > 2.0 { row.sideslip.to_degrees() } else { f64::NAN };
+        let top = 1.3 * most(&mut self.truth.iter().map(sideslip));
         let plot = self
             .plot("Sideslip", "degrees", -top..top)
             .line("gripd", Color::First, self.published(|row| row.round.sideslip.to_degrees()))
-            .line("true", Color::Truth, self.truth(|row| row.sideslip.to_degrees()));
-        page.plot("Sideslip", &plot, "")
+            .line("true", Color::Truth, self.truth(sideslip));
+        page.plot("Sideslip: direction of motion against the car's, positive to the left", &plot, "")
     }
 
     fn cornering(&self, page: &mut Page) -> Result<(), PlotError> {

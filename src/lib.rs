@@ -19,6 +19,7 @@ pub mod config;
 pub mod dbc;
 pub mod estimate;
 pub mod estimates;
+pub mod explain;
 pub mod faults;
 pub mod filter;
 pub mod model;

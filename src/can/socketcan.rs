@@ -15,7 +15,7 @@ use nix::errno::Errno;
 use tokio::io::Interest;
 use tokio::io::unix::AsyncFd;
 use tokio::task::coop;
-use tokio::time::sleep;
+use tokio::time::{Instant, sleep_until};
 
 use super::raw_socket::{Buffers, RawSocket, Received};
 use super::{CanId, ErrorReport, Event, Frame, FrameKind, InterfaceName, OpenError, SendError};
@@ -66,6 +66,9 @@ pub struct SocketCan {
     /// Drop counter of the socket at the last message.
     drops: u32,
     pause: Duration,
+    /// When to look for an interface that is down or gone. A point in time and not a pause begun anew by
+    /// each `recv`: where another branch of a `select!` keeps winning, that pause would never end.
+    next_look: Instant,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,6 +96,7 @@ impl SocketCan {
             held: None,
             drops: 0,
             pause: FIRST_PAUSE,
+            next_look: Instant::now(),
         };
         bus.connect()?;
         Ok(bus)
@@ -131,7 +135,7 @@ impl SocketCan {
                 Link::Up => receive(socket, &mut self.buffers).await,
                 Link::Down | Link::Gone => tokio::select! {
                     received = receive(socket, &mut self.buffers) => received,
-                    () = sleep(LOOK_WHILE_DOWN) => {
+                    () = sleep_until(self.next_look) => {
                         self.look_again();
                         continue;
                     }
@@ -195,7 +199,7 @@ impl SocketCan {
     /// The interface reported an error.
     fn lost(&mut self, errno: Errno) {
         match errno {
-            Errno::ENETDOWN => self.link = Link::Down,
+            Errno::ENETDOWN => self.down(),
             Errno::ENODEV | Errno::ENXIO => self.disconnect(),
             _ => {
                 // Nothing the kernel documents. Start afresh, with the usual pauses.
@@ -205,15 +209,25 @@ impl SocketCan {
         }
     }
 
+    /// A sender may find this out many times: only the first counts, lest the look be put off again.
+    fn down(&mut self) {
+        if self.link != Link::Down {
+            self.link = Link::Down;
+            self.next_look = Instant::now() + LOOK_WHILE_DOWN;
+        }
+    }
+
     fn disconnect(&mut self) {
         self.socket = None;
         self.link = Link::Gone;
         self.drops = 0;
         self.pause = FIRST_PAUSE;
+        self.next_look = Instant::now() + FIRST_PAUSE;
     }
 
     /// The link was down: is it up? That it is gone, the socket itself would have told.
     fn look_again(&mut self) {
+        self.next_look = Instant::now() + LOOK_WHILE_DOWN;
         if self.config.interface.look_up().is_some_and(|state| state.is_up) {
             self.link = Link::Up;
         }
@@ -221,8 +235,9 @@ impl SocketCan {
 
     /// One pause, then one look for an interface that is gone.
     async fn wait_for_interface(&mut self) {
-        sleep(self.pause).await;
+        sleep_until(self.next_look).await;
         self.pause = (self.pause * 2).min(LONGEST_PAUSE);
+        self.next_look = Instant::now() + self.pause;
         if let Err(error) = self.connect() {
             // Said at most once a second, and there is nothing else to do than to try again.
             tracing::warn!(%error, "the CAN interface cannot be opened yet");

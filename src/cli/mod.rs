@@ -12,7 +12,7 @@ mod simulate;
 mod tables;
 
 use std::fmt;
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -20,6 +20,8 @@ use tracing_subscriber::EnvFilter;
 
 use crate::config::ConfigError;
 use crate::service::SetupError;
+
+pub use simulate::SimulatedFrames;
 
 /// How a command failed; decides the exit code.
 #[derive(Debug)]
@@ -99,7 +101,8 @@ pub fn main() -> ExitCode {
         Err(Failure::Work(reason)) => (reason, 1),
         Err(Failure::Usage(reason)) => (reason, 2),
     };
-    eprintln!("gripd: {reason}");
+    // Not eprintln: it panics where stderr is closed, and the exit code is what counts.
+    let _ = writeln!(std::io::stderr(), "gripd: {reason}");
     ExitCode::from(code)
 }
 
@@ -117,6 +120,8 @@ fn set_up_logging(arguments: &Arguments) {
         .with_env_filter(filter)
         .with_writer(std::io::stderr)
         .with_target(false)
+        // Where stderr is a closed terminal or pipe, saying so there would panic.
+        .log_internal_errors(false)
         .with_ansi(std::io::stderr().is_terminal());
     if journal { log.without_time().init() } else { log.init() }
 }

@@ -3,9 +3,10 @@
 use std::time::{Duration, Instant};
 
 use tokio::runtime::Runtime;
+use tokio::time::timeout;
 
 use super::Failure;
-use crate::can::{Frame, InterfaceName, SendError, SocketCan, SocketCanConfig};
+use crate::can::{Event, Frame, InterfaceName, SendError, SocketCan, SocketCanConfig};
 use crate::{Config, Micros};
 
 /// Waits for each frame's time, and sends it if there is an interface.
@@ -14,6 +15,15 @@ pub struct Player {
     start: Option<(Instant, Micros)>,
     bus: Option<LiveBus>,
     refused: u64,
+}
+
+/// However a replay ends, it says what the bus did not take.
+impl Drop for Player {
+    fn drop(&mut self) {
+        if self.refused > 0 {
+            tracing::warn!("{} frames were not sent", self.refused);
+        }
+    }
 }
 
 struct LiveBus {
@@ -43,21 +53,10 @@ impl Player {
     /// Sends a frame now. Frames that a real bus does not take from a program are left out.
     pub fn send(&mut self, frame: &Frame) {
         let Some(bus) = &mut self.bus else { return };
-        let begun = Instant::now();
-        let _guard = bus.runtime.enter();
-        loop {
-            match bus.socket.try_send(frame) {
-                Ok(()) | Err(SendError::ErrorFrame) => return,
-                Err(SendError::Busy) if begun.elapsed() < Self::PATIENCE => {
-                    std::thread::sleep(Duration::from_micros(200));
-                }
-                Err(error) => {
-                    self.refused += 1;
-                    if self.refused.is_power_of_two() {
-                        tracing::warn!("{error} ({} frames not sent so far)", self.refused);
-                    }
-                    return;
-                }
+        if let Err(error) = bus.send(frame, Self::PATIENCE) {
+            self.refused += 1;
+            if self.refused.is_power_of_two() {
+                tracing::warn!("{error} ({} frames not sent so far)", self.refused);
             }
         }
     }
@@ -77,6 +76,9 @@ impl Player {
 }
 
 impl LiveBus {
+    /// Longest look for an interface that was lost on the way.
+    const LOOK: Duration = Duration::from_millis(1);
+
     fn open(name: &str, fd: bool) -> Result<Self, Failure> {
         let runtime =
             tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::work)?;
@@ -84,8 +86,35 @@ impl LiveBus {
         let guard = runtime.enter();
         // Nothing is to be received here: an empty list of identifiers filters everything out.
         let config = SocketCanConfig { fd, ids: Some(Vec::new()), ..SocketCanConfig::new(interface) };
-        let socket = SocketCan::open(config).map_err(Failure::work)?;
+        let mut socket = SocketCan::open(config).map_err(Failure::work)?;
         drop(guard);
-        Ok(Self { runtime, socket })
+        // The service would wait for it; who plays a recording wants to know at once.
+        match runtime.block_on(socket.recv()) {
+            Event::Gone => Err(Failure::work(format_args!("there is no interface {name}"))),
+            Event::Down => {
+                Err(Failure::work(format_args!("{name} is down; bring it up: `ip link set {name} up`")))
+            }
+            _ => Ok(Self { runtime, socket }),
+        }
+    }
+
+    fn send(&mut self, frame: &Frame, patience: Duration) -> Result<(), SendError> {
+        let begun = Instant::now();
+        let Self { runtime, socket } = self;
+        loop {
+            match socket.try_send(frame) {
+                Ok(()) | Err(SendError::ErrorFrame) => return Ok(()),
+                Err(SendError::Busy) if begun.elapsed() < patience => {
+                    std::thread::sleep(Duration::from_micros(200));
+                }
+                Err(error) => {
+                    if matches!(error, SendError::Down | SendError::Gone) {
+                        // It notices only here that the interface is back.
+                        let _ = runtime.block_on(async { timeout(Self::LOOK, socket.recv()).await });
+                    }
+                    return Err(error);
+                }
+            }
+        }
     }
 }

@@ -9,7 +9,7 @@ use super::Failure;
 use crate::Config;
 use crate::service::{self, ServiceError};
 
-/// Ends cleanly on SIGINT and SIGTERM.
+/// Ends cleanly on SIGINT and SIGTERM; SIGHUP changes nothing.
 #[derive(Args)]
 pub struct Run {
     /// Configuration of the car.
@@ -30,10 +30,16 @@ impl Run {
         runtime.block_on(async {
             let mut interrupt = signal(SignalKind::interrupt()).map_err(Failure::work)?;
             let mut terminate = signal(SignalKind::terminate()).map_err(Failure::work)?;
+            let mut hangup = signal(SignalKind::hangup()).map_err(Failure::work)?;
             let shutdown = async move {
-                let name = tokio::select! {
-                    _ = interrupt.recv() => "SIGINT",
-                    _ = terminate.recv() => "SIGTERM",
+                let name = loop {
+                    tokio::select! {
+                        _ = interrupt.recv() => break "SIGINT",
+                        _ = terminate.recv() => break "SIGTERM",
+                        _ = hangup.recv() => tracing::warn!(
+                            "SIGHUP: the configuration is read at the start only; restart to change it"
+                        ),
+                    }
                 };
                 tracing::info!("{name}: shutting down");
             };

@@ -22,6 +22,9 @@ pub struct Block {
     pub wheels: [f64; 4],
     /// Its rate of change, m/s².
     pub wheel_acceleration: [f64; 4],
+    /// Standard deviation of one sample's difference between front and rear wheel, left and right,
+    /// around its trend, m/s: sensor noise, and the roughness of the road.
+    pub difference_std: [f64; 2],
     /// Yaw rate, rad/s.
     pub yaw_rate: f64,
     /// Lateral acceleration, m/s².
@@ -30,6 +33,8 @@ pub struct Block {
     pub road_angle: f64,
     /// Longitudinal acceleration as measured, m/s².
     pub longitudinal_acceleration: Option<f64>,
+    /// Standard deviation of one sample of it, around its trend, m/s².
+    pub longitudinal_acceleration_std: f64,
     /// Axle torque, N m.
     pub axle_torque: Option<f64>,
     /// Did the driver brake at any time? `None` where the bus does not tell.
@@ -51,24 +56,28 @@ struct Sums {
     time_square: f64,
     speed: Line,
     wheels: [Line; 4],
+    differences: [Line; 2],
     yaw_rate: f64,
     lateral_acceleration: f64,
     road_angle: f64,
     longitudinal_acceleration: Optional,
+    longitudinal_line: Line,
     axle_torque: Optional,
     braking: Option<bool>,
 }
 
-/// Sums of a quantity and of its product with time.
+/// Sums of a quantity, of its square, and of its product with time.
 #[derive(Clone, Copy, Debug, Default)]
 struct Line {
     sum: f64,
+    square: f64,
     product: f64,
 }
 
 impl Line {
     fn add(&mut self, time: f64, value: f64) {
         self.sum += value;
+        self.square += value * value;
         self.product += time * value;
     }
 }
@@ -120,6 +129,12 @@ impl BlockBuilder {
         for (line, wheel) in sums.wheels.iter_mut().zip(wheels) {
             line.add(time, wheel);
         }
+        for (line, side) in sums.differences.iter_mut().zip([0, 1]) {
+            line.add(time, wheels[side] - wheels[side + 2]);
+        }
+        if let Some(acceleration) = now.longitudinal_acceleration {
+            sums.longitudinal_line.add(time, acceleration);
+        }
         sums.yaw_rate += yaw_rate;
         sums.lateral_acceleration += lateral;
         sums.road_angle += angle;
@@ -152,6 +167,11 @@ impl Sums {
             return None;
         }
         let rate = |line: &Line| (line.product - self.time * line.sum / n) / spread;
+        let scatter = |line: &Line| {
+            let around_mean = line.square - line.sum * line.sum / n;
+            let explained = rate(line).powi(2) * spread;
+            ((around_mean - explained).max(0.0) / (n - 2.0)).sqrt()
+        };
         Some(Block {
             samples: n,
             duration_s,
@@ -159,6 +179,8 @@ impl Sums {
             acceleration: rate(&self.speed),
             wheels: self.wheels.map(|line| line.sum / n),
             wheel_acceleration: [0, 1, 2, 3].map(|i| rate(&self.wheels[i])),
+            difference_std: self.differences.each_ref().map(scatter),
+            longitudinal_acceleration_std: scatter(&self.longitudinal_line),
             yaw_rate: self.yaw_rate / n,
             lateral_acceleration: self.lateral_acceleration / n,
             road_angle: self.road_angle / n,

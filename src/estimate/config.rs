@@ -95,8 +95,8 @@ pub struct SlopeConfig {
     pub informative_mu: f64,
     /// Lateral acceleration above which a block is not used, m/s².
     pub max_lateral_acceleration_mps2: f64,
-    /// Deceleration that the drive line alone can cause, m/s²; more is taken for braking when
-    /// the bus does not tell.
+    /// Where the bus tells neither of brakes nor of drive torque: deceleration by the tires, m/s²,
+    /// above which the brakes may be on. Engine drag and gentle braking look alike.
     pub max_coasting_deceleration_mps2: f64,
     /// Share of the radius and load effects of cornering that is not modelled: slip per m/s².
     pub cornering_slip_std: f64,
@@ -110,15 +110,15 @@ impl Default for SlopeConfig {
     fn default() -> Self {
         Self {
             block_s: 0.25,
-            compliance_walk: 4e-5,
+            compliance_walk: 2e-5,
             offset_walk: 2e-6,
             initial_offset_std: 0.02,
-            cusum_drift: 1.0,
-            cusum_threshold: 7.0,
-            change_boost: 2.5e5,
+            cusum_drift: 0.75,
+            cusum_threshold: 10.0,
+            change_boost: 1e6,
             informative_mu: 0.03,
             max_lateral_acceleration_mps2: 3.0,
-            max_coasting_deceleration_mps2: 1.2,
+            max_coasting_deceleration_mps2: 0.0,
             cornering_slip_std: 1e-4,
             valid_relative_std: 0.15,
             valid_age_s: 30.0,

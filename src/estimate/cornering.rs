@@ -107,6 +107,10 @@ impl CorneringEstimator {
     const COMPLIANCE_LIMITS: (f64, f64) = (1.0 / 80.0, 1.0);
     /// Lateral acceleration from which a window tells something of the stiffness, m/s².
     const INFORMATIVE: f64 = 0.4;
+    /// Up to this relative uncertainty a stiffness is known well enough to notice its change.
+    const SETTLED: f64 = 0.15;
+    /// A stiffness this uncertain (relative) is not given out at all.
+    const UNKNOWN: f64 = 0.25;
     /// Relative uncertainty that a compliance has again after a change of surface.
     const CHANGE_STD: f64 = 0.4;
     /// Normalized innovations count in the CUSUM up to this.
@@ -203,7 +207,7 @@ impl CorneringEstimator {
         [FRONT, REAR].map(|i| {
             let compliance = self.state.mean[i];
             let relative = self.state.std(i) / compliance;
-            self.informed.then(|| Estimate {
+            (self.informed && relative < Self::UNKNOWN).then(|| Estimate {
                 value: 1.0 / compliance,
                 std: relative / compliance,
                 age_s: self.age_s,
@@ -399,8 +403,9 @@ impl CorneringEstimator {
             monitor.noise.learn(&expected, promised);
         }
         let redundancy = monitor.noise.redundancy();
+        let settled = self.state.std(axle) < Self::SETTLED * compliance;
         self.state.update(&h, residual, variance * redundancy);
-        if force.abs() * GRAVITY < Self::INFORMATIVE {
+        if force.abs() * GRAVITY < Self::INFORMATIVE || !settled {
             return false;
         }
         let evidence = expected.normalized() * force.signum() / redundancy.sqrt();

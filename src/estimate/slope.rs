@@ -11,12 +11,16 @@ use super::traction::TractionPoint;
 use super::{Car, SlopeConfig};
 use crate::Wheel;
 use crate::estimates::Estimate;
-use crate::filter::{Cusum, Gaussian, LearnedNoise};
+use crate::filter::{Cusum, Gaussian, Innovation, InnovationMonitor, LearnedNoise};
 
 /// The slope filters of all driven wheels.
 #[derive(Clone, Debug)]
 pub struct SlopeEstimator {
     wheels: [Option<WheelSlope>; 4],
+    /// Watches all driven wheels together: a surface changes under both, and two tell sooner than one.
+    cusum: Cusum,
+    /// How the evidence of an unchanged surface scatters.
+    usual: InnovationMonitor,
     config: SlopeConfig,
 }
 
@@ -27,7 +31,9 @@ impl SlopeEstimator {
             let prior = car.slope_prior[usize::from(!wheel.is_front())];
             car.driven_axle.drives(wheel).then(|| WheelSlope::new(prior, config))
         });
-        Self { wheels, config: config.clone() }
+        let cusum = Cusum::new(config.cusum_drift, config.cusum_threshold);
+        let usual = InnovationMonitor::new(WheelSlope::NOISE_MEMORY);
+        Self { wheels, cusum, usual, config: config.clone() }
     }
 
     /// Time passes; nothing was measured.
@@ -39,16 +45,33 @@ impl SlopeEstimator {
 
     /// Takes a block's points of the slip curve; returns whether the surface seems to have changed.
     pub fn step(&mut self, points: &[Option<TractionPoint>; 4], duration_s: f64) -> bool {
-        let mut alarm = false;
+        let mut evidence = 0.0;
+        let mut count = 0.0_f64;
         for (wheel, point) in self.wheels.iter_mut().zip(points) {
-            if let (Some(wheel), Some(point)) = (wheel, point) {
-                alarm |= wheel.step(point, duration_s, &self.config);
+            if let (Some(wheel), Some(point)) = (wheel, point)
+                && let Some(of_wheel) = wheel.step(point, duration_s, &self.config)
+            {
+                evidence += of_wheel;
+                count += 1.0;
             }
         }
+        if count == 0.0 {
+            return false;
+        }
+        let evidence = self.calibrated(evidence / count.sqrt());
+        let alarm = self.cusum.step(evidence).is_some();
         if alarm {
             self.surface_changed();
         }
         alarm
+    }
+
+    /// Evidence in standard deviations of what the evidence usually is: the wheels share the noise of
+    /// the force, and blocks follow each other.
+    fn calibrated(&mut self, evidence: f64) -> f64 {
+        let calibrated = evidence / (self.usual.nis().max(1.0) * self.usual.redundancy()).sqrt();
+        self.usual.step(&Innovation { residual: evidence, variance: 1.0 });
+        calibrated
     }
 
     /// The surface changed: the slopes may be anything near.
@@ -85,7 +108,6 @@ impl SlopeEstimator {
 struct WheelSlope {
     /// Compliance 1/k and slip offset δ₀.
     filter: Gaussian<2>,
-    cusum: Cusum,
     /// Noise of the slip.
     noise: LearnedNoise,
     /// Seconds since a block told something of the slope.
@@ -97,8 +119,12 @@ struct WheelSlope {
 impl WheelSlope {
     /// Blocks that the learned noise remembers.
     const NOISE_MEMORY: f64 = 120.0;
-    /// Normalized innovations count in the CUSUM up to this, so that one bad block is no change.
-    const ALARM_CLIP: f64 = 4.0;
+    /// Normalized innovations count up to this, so that one bad block is no change of surface.
+    const CLIP: f64 = 4.0;
+    /// Surfaces change the compliance by as much as this share of itself: down and up.
+    const CHANGES: (f64, f64) = (0.6, 1.5);
+    /// Up to this relative uncertainty a slope is known well enough to notice its change.
+    const SETTLED: f64 = 0.15;
     /// A slope this uncertain (relative) is not given out at all.
     const UNKNOWN: f64 = 0.5;
 
@@ -106,15 +132,15 @@ impl WheelSlope {
         let compliance_std = (slope_std / (slope * slope)).max(0.3 / slope);
         Self {
             filter: Gaussian::new([1.0 / slope, 0.0], [compliance_std, config.initial_offset_std]),
-            cusum: Cusum::new(config.cusum_drift, config.cusum_threshold),
             noise: LearnedNoise::new(Self::NOISE_MEMORY),
             age_s: 0.0,
             informed: false,
         }
     }
 
-    /// Returns whether the surface seems to have changed.
-    fn step(&mut self, point: &TractionPoint, duration_s: f64, config: &SlopeConfig) -> bool {
+    /// Returns the evidence of a softer (positive) or stiffer surface, in standard deviations, if the
+    /// block says anything of it.
+    fn step(&mut self, point: &TractionPoint, duration_s: f64, config: &SlopeConfig) -> Option<f64> {
         self.filter.inflate(0, config.compliance_walk * config.compliance_walk * duration_s);
         self.filter.inflate(1, config.offset_walk * config.offset_walk * duration_s);
         let regressor = vector![point.mu, 1.0];
@@ -125,23 +151,34 @@ impl WheelSlope {
         let noise = self.noise.variance(promised);
         let expected = self.filter.innovation(&regressor, residual, noise);
         self.noise.learn(&expected, promised);
-        let normalized = expected.normalized().clamp(-Self::ALARM_CLIP, Self::ALARM_CLIP);
         // An outlier's residual is limited rather than dropped: at a change of surface all are.
-        let limited = normalized * expected.variance.sqrt();
+        let normalized = expected.normalized();
+        let limited = normalized.clamp(-Self::CLIP, Self::CLIP) * expected.variance.sqrt();
         self.filter.update(&regressor, limited, noise * self.noise.redundancy());
         if point.mu.abs() < config.informative_mu {
-            return false;
+            return None;
         }
         self.age_s = 0.0;
         self.informed = true;
         // A softer surface makes more slip in the direction of the force.
-        self.cusum.step(normalized * point.mu.signum()).is_some()
+        let evidence = normalized * point.mu.signum();
+        // A tooth wheel locked to the sampling shifts the slip for a second, whatever the force. What no
+        // change of surface could explain is no evidence of one.
+        let explicable = self.filter.mean[0].abs() * point.mu.abs() / expected.variance.sqrt();
+        let (stiffer, softer) = Self::CHANGES;
+        self.is_settled().then(|| {
+            evidence.clamp(-Self::CLIP, Self::CLIP).clamp(-stiffer * explicable, softer * explicable)
+        })
+    }
+
+    /// Is the slope known well enough that a contradiction is news?
+    fn is_settled(&self) -> bool {
+        self.filter.std(0) < Self::SETTLED * self.filter.mean[0]
     }
 
     fn boost(&mut self, config: &SlopeConfig) {
         let walk = config.compliance_walk * config.compliance_walk * config.block_s;
         self.filter.inflate(0, walk * config.change_boost);
-        self.cusum.reset();
     }
 
     fn slope(&self) -> Option<Estimate> {

@@ -12,7 +12,8 @@ pub struct TractionPoint {
     pub slip: f64,
     /// Standard deviation of the slip's noise.
     pub slip_std: f64,
-    /// Traction force / static wheel load (thesis 5.2).
+    /// Traction force / static wheel load (thesis 5.2), less the same of the reference wheel: what the
+    /// difference of their slips comes from.
     pub mu: f64,
     /// Standard deviation of `mu`'s noise.
     pub mu_std: f64,
@@ -34,9 +35,10 @@ pub struct Traction {
 impl Traction {
     /// Share of the geometric correction for curves that is taken for uncertain.
     const GEOMETRY_STD: f64 = 0.05;
-    /// Drive torque and acceleration may contradict each other by this much (grade included), m/s²,
-    /// before brakes are suspected that the bus does not tell of.
-    const UNEXPLAINED_DECELERATION: f64 = 1.0;
+    /// Drive torque and acceleration may contradict each other by this much, m/s², before brakes are
+    /// suspected that the bus does not tell of: with an accelerometer, which feels no grade, and
+    /// with the wheels' acceleration, which contains it.
+    const UNEXPLAINED_DECELERATION: [f64; 2] = [0.4, 1.0];
 
     /// For this car and these sensors.
     pub fn new(car: &Car, sensors: &Sensors, config: &SlopeConfig, minimum_speed: f64) -> Self {
@@ -80,15 +82,21 @@ impl Traction {
             return None;
         }
         let slip = block.wheels[wheel as usize] / rolling - 1.0;
-        let white = self.wheel_noise * (2.0 / block.samples).sqrt() / rolling;
+        // What the sensors promise, or what the road adds to it.
+        let side = usize::from(!wheel.is_left());
+        let scatter = block.difference_std[side].max(self.wheel_noise * 2.0_f64.sqrt());
+        let white = scatter / block.samples.sqrt() / rolling;
         let geometry = Self::GEOMETRY_STD * (rolling - measured) / rolling;
         let cornering = self.cornering_slip_std * block.lateral_acceleration;
         let (force, force_std) = self.force(block, wheel);
         let load = car.load(wheel);
+        // The reference wheel slips, too: the road has to turn its inertia.
+        let spin = block.wheel_acceleration[reference as usize] / car.radius;
+        let reference_mu = -car.wheel_inertia * spin / car.radius / car.load(reference);
         Some(TractionPoint {
             slip,
             slip_std: (white * white + geometry * geometry + cornering * cornering).sqrt(),
-            mu: force / load,
+            mu: force / load - reference_mu,
             mu_std: force_std / load,
         })
     }
@@ -105,7 +113,10 @@ impl Traction {
             return (force, torque_std.hypot(car.wheel_inertia * spin_std) / car.radius);
         }
         let (acceleration, noise) = match block.longitudinal_acceleration {
-            Some(measured) => (measured, self.acceleration_noise / block.samples.sqrt()),
+            Some(measured) => {
+                let scatter = block.longitudinal_acceleration_std.max(self.acceleration_noise);
+                (measured, scatter / block.samples.sqrt())
+            }
             None => (block.acceleration, self.rate_std(block)),
         };
         // What the driven axle carries: the body, the other axle's wheels, drag and rolling
@@ -128,12 +139,17 @@ impl Traction {
         if let Some(braking) = block.braking {
             return braking;
         }
-        let acceleration = block.longitudinal_acceleration.unwrap_or(block.acceleration);
-        let resisting = self.car.drag * block.speed * block.speed / self.car.mass;
+        let resisting =
+            self.car.drag * block.speed * block.speed / self.car.mass + self.car.rolling_resistance * GRAVITY;
+        let [with_accelerometer, with_wheels] = Self::UNEXPLAINED_DECELERATION;
+        let (acceleration, tolerance) = match block.longitudinal_acceleration {
+            Some(measured) => (measured, with_accelerometer),
+            None => (block.acceleration, with_wheels),
+        };
         match block.axle_torque {
             Some(torque) => {
                 let driving = torque / self.car.radius / self.car.mass - resisting;
-                driving - acceleration > Self::UNEXPLAINED_DECELERATION
+                driving - acceleration > tolerance
             }
             None => -(acceleration + resisting) > self.max_coasting,
         }

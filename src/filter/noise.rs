@@ -11,6 +11,8 @@ use super::{Innovation, InnovationMonitor};
 pub struct LearnedNoise {
     scale: f64,
     memory: f64,
+    /// Measurements that the scale stands on, up to the memory.
+    seen: f64,
     monitor: InnovationMonitor,
 }
 
@@ -20,10 +22,15 @@ impl LearnedNoise {
     /// The learned variance stays within these multiples of the promised one.
     const LIMITS: (f64, f64) = (0.05, 1e4);
 
-    /// A memory of about `memory` measurements; starts with what was promised.
+    /// What is promised weighs as much as this many measurements, and is doubted by a factor of two.
+    const PRIOR: (f64, f64) = (10.0, 2.0);
+
+    /// A memory of about `memory` measurements; starts with twice what is promised, and learns fast
+    /// until the memory is filled.
     pub fn new(memory: f64) -> Self {
         let memory = memory.max(1.0);
-        Self { scale: 1.0, memory, monitor: InnovationMonitor::new(memory) }
+        let (seen, scale) = Self::PRIOR;
+        Self { scale, memory, seen: seen.min(memory), monitor: InnovationMonitor::new(memory) }
     }
 
     /// Variance to expect of one measurement whose data sheet promises `promised`.
@@ -40,7 +47,8 @@ impl LearnedNoise {
         let from_state = innovation.variance - self.variance(promised);
         let seen = (innovation.residual * innovation.residual - from_state) / promised;
         let limit = Self::CLIP * Self::CLIP * self.scale;
-        self.scale += (seen.clamp(0.0, limit) - self.scale) / self.memory;
+        self.seen = (self.seen + 1.0).min(self.memory);
+        self.scale += (seen.clamp(0.0, limit) - self.scale) / self.seen;
         self.scale = self.scale.clamp(Self::LIMITS.0, Self::LIMITS.1);
     }
 

@@ -10,8 +10,9 @@ use super::Innovation;
 /// deviations, so that one bad frame is no inconsistency.
 #[derive(Clone, Copy, Debug)]
 pub struct InnovationMonitor {
-    forgetting: f64,
-    weight: f64,
+    memory: f64,
+    /// Innovations that count, up to the memory.
+    seen: f64,
     square: f64,
     product: f64,
     previous: f64,
@@ -21,9 +22,13 @@ impl InnovationMonitor {
     /// Normalized innovations count up to this many standard deviations.
     pub const CLIP: f64 = 5.0;
 
+    /// Consistency is believed at the start as after this many innovations.
+    const PRIOR: f64 = 20.0;
+
     /// A memory of about `memory` innovations; starts consistent.
     pub fn new(memory: f64) -> Self {
-        Self { forgetting: 1.0 / memory.max(1.0), weight: 0.0, square: 1.0, product: 0.0, previous: 0.0 }
+        let memory = memory.max(1.0);
+        Self { memory, seen: Self::PRIOR.min(memory), square: 1.0, product: 0.0, previous: 0.0 }
     }
 
     /// Takes one innovation.
@@ -32,9 +37,9 @@ impl InnovationMonitor {
         if !value.is_finite() {
             return;
         }
-        self.square += self.forgetting * (value * value - self.square);
-        self.product += self.forgetting * (value * self.previous - self.product);
-        self.weight += self.forgetting * (1.0 - self.weight);
+        self.seen = (self.seen + 1.0).min(self.memory);
+        self.square += (value * value - self.square) / self.seen;
+        self.product += (value * self.previous - self.product) / self.seen;
         self.previous = value;
     }
 
@@ -53,11 +58,6 @@ impl InnovationMonitor {
     pub fn redundancy(&self) -> f64 {
         let rho = self.correlation().max(0.0);
         (1.0 + rho) / (1.0 - rho)
-    }
-
-    /// Share of the memory that is filled, 0–1.
-    pub fn filled(&self) -> f64 {
-        self.weight
     }
 }
 

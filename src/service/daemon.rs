@@ -2,15 +2,16 @@
 
 use std::future::Future;
 use std::pin::pin;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use sd_notify::NotifyState;
 use thiserror::Error;
 use tokio::time::{Interval, MissedTickBehavior};
 
+use super::throttle::Throttle;
 use super::{Engine, SetupError, Sink};
 use crate::can::{
-    Bus, BusState, Event, Frame, InterfaceName, OpenError, SendError, SocketCan, SocketCanConfig,
+    Bus, BusState, ErrorReport, Event, Frame, InterfaceName, OpenError, SendError, SocketCan, SocketCanConfig,
 };
 use crate::{Config, Estimates, Faults, Sample};
 
@@ -106,7 +107,7 @@ pub async fn serve<L: Link>(
     report_every_s: u64,
     shutdown: impl Future<Output = ()>,
 ) -> Tally {
-    let mut daemon = Daemon { engine, outbox: Vec::with_capacity(16), tally: Tally::default() };
+    let mut daemon = Daemon::new(engine);
     let mut shutdown = pin!(shutdown);
     let mut watchdog = watchdog();
     let mut report = every(Duration::from_secs(report_every_s));
@@ -118,12 +119,13 @@ pub async fn serve<L: Link>(
             () = &mut shutdown => break,
             () = tick(&mut watchdog) => notify(&[NotifyState::Watchdog]),
             () = tick(&mut report) => daemon.report(),
+            // Before the input, which may never be silent: this one only has news of its state.
+            event = next(&mut output) => daemon.output(event),
             event = input.recv() => {
                 daemon.input(event, observer);
                 let target = output.as_mut().unwrap_or(&mut input);
                 daemon.send(target, observer);
             }
-            event = next(&mut output) => daemon.output(event),
         }
     }
     notify(&[NotifyState::Stopping]);
@@ -143,6 +145,16 @@ struct Daemon {
     /// Frames on their way out; emptied after each frame that comes in.
     outbox: Vec<Frame>,
     tally: Tally,
+    said: Said,
+}
+
+/// What was said lately, so that a bad day does not fill the log.
+#[derive(Debug, Default)]
+struct Said {
+    dropped: Throttle,
+    unsent: Throttle,
+    bus_off: Throttle,
+    bus_state: Throttle,
 }
 
 /// Collects what the engine publishes, and shows estimates to the observer.
@@ -162,6 +174,10 @@ impl<S: Sink> Sink for Collect<'_, S> {
 }
 
 impl Daemon {
+    fn new(engine: Engine) -> Self {
+        Self { engine, outbox: Vec::with_capacity(16), tally: Tally::default(), said: Said::default() }
+    }
+
     fn input(&mut self, event: Event, observer: &mut impl Sink) {
         match event {
             Event::Frame(frame) => {
@@ -171,21 +187,14 @@ impl Daemon {
             Event::Dropped(count) => {
                 self.tally.dropped += u64::from(count);
                 self.engine.report_dropped(u64::from(count));
-                if self.tally.dropped.is_power_of_two() || self.tally.dropped == u64::from(count) {
-                    tracing::warn!(
-                        count,
-                        total = self.tally.dropped,
-                        "the kernel dropped frames: we are too slow"
-                    );
+                if self.said.dropped.pass(Instant::now()).is_some() {
+                    let total = self.tally.dropped;
+                    tracing::warn!(count, total, "the kernel dropped frames: we are too slow");
                 }
             }
             Event::Error(error) => {
                 self.engine.report(Faults::BUS_ERROR);
-                match error.bus_state() {
-                    Some(BusState::Off) => tracing::error!("{error}"),
-                    Some(_) => tracing::warn!("{error}"),
-                    None => tracing::debug!("{error}"),
-                }
+                self.say_error("input", error);
             }
             Event::Up => {
                 tracing::info!("the input interface is up");
@@ -205,7 +214,10 @@ impl Daemon {
             Event::Up => tracing::info!("the output interface is up"),
             Event::Down => tracing::warn!("the output interface is down; nothing can be published"),
             Event::Gone => tracing::warn!("the output interface does not exist; nothing can be published"),
-            Event::Error(_) => self.engine.report(Faults::BUS_ERROR),
+            Event::Error(error) => {
+                self.engine.report(Faults::BUS_ERROR);
+                self.say_error("output", error);
+            }
             Event::Frame(_) | Event::Dropped(_) => {}
         }
     }
@@ -221,13 +233,28 @@ impl Daemon {
                 Err(error) => {
                     self.tally.unsent += 1;
                     self.engine.report(Faults::BUS_ERROR);
-                    if self.tally.unsent.is_power_of_two() {
+                    if self.said.unsent.pass(Instant::now()).is_some() {
                         tracing::warn!(total = self.tally.unsent, "a frame was not sent: {error}");
                     }
                 }
             }
         }
         self.outbox.clear();
+    }
+
+    /// Changes of the controller's state, each at its own level; single errors are for debugging only.
+    fn say_error(&mut self, place: &str, error: ErrorReport) {
+        let Some(state) = error.bus_state() else {
+            tracing::debug!("{place}: {error}");
+            return;
+        };
+        let said = if state == BusState::Off { &mut self.said.bus_off } else { &mut self.said.bus_state };
+        let Some(withheld) = said.pass(Instant::now()) else { return };
+        match state {
+            BusState::Off => tracing::error!(withheld, "{place}: {error}"),
+            BusState::Passive | BusState::Warning => tracing::warn!(withheld, "{place}: {error}"),
+            BusState::Active => tracing::info!(withheld, "{place}: {error}"),
+        }
     }
 
     fn report(&self) {

@@ -1,7 +1,7 @@
 //! The engine: frames in, frames out. Live, in replay, in tests and benchmarks it is the same one.
 
 use super::SetupError;
-use crate::can::{CanId, Frame};
+use crate::can::{CanId, Frame, FrameKind};
 use crate::dbc::Database;
 use crate::estimate::Pipeline;
 use crate::signals::publish::Publisher;
@@ -89,6 +89,11 @@ impl Engine {
     /// Takes a frame; hands on the samples it completes, and what is then due to be published.
     pub fn frame(&mut self, frame: &Frame, sink: &mut impl Sink) {
         self.counts.frames_in += 1;
+        if frame.kind == FrameKind::Error {
+            // In a recording with error frames; live they come as events of the bus.
+            self.report(Faults::BUS_ERROR);
+            return;
+        }
         if self.sampler.push(frame) == Pushed::Ignored {
             return;
         }
@@ -109,6 +114,9 @@ impl Engine {
 
     /// Frames were lost before they came here.
     pub fn report_dropped(&mut self, count: u64) {
+        if count == 0 {
+            return;
+        }
         self.dropped = self.dropped.saturating_add(count);
         self.faults |= Faults::DROPPED;
         self.pipeline.set_dropped_frames(self.dropped);
@@ -158,7 +166,7 @@ impl Engine {
 }
 
 /// What the mapping tells the estimators of the sensors.
-fn sensors(inputs: &Inputs) -> Sensors {
+pub fn sensors(inputs: &Inputs) -> Sensors {
     let mut sensors = Sensors::default();
     for quantity in Quantity::ALL.into_iter().filter(|quantity| inputs.has(*quantity)) {
         sensors.add(quantity, inputs.noise_std(quantity));

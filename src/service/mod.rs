@@ -5,6 +5,7 @@
 
 mod daemon;
 mod engine;
+mod throttle;
 
 use serde::Deserialize;
 use thiserror::Error;
@@ -16,7 +17,7 @@ use crate::signals::SignalsError;
 use crate::signals::publish::PublishError;
 
 pub use daemon::{Link, ServiceError, Tally, run, serve};
-pub use engine::{Engine, EngineCounts, Sink};
+pub use engine::{Engine, EngineCounts, Sink, sensors};
 
 /// `[service]`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

@@ -12,6 +12,7 @@ mod checks;
 mod compile;
 mod config;
 mod counts;
+mod describe;
 pub mod e2e;
 mod error;
 mod grid;
@@ -27,6 +28,7 @@ mod units;
 
 pub use config::{CrcConfig, CrcKind, QuantityConfig, SamplerConfig, SignalsConfig};
 pub use counts::FaultCounts;
+pub use describe::Description;
 pub use error::{Problem, SignalsError};
 pub use inputs::Inputs;
 pub use outputs::Outputs;

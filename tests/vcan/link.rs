@@ -98,3 +98,31 @@ async fn what_is_no_can_interface_is_refused() {
     let loopback = SocketCanConfig::new("lo".parse().unwrap());
     assert!(matches!(SocketCan::open(loopback), Err(OpenError::NotCan(_))));
 }
+
+#[tokio::test]
+async fn an_interface_comes_back_however_often_waiting_for_it_is_cut_short() {
+    let Some(interface) = Interface::new("gt_cut") else { return };
+    let mut bus = interface.bus().await;
+    for (away, back) in [("down", Event::Down), ("gone", Event::Gone)] {
+        if away == "down" {
+            interface.set("down")
+        } else {
+            interface.remove()
+        }
+        assert_eq!(next(&mut bus).await, back);
+        if away == "down" {
+            interface.set("up");
+        } else {
+            assert!(Interface::create(interface.0));
+        }
+        // As beside a busy bus in `select!`: each wait is far shorter than the pause between two looks.
+        let found = timeout(PATIENCE, async {
+            loop {
+                if let Ok(event) = timeout(Duration::from_millis(2), bus.recv()).await {
+                    return event;
+                }
+            }
+        });
+        assert_eq!(found.await, Ok(Event::Up), "{away}");
+    }
+}

@@ -12,6 +12,8 @@
 
 mod link;
 mod traffic;
+#[path = "../vcan_support/mod.rs"]
+mod vcan_support;
 
 use std::future::Future;
 use std::io::{BufRead, BufReader};
@@ -25,52 +27,9 @@ use gripd::can::{
     BusState, CanId, ErrorClass, Event, Frame, FrameKind, OpenError, SendError, SocketCan, SocketCanConfig,
 };
 use tokio::time::{sleep, timeout};
-
-/// Nothing here takes a second on an idle machine; the guest may be far from idle.
-const PATIENCE: Duration = Duration::from_secs(30);
-
-/// Runs a program; true if it succeeded.
-fn run(program: &str, arguments: &str) -> bool {
-    let status = Command::new(program).args(arguments.split_whitespace()).stderr(Stdio::null()).status();
-    status.is_ok_and(|status| status.success())
-}
-
-#[track_caller]
-fn must(program: &str, arguments: &str) {
-    assert!(run(program, arguments), "{program} {arguments}");
-}
-
-/// A virtual interface that lives as long as this.
-struct Interface(&'static str);
+use vcan_support::{Interface, PATIENCE, must, run};
 
 impl Interface {
-    fn new(name: &'static str) -> Option<Self> {
-        if Self::create(name) {
-            return Some(Self(name));
-        }
-        let required = std::env::var_os("GRIPD_REQUIRE_VCAN").is_some();
-        assert!(!required, "cannot make the virtual CAN interface {name}");
-        println!("skipped: no virtual CAN here; run with tests/vcan/run.sh as cargo's runner");
-        None
-    }
-
-    fn create(name: &str) -> bool {
-        run("ip", &format!("link add dev {name} type vcan")) && run("ip", &format!("link set {name} up"))
-    }
-
-    fn set(&self, what: &str) {
-        must("ip", &format!("link set {} {what}", self.0));
-    }
-
-    fn remove(&self) {
-        must("ip", &format!("link del {}", self.0));
-    }
-
-    fn index(&self) -> u32 {
-        // Not from /sys, which may belong to another network namespace.
-        nix::net::if_::if_nametoindex(self.0).unwrap()
-    }
-
     fn config(&self) -> SocketCanConfig {
         SocketCanConfig { fd: true, ..SocketCanConfig::new(self.0.parse().unwrap()) }
     }
@@ -84,12 +43,6 @@ impl Interface {
         let mut bus = SocketCan::open(config).unwrap();
         assert_eq!(next(&mut bus).await, Event::Up);
         bus
-    }
-}
-
-impl Drop for Interface {
-    fn drop(&mut self) {
-        run("ip", &format!("link del {}", self.0));
     }
 }
 

@@ -1,0 +1,184 @@
+//! How long each stage takes, and all of them together, on a simulated bus of 900 frames per second
+//! of which half are not needed. One element is a frame, a sample or a published round; so at
+//! `5.0 Melem/s` each takes 200 ns. What `gripd replay` does with a file: tests/bench_replay.sh.
+
+#![allow(missing_docs, reason = "the macros of criterion make functions without")]
+#![allow(clippy::unwrap_used, reason = "a benchmark that cannot be set up may fail loudly")]
+
+use std::hint::black_box;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use gripd::can::candump::{Reader, Writer};
+use gripd::can::{CanId, Frame};
+use gripd::estimate::Pipeline;
+use gripd::service::{Engine, Sink};
+use gripd::signals::publish::{PublishConfig, Publisher, built_in_database};
+use gripd::signals::{Inputs, Sampler};
+use gripd::{Config, Estimates, Quantity, Sample, Sensors};
+
+fn project(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+fn config() -> Config {
+    Config::load(&project("config/demo.toml")).unwrap()
+}
+
+fn reader(text: &[u8]) -> Reader {
+    Reader::from_read(Box::new(Cursor::new(text.to_vec())), "bus").unwrap()
+}
+
+fn frames(text: &[u8]) -> Vec<Frame> {
+    let mut reader = reader(text);
+    std::iter::from_fn(|| reader.next_frame().unwrap()).collect()
+}
+
+/// The demo drive of 120 s, and beside each of its frames one that nobody needs.
+fn bus() -> Vec<u8> {
+    let mut simulate = Command::new(env!("CARGO_BIN_EXE_gripd"));
+    simulate.arg("simulate").arg(project("config/scenarios/demo.toml")).args(["-o", "-"]);
+    let drive = frames(&simulate.output().unwrap().stdout);
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = folder.path().join("bus.log");
+    let mut writer = Writer::create(&path, "can0").unwrap();
+    for (number, frame) in drive.iter().enumerate() {
+        writer.write(frame).unwrap();
+        let id = CanId::standard(0x200 + (number as u32 * 37) % 0x400).unwrap();
+        let data = (number as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15).to_be_bytes();
+        writer.write(&Frame::data_frame(frame.time, id, &data).unwrap()).unwrap();
+    }
+    writer.finish().unwrap();
+    std::fs::read(path).unwrap()
+}
+
+/// Takes everything, so that nothing is optimized away.
+#[derive(Default)]
+struct Samples(Vec<Sample>);
+
+impl Sink for Samples {
+    fn estimates(&mut self, sample: &Sample, _: &Estimates) {
+        self.0.push(*sample);
+    }
+
+    fn publish(&mut self, _: &Frame) {}
+}
+
+struct Nowhere;
+
+impl Sink for Nowhere {
+    fn estimates(&mut self, _: &Sample, estimates: &Estimates) {
+        black_box(estimates);
+    }
+
+    fn publish(&mut self, frame: &Frame) {
+        black_box(frame);
+    }
+}
+
+fn reading(criterion: &mut Criterion) {
+    let text = bus();
+    let mut group = criterion.benchmark_group("candump");
+    let read = |mut reader: Reader| while black_box(reader.next_frame().unwrap()).is_some() {};
+    group.throughput(Throughput::Bytes(text.len() as u64));
+    group.bench_function("read, bytes", |b| {
+        b.iter_batched(|| reader(&text), read, BatchSize::LargeInput);
+    });
+    let all = frames(&text);
+    group.throughput(Throughput::Elements(all.len() as u64));
+    group.bench_function("read, frames", |b| {
+        b.iter_batched(|| reader(&text), read, BatchSize::LargeInput);
+    });
+    group.bench_function("write, frames", |b| {
+        b.iter(|| {
+            let mut writer = Writer::new(std::io::sink(), "can0");
+            all.iter().for_each(|frame| writer.write(frame).unwrap());
+        });
+    });
+    group.finish();
+}
+
+fn stages(criterion: &mut Criterion) {
+    let config = config();
+    let database = config.input_database().unwrap();
+    let all = frames(&bus());
+    let inputs = || Inputs::compile(&config.signals, &database, config.vehicle.wheel_radius_m.value).unwrap();
+    let mut group = criterion.benchmark_group("stage");
+
+    group.throughput(Throughput::Elements(all.len() as u64));
+    group.bench_function("decode and sample, frames", |b| {
+        let sampler = || Sampler::new(inputs(), &config.signals.sampling);
+        let run = |mut sampler: Sampler| {
+            for frame in &all {
+                sampler.push(frame);
+                while let Some(sample) = sampler.next_sample() {
+                    black_box(&sample);
+                }
+            }
+        };
+        b.iter_batched(sampler, run, BatchSize::LargeInput);
+    });
+
+    let mut samples = Samples::default();
+    let mut engine = Engine::new(&config).unwrap();
+    all.iter().for_each(|frame| engine.frame(frame, &mut samples));
+    let samples = samples.0;
+    let inputs = inputs();
+    let mut sensors = Sensors::default();
+    for quantity in Quantity::ALL.into_iter().filter(|quantity| inputs.has(*quantity)) {
+        sensors.add(quantity, inputs.noise_std(quantity));
+    }
+    let pipeline = || Pipeline::new(&config.vehicle, &sensors, &config.estimators);
+    group.throughput(Throughput::Elements(samples.len() as u64));
+    group.bench_function("estimate, samples", |b| {
+        let run = |mut pipeline: Pipeline| {
+            for sample in &samples {
+                black_box(pipeline.step(sample));
+            }
+        };
+        b.iter_batched(pipeline, run, BatchSize::LargeInput);
+    });
+
+    let mut pipeline = pipeline();
+    let estimates: Vec<Estimates> = samples.iter().map(|sample| *pipeline.step(sample)).collect();
+    let publisher = || Publisher::new(&built_in_database().unwrap(), &PublishConfig::default()).unwrap();
+    group.throughput(Throughput::Elements(estimates.len() as u64));
+    group.bench_function("publish, rounds of six frames", |b| {
+        let run = |mut publisher: Publisher| {
+            for (sample, estimates) in samples.iter().zip(&estimates) {
+                publisher.publish(sample.time, estimates, &mut |frame| {
+                    black_box(frame);
+                });
+            }
+        };
+        b.iter_batched(publisher, run, BatchSize::LargeInput);
+    });
+    group.finish();
+}
+
+fn whole(criterion: &mut Criterion) {
+    let config = config();
+    let text = bus();
+    let all = frames(&text);
+    let engine = || Engine::new(&config).unwrap();
+    let mut group = criterion.benchmark_group("whole");
+    group.throughput(Throughput::Elements(all.len() as u64));
+    group.bench_function("engine, frames", |b| {
+        let run = |mut engine: Engine| all.iter().for_each(|frame| engine.frame(frame, &mut Nowhere));
+        b.iter_batched(engine, run, BatchSize::LargeInput);
+    });
+    group.bench_function("replay in memory, frames", |b| {
+        let run = |(mut reader, mut engine): (Reader, Engine)| {
+            while let Some(frame) = reader.next_frame().unwrap() {
+                engine.frame(&frame, &mut Nowhere);
+            }
+        };
+        b.iter_batched(|| (reader(&text), engine()), run, BatchSize::LargeInput);
+    });
+    group.finish();
+}
+
+criterion_group!(benches, reading, stages, whole);
+criterion_main!(benches);

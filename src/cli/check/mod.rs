@@ -1,0 +1,146 @@
+//! `gripd check`: is a configuration usable, and do recordings agree with it?
+
+mod configuration;
+mod recording;
+mod text;
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use self::configuration::{ConfigurationReport, Parts};
+use self::recording::{Recorder, RecordingReport};
+use super::Failure;
+use super::output::write_json;
+use super::progress::Progress;
+use crate::can::candump::Reader;
+use crate::explain::chain::{self, ChainReport};
+use crate::service::sensors;
+use crate::signals::{Inputs, Sampler, SamplerConfig, SignalsConfig};
+use crate::{Config, Quantity, Sample};
+
+/// Without recordings: configuration and DBC. With them: the measurement chain, too.
+#[derive(Args)]
+pub struct Check {
+    /// Configuration of the car.
+    #[arg(short, long)]
+    config: PathBuf,
+    /// Recordings (candump -L; plain, gzip or zstd; `-` is the standard input), one after the other.
+    logs: Vec<PathBuf>,
+    /// Write everything as JSON.
+    #[arg(long, value_name = "JSON")]
+    json: Option<PathBuf>,
+}
+
+/// `--json`.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    /// The configuration.
+    pub configuration: ConfigurationReport,
+    /// What the recordings hold.
+    pub recordings: Option<RecordingReport>,
+    /// Does the measurement chain agree with itself and with physics?
+    pub chain: Option<ChainReport>,
+}
+
+impl Check {
+    /// Runs it.
+    pub fn run(self) -> Result<(), Failure> {
+        let config = Config::load(&self.config)?;
+        let parts =
+            Parts::build(&config, &self.config).map_err(|problems| Failure::Usage(list(&problems)))?;
+        let text = std::fs::read_to_string(&self.config).map_err(Failure::usage)?;
+        let configuration = parts.report(&config, &self.config, &text);
+        let (recordings, chain) = match self.logs.as_slice() {
+            [] => (None, None),
+            logs => {
+                let (recordings, samples) = read(logs, &config, &parts)?;
+                let chain = chain::audit(&samples, &config.vehicle, &sensors(&parts.inputs));
+                (Some(recordings), Some(chain))
+            }
+        };
+        let report = Report { configuration, recordings, chain };
+        let mut stdout = std::io::stdout().lock();
+        text::write(&mut stdout, &report).and_then(|()| stdout.flush()).map_err(Failure::work)?;
+        if let Some(path) = &self.json {
+            write_json(path, &report)?;
+        }
+        report.recordings.as_ref().map_or(Ok(()), failure)
+    }
+}
+
+/// Recordings that cannot be read, or that lack what is required, are a failure of the work.
+fn failure(recordings: &RecordingReport) -> Result<(), Failure> {
+    let mut reasons: Vec<String> = recordings.files.iter().filter_map(|file| file.broken.clone()).collect();
+    for channel in recordings.quantities.iter().filter(|channel| channel.min.is_none()) {
+        let required = Quantity::ALL.iter().any(|q| q.name() == channel.quantity && q.is_required());
+        if required {
+            let why = if channel.frames == 0 {
+                "its message never comes: check the identifier in the DBC and which bus was recorded"
+            } else {
+                "all of its frames say `not available`: check valid, valid_when and not_available"
+            };
+            reasons.push(format!("signals.{}: no value in the recordings; {why}", channel.quantity));
+        }
+    }
+    if reasons.is_empty() { Ok(()) } else { Err(Failure::Work(list(&reasons))) }
+}
+
+fn list(problems: &[String]) -> String {
+    match problems {
+        [only] => only.clone(),
+        several => format!("{} problems:\n  {}", several.len(), several.join("\n  ")),
+    }
+}
+
+/// Reads all recordings once: as the service would see them, and without its plausibility limits, which
+/// would hide a wrong unit from the audit.
+fn read(logs: &[PathBuf], config: &Config, parts: &Parts) -> Result<(RecordingReport, Vec<Sample>), Failure> {
+    let mut sampler = Sampler::new(parts.inputs.clone(), &config.signals.sampling);
+    let open = unlimited(&config.signals);
+    let radius = config.vehicle.wheel_radius_m.value;
+    let inputs = Inputs::compile(&open, &parts.database, radius).map_err(Failure::usage)?;
+    let mut open = Sampler::new(inputs, &open.sampling);
+    let mut recorder = Recorder::new(&parts.inputs);
+    let mut samples = Vec::new();
+    let mut made = 0;
+    let progress = Progress::of_files(logs);
+    for path in logs {
+        let mut reader = Reader::open(path).map_err(Failure::work)?;
+        let broken = loop {
+            match reader.next_frame() {
+                Ok(None) => break None,
+                Err(error) => break Some(error.to_string()),
+                Ok(Some(frame)) => {
+                    let pushed = sampler.push(&frame);
+                    recorder.frame(&parts.inputs, &frame, pushed);
+                    open.push(&frame);
+                    made += std::iter::from_fn(|| sampler.next_sample()).count() as u64;
+                    samples.extend(std::iter::from_fn(|| open.next_sample()));
+                    progress.advance(reader.stats().lines);
+                }
+            }
+        };
+        recorder.end_of_file(&reader, broken);
+    }
+    open.flush();
+    sampler.flush();
+    made += std::iter::from_fn(|| sampler.next_sample()).count() as u64;
+    samples.extend(std::iter::from_fn(|| open.next_sample()));
+    progress.finish();
+    Ok((recorder.finish(&sampler, made), samples))
+}
+
+/// The same mapping with nothing taken for implausible.
+fn unlimited(signals: &SignalsConfig) -> SignalsConfig {
+    let mut open = signals.clone();
+    for quantity in open.quantities.values_mut() {
+        quantity.min = Some(f64::MIN);
+        quantity.max = Some(f64::MAX);
+        quantity.rate_max = Some(f64::MAX);
+    }
+    open.sampling = SamplerConfig { cross_checks: false, ..signals.sampling };
+    open
+}

@@ -1,0 +1,135 @@
+//! Delays between channels, attributed to one channel.
+
+use nalgebra::DMatrix;
+
+use super::attribution::{Cause, Evidence, attribute};
+use super::gains::Channel;
+use super::relations::{Link, Relation, link};
+use super::report::{ChainReport, Confidence, Finding};
+use super::series::Series;
+
+/// Misfit (χ²) that one cause must take away, and by how much it must beat the next one.
+const FOUND: f64 = 16.0;
+const SURE: f64 = 12.0;
+const AHEAD: f64 = 6.0;
+/// Wheel speeds are averages over some teeth and so late by this, ± this, s.
+const WHEELS_LATE_S: f64 = 0.008;
+const WHEELS_LATE_STD_S: f64 = 0.007;
+/// Messages have their own periods and phases: no relation is better than this, s.
+const PHASES_S: f64 = 0.004;
+/// A delay below this is ordinary, and above that it is none of it, s.
+const ORDINARY_S: f64 = 0.012;
+const EXTRAORDINARY_S: f64 = 0.02;
+
+impl Channel {
+    /// How a relation's delay changes with this channel's.
+    fn sense(self, relation: Relation) -> f64 {
+        match (self, relation) {
+            (Self::Wheels, Relation::RearWheels | Relation::FrontWheels)
+            | (Self::Lateral, Relation::Lateral)
+            | (Self::Steering, Relation::Steering)
+            | (Self::Longitudinal, Relation::Longitudinal) => 1.0,
+            (Self::Wheels, Relation::Longitudinal) => -1.0,
+            (Self::Yaw, Relation::Longitudinal) => 0.0,
+            (Self::Yaw, _) => -1.0,
+            _ => 0.0,
+        }
+    }
+}
+
+/// Finds the channel that is late; returns the delay of each relation.
+pub(super) fn delays(series: &Series, report: &mut ChainReport) -> Vec<Link> {
+    let links: Vec<Link> = Relation::ALL.into_iter().filter_map(|r| link(series, r)).collect();
+    let links: Vec<Link> = links.into_iter().filter(|l| l.is_clear && l.delay.is_finite()).collect();
+    for link in &links {
+        if let Some(entry) = report.relations.iter_mut().find(|entry| entry.relation == link.relation.name())
+        {
+            (entry.delay_s, entry.delay_std) = (Some(link.delay), Some(link.delay_std));
+        }
+    }
+    let mut known = [0.0; Channel::ALL.len()];
+    for _ in 0..2 {
+        let Some((channel, delay)) = next_delay(&links, &known, report) else { break };
+        known[channel as usize] += delay;
+    }
+    links
+}
+
+fn next_delay(
+    links: &[Link],
+    known: &[f64; Channel::ALL.len()],
+    report: &mut ChainReport,
+) -> Option<(Channel, f64)> {
+    let expected = |relation: Relation| {
+        let known: f64 = Channel::ALL.iter().map(|c| c.sense(relation) * known[*c as usize]).sum();
+        known + WHEELS_LATE_S * Channel::Wheels.sense(relation)
+    };
+    let evidence = Evidence {
+        seen: links.iter().map(|link| link.delay - expected(link.relation)).collect(),
+        covariance: DMatrix::from_fn(links.len(), links.len(), |i, j| {
+            let (a, b) = (&links[i], &links[j]);
+            let own = if i == j { a.delay_std.powi(2) + PHASES_S.powi(2) } else { 0.0 };
+            own + WHEELS_LATE_STD_S.powi(2)
+                * Channel::Wheels.sense(a.relation)
+                * Channel::Wheels.sense(b.relation)
+        }),
+    };
+    let causes: Vec<Cause<Channel>> = Channel::ALL
+        .into_iter()
+        .map(|channel| Cause {
+            channel,
+            pattern: links.iter().map(|link| channel.sense(link.relation)).collect(),
+        })
+        .collect();
+    let (_, explanations) = attribute(&evidence, &causes)?;
+    let best = *explanations.first()?;
+    if best.gain < FOUND || best.value.abs() < ORDINARY_S {
+        return None;
+    }
+    let next = explanations.get(1).map_or(0.0, |next| next.gain);
+    // Tires, compliance and steering gear delay the car behind the steering wheel, too.
+    let kinematic = best.channel != Channel::Steering;
+    let confidence = if kinematic && best.value > EXTRAORDINARY_S && best.gain - next > SURE {
+        Confidence::Certain
+    } else if best.gain - next > AHEAD {
+        Confidence::Likely
+    } else {
+        Confidence::Unclear
+    };
+    let mut or: Vec<String> = explanations[1..]
+        .iter()
+        .filter(|other| best.gain - other.gain < AHEAD && other.gain > FOUND)
+        .map(|other| format!("sensor_delay of {} ({:+.0} ms)", other.channel.name(), 1e3 * other.value))
+        .collect();
+    if !kinematic {
+        or.push("steering_lag, steering_compliance or relaxation_length".to_owned());
+    }
+    let milliseconds = 1e3 * best.value;
+    let repair = if best.value > 0.0 {
+        format!("add {milliseconds:.0} to its delay_ms (delay_ms = {milliseconds:.0} if there is none)")
+    } else {
+        format!(
+            "take {:.0} from its delay_ms; if there is none, all other channels are late by so much",
+            -milliseconds
+        )
+    };
+    report.findings.push(Finding {
+        effect: "sensor_delay",
+        channel: best.channel.name().to_owned(),
+        value: Some(best.value),
+        std: Some(best.std),
+        t: best.gain.sqrt(),
+        evidence: links
+            .iter()
+            .filter(|link| best.channel.sense(link.relation) != 0.0)
+            .map(|l| {
+                format!("{}: later by {:.1} ± {:.1} ms", l.relation.name(), 1e3 * l.delay, 1e3 * l.delay_std)
+            })
+            .collect::<Vec<_>>()
+            .join("; "),
+        confidence,
+        repair,
+        or,
+    });
+    Some((best.channel, best.value))
+}

@@ -1,0 +1,94 @@
+#!/bin/sh
+# tests/systemd.sh [PROGRAM]
+#
+# The unit file, checked by systemd itself, and at work in a guest with this machine's systemd as its
+# first process: started, publishing, killed and back, without the interface, stopped. PROGRAM is the
+# gripd to test (target/debug/gripd; built if it is not given). Needs systemd and dbus on this machine;
+# says so and passes where there are none. About 20 s.
+set -eu
+cd "$(dirname "$0")/.."
+skip() { echo "skipped: $*"; exit 0; }
+command -v systemd-analyze >/dev/null || skip "no systemd-analyze here"
+
+program=${1:-}
+[ -n "$program" ] || { cargo build --locked --quiet; program=target/debug/gripd; }
+program=$(realpath "$program")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# verify wants the program to be there: here it is elsewhere.
+sed "s#/usr/bin/gripd#$program#" systemd/gripd.service > "$work/gripd.service"
+complaints=$(systemd-analyze verify "$work/gripd.service" 2>&1 | grep gripd || :)
+[ -z "$complaints" ] || { echo "systemd-analyze verify: $complaints" >&2; exit 1; }
+systemd-analyze security --offline=true --threshold=15 systemd/gripd.service > "$work/security" ||
+    { cat "$work/security" >&2; exit 1; }
+tail -n 1 "$work/security"
+
+[ -x /lib/systemd/systemd ] && command -v dbus-daemon >/dev/null || skip "no systemd or no dbus for the guest"
+[ "$(uname -m)" = x86_64 ] || skip "the guest is for x86_64"
+
+drive=$work/drive.log
+sed 's/^duration_s = .*/duration_s = 20.0/' config/scenarios/demo.toml > "$work/drive.toml"
+"$program" simulate "$work/drive.toml" -o "$drive"
+
+# In the new root, as an administrator would install it.
+cat > "$work/setup" <<SETUP
+mkdir -p usr/bin etc/gripd etc/systemd/system var/tmp/drive
+cp $program usr/bin/gripd
+sed 's#../dbc/demo.dbc#demo.dbc#' $PWD/config/demo.toml > etc/gripd/gripd.toml
+cp $PWD/dbc/demo.dbc etc/gripd/
+cp $PWD/systemd/gripd.service etc/systemd/system/
+cp $drive var/tmp/drive/drive.log
+SETUP
+
+cat > "$work/probe" <<'PROBE'
+fail() { echo "FAILED: $*"; systemctl status gripd --no-pager -l; journalctl -u gripd --no-pager -n 40; exit 1; }
+property() { systemctl show gripd -P "$1"; }
+within() { # SECONDS WHAT COMMAND…
+    seconds=$1 what=$2; shift 2
+    for _ in $(seq $((seconds * 10))); do "$@" && return; sleep 0.1; done
+    fail "$what"
+}
+new_pid() { [ "$(property MainPID)" != "$old" ] && [ "$(property MainPID)" != 0 ] && [ "$(property ActiveState)" = active ]; }
+publishes() { [ "$(timeout 5 candump -L -n 30 vcan0,6A0:7F8 2>/dev/null | wc -l)" = 30 ]; }
+says() { property StatusText | grep -q "$1"; }
+
+# Type=notify: `start` comes back once it is ready.
+systemctl start gripd || fail "it does not start"
+[ "$(property Type) $(property ActiveState) $(property SubState)" = "notify active running" ] || fail "not running"
+user=$(awk '$1 == "Uid:" { print $2 }' "/proc/$(property MainPID)/status")
+[ "$user" -gt 1000 ] || fail "its user is $user, which is not one of its own"
+within 5 "no status text" says "interface is up"
+canplayer -l i -I /var/tmp/drive/drive.log vcan0=vcan0 & player=$!
+publishes || fail "it does not publish"
+echo "started and publishes"
+
+old=$(property MainPID)
+kill -9 "$old"
+within 10 "it does not come back after kill -9" new_pid
+publishes || fail "it does not publish after a restart"
+echo "killed, back, and publishes; restarts: $(property NRestarts)"
+
+# A service that hangs is killed by the watchdog (10 s) and comes back.
+old=$(property MainPID)
+kill -STOP "$old"
+within 30 "the watchdog does not notice" new_pid
+echo "stopped, killed by the watchdog, and back"
+
+ip link set vcan0 down
+within 5 "it does not say that the interface is down" says waiting
+ip link set vcan0 up
+within 5 "it does not say that the interface is up" says "is up"
+kill $player 2>/dev/null
+systemctl stop gripd || fail "it does not stop"
+[ "$(property Result) $(property ExecMainStatus)" = "success 0" ] || fail "it did not end cleanly"
+echo "stopped cleanly"
+
+# Starting again and again does not cure a wrong configuration.
+echo "nonsense = 1" >> /etc/gripd/gripd.toml
+systemctl start gripd 2>/dev/null && fail "a wrong configuration is accepted"
+sleep 2
+[ "$(property ActiveState) $(property NRestarts) $(property ExecMainStatus)" = "failed 0 2" ] || fail "a wrong configuration is tried again and again"
+echo "a wrong configuration fails once, with status 2"
+PROBE
+tests/vcan/vcan-systemd.sh -t 180 "$work/setup" "$work/probe"

@@ -1,0 +1,70 @@
+//! What gripd does not listen to: itself, others of its kind, and what it does not need.
+
+use super::*;
+
+/// The demo drive's first two seconds, with its identifiers.
+fn two_seconds() -> Vec<Frame> {
+    let mut recording = frames(simulated_drive());
+    let end = recording[0].time + Micros::from_millis(2_000);
+    recording.retain(|frame| frame.time < end);
+    recording
+}
+
+/// Sends them once, in their own time.
+fn play(interface: &Interface, recording: &[Frame]) {
+    let begun = Instant::now();
+    for round in recording.chunks(4) {
+        let since = (round[0].time - recording[0].time).seconds();
+        std::thread::sleep(Duration::from_secs_f64(since).saturating_sub(begun.elapsed()));
+        traffic::send_all(interface.0, round);
+    }
+}
+
+#[test]
+fn it_takes_neither_its_own_frames_nor_those_of_a_second_one_for_input() {
+    let Some(interface) = Interface::new("gs_two") else { return };
+    let candump = Recorder::start(interface.0);
+    let (first, second) = (Gripd::start(&demo_car(), interface.0), Gripd::start(&demo_car(), interface.0));
+    let recording = two_seconds();
+    play(&interface, &recording);
+    // And frames with its identifiers that nobody protected, as a broken gateway might loop them.
+    let forged: Vec<Frame> = published_ids().iter().map(|id| data(id.number(), &[0xFF; 8])).collect();
+    traffic::send_all(interface.0, &forged);
+    wait_for("both to publish", || candump.published().len() > 2 * 300);
+    std::thread::sleep(Duration::from_millis(200));
+    let (first, second) = (first.end("TERM"), second.end("TERM"));
+    assert_eq!((first.received, second.received), (recording.len(), recording.len()));
+    assert_eq!(candump.published().len(), first.published + second.published + forged.len());
+    assert_eq!(first.published, second.published);
+    // What both publish does not depend on the other: each frame is there twice, with its counter.
+    let of = |id: CanId| -> Vec<Vec<u8>> {
+        let frames = candump.published();
+        let own = frames.iter().filter(|f| f.id == id && f.data() != [0xFF; 8]);
+        own.map(|f| f.data().to_vec()).collect()
+    };
+    for id in published_ids() {
+        let mut copies = std::collections::BTreeMap::new();
+        for data in of(id) {
+            *copies.entry(data).or_insert(0) += 1;
+        }
+        assert!(copies.values().all(|count| count % 2 == 0), "{id}");
+    }
+}
+
+#[test]
+fn the_kernel_keeps_what_is_not_needed_from_it() {
+    let Some(interface) = Interface::new("gs_noise") else { return };
+    let candump = Recorder::start(interface.0);
+    let gripd = Gripd::start(&demo_car(), interface.0);
+    let noise: Vec<Frame> = (0..5000).map(|n: u32| data(0x200 + n % 0x400, &n.to_be_bytes())).collect();
+    let recording = two_seconds();
+    traffic::send_all(interface.0, &noise);
+    play(&interface, &recording);
+    traffic::send_all(interface.0, &noise);
+    let is_noise = |frame: &Frame| (0x200..0x600).contains(&frame.id.number());
+    wait_for("candump to have all of it", || {
+        candump.frames().iter().filter(|f| is_noise(f)).count() == 10_000
+    });
+    let tally = gripd.end("TERM");
+    assert_eq!((tally.received, tally.dropped), (recording.len(), 0));
+}

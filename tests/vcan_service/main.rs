@@ -1,0 +1,91 @@
+//! The service itself, as a process on real (virtual) CAN interfaces.
+//!
+//! Each test makes interfaces of its own. Where that is not allowed they say so and pass;
+//! `tests/vcan/run.sh` is cargo's runner for a place where it is.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "helpers of tests may fail loudly"
+)]
+
+mod isolation;
+mod lifecycle;
+mod links;
+mod process;
+mod show;
+#[path = "../support/mod.rs"]
+mod support;
+mod traffic;
+#[path = "../vcan_support/mod.rs"]
+mod vcan_support;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
+
+use gripd::can::candump::{Reader, Writer};
+use gripd::can::{CanId, Frame};
+use gripd::{Micros, dbc::Database};
+use process::{Gripd, gripd};
+use traffic::{Recorder, Traffic};
+use vcan_support::{Interface, PATIENCE, run};
+
+/// A file of the project.
+fn project(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+fn demo_car() -> PathBuf {
+    project("config/demo.toml")
+}
+
+/// 20 s of a simulated drive of the demo car, made by `gripd simulate`.
+fn simulated_drive() -> &'static Path {
+    static MADE: OnceLock<PathBuf> = OnceLock::new();
+    MADE.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+        let scenario = std::fs::read_to_string(project("config/scenarios/demo.toml")).unwrap();
+        let shorter = scenario.replace("duration_s = 120.0", "duration_s = 20.0");
+        assert_ne!(scenario, shorter, "the scenario has another length now");
+        let (scenario, log) = (folder.join("vcan_service.toml"), folder.join("vcan_service.log"));
+        std::fs::write(&scenario, shorter).unwrap();
+        let mut simulate = Command::new(gripd());
+        simulate.arg("simulate").arg(&scenario).arg("-o").arg(&log);
+        assert!(simulate.status().unwrap().success());
+        log
+    })
+}
+
+/// Frames of a recording.
+fn frames(log: &Path) -> Vec<Frame> {
+    let mut reader = Reader::open(log).unwrap();
+    std::iter::from_fn(|| reader.next_frame().unwrap()).collect()
+}
+
+/// Identifiers that gripd publishes on.
+fn published_ids() -> Vec<CanId> {
+    let database = Database::load(&project("dbc/gripd.dbc")).unwrap();
+    database.messages().iter().map(|message| message.id).collect()
+}
+
+/// Is it one of the messages that gripd publishes?
+fn is_published(frame: &Frame) -> bool {
+    (0x6A0..=0x6A5).contains(&frame.id.number()) && !frame.id.is_extended()
+}
+
+fn data(number: u32, bytes: &[u8]) -> Frame {
+    Frame::data_frame(Micros(0), CanId::standard(number).unwrap(), bytes).unwrap()
+}
+
+/// Waits until something holds; it fails if it never does.
+#[track_caller]
+fn wait_for(what: &str, mut holds: impl FnMut() -> bool) {
+    let begun = Instant::now();
+    while !holds() {
+        assert!(begun.elapsed() < PATIENCE, "waited in vain: {what}");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}

@@ -78,6 +78,7 @@ enum Series {
 enum Swatch {
     Line,
     Band,
+    Block,
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -93,11 +94,11 @@ impl Plot {
     const FINE: u32 = 2;
     /// Width on the page, pixels; the page scales it.
     const WIDTH: u32 = 960;
-    const Y_LABELS: u32 = 62;
-    const X_LABELS: u32 = 38;
+    const Y_LABELS: u32 = 66;
+    const X_LABELS: u32 = 42;
     const MARGIN: u32 = 10;
     const BAR: f64 = 26.0;
-    const SMALL: u32 = 13;
+    const SMALL: u32 = 15;
 
     /// An empty plot. `title` is read out where it cannot be seen; `y_label` has the unit.
     pub fn new(title: &str, y_label: &str, x: Range<f64>, y: Range<f64>) -> Self {
@@ -159,10 +160,10 @@ impl Plot {
         self
     }
 
-    /// An entry of the legend that has no series of its own.
+    /// An entry of the legend for a colour of the bars.
     #[must_use]
     pub fn explain(mut self, name: &str, color: Color) -> Self {
-        self.legend.push((name.into(), color, Swatch::Band));
+        self.legend.push((name.into(), color, Swatch::Block));
         self
     }
 
@@ -174,6 +175,7 @@ impl Plot {
                 Swatch::Line if *color == Color::OtherTruth => "dashes",
                 Swatch::Line => "line",
                 Swatch::Band => "band",
+                Swatch::Block => "band block",
             };
             html += &format!(
                 "<li><i class=\"{kind}\" style=\"color:var(--{})\"></i>{}</li>",

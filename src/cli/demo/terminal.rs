@@ -63,7 +63,7 @@ pub fn summary(findings: &Findings, published: u64) -> String {
         };
         let _ = writeln!(text, "  {:<28} {:>5.1} s  {noticed}", format!("to {}", change.to), change.at);
     }
-    let _ = writeln!(text, "  {:<28} {:>5}", "noticed without cause", findings.false_notices());
+    let _ = writeln!(text, "  {:<28} {:>5}", "false alarms", findings.false_notices());
     let _ = writeln!(text, "published frames {published}\n");
     let _ = writeln!(text, "{:<30} {:>6} {:>20} {:>10}", "", "valid", "truth within 95 %", "rms error");
     for quality in &findings.quality {

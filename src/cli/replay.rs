@@ -84,7 +84,9 @@ impl Replay {
                 totals.broken.push(error.to_string());
             }
             totals.add(&reader);
-            engine.report_dropped(reader.stats().dropped);
+            if reader.stats().dropped > 0 {
+                engine.report_dropped(reader.stats().dropped);
+            }
         }
         engine.finish(&mut results);
         progress.finish();
@@ -235,6 +237,9 @@ impl Totals {
         self.dropped += stats.dropped;
         self.time_backwards += stats.time_backwards;
         let name = reader.name();
+        if stats.frames == 0 && stats.skipped_lines > 0 {
+            self.broken.push(format!("{name}: no line is a candump line; is it a recording of `candump -L`?"));
+        }
         for skipped in stats.first_skipped.iter().take(3) {
             tracing::warn!("{name}:{}: {}; the line is skipped", skipped.line, skipped.reason);
         }

@@ -238,7 +238,8 @@ impl Totals {
         self.time_backwards += stats.time_backwards;
         let name = reader.name();
         if stats.frames == 0 && stats.skipped_lines > 0 {
-            self.broken.push(format!("{name}: no line is a candump line; is it a recording of `candump -L`?"));
+            self.broken
+                .push(format!("{name}: no line is a candump line; is it a recording of `candump -L`?"));
         }
         for skipped in stats.first_skipped.iter().take(3) {
             tracing::warn!("{name}:{}: {}; the line is skipped", skipped.line, skipped.reason);

@@ -49,7 +49,8 @@ impl Simulate {
             }
             None => demo_car::configuration()?,
         };
-        let radius = scenario.vehicle.wheel_radius_m.value;
+        // Speeds in km/h are made with the radius they will be read with.
+        let radius = config.vehicle.wheel_radius_m.value;
         let outputs = Outputs::compile(&config.signals, &database, radius).map_err(Failure::usage)?;
         let mut frames = SimulatedFrames::new(outputs);
         let mut log = Writer::create(&self.out, &config.bus.interface).map_err(Failure::work)?;

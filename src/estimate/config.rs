@@ -122,7 +122,7 @@ impl Default for SlopeConfig {
             offset_walk: 2e-6,
             initial_offset_std: 0.02,
             cusum_drift: 0.75,
-            cusum_threshold: 10.0,
+            cusum_threshold: 12.0,
             change_boost: 1e6,
             informative_mu: 0.03,
             noticeable_mu: 0.012,

@@ -18,6 +18,8 @@ pub struct FrictionMonitor {
     /// Normalized forces, smoothed: longitudinal and lateral.
     smoothed: Option<[f64; 2]>,
     recent: RecentMaximum,
+    /// Of the longitudinal use alone, which is what the brush regression sees.
+    recent_longitudinal: RecentMaximum,
 }
 
 /// Other estimators' evidence of mu_max.
@@ -46,6 +48,7 @@ impl FrictionMonitor {
     pub fn new(car: &Car, config: &FrictionConfig) -> Self {
         Self {
             recent: RecentMaximum::new(config.memory_s),
+            recent_longitudinal: RecentMaximum::new(config.memory_s),
             car: car.clone(),
             config: config.clone(),
             smoothed: None,
@@ -55,12 +58,16 @@ impl FrictionMonitor {
     /// The surface changed: what was used before says nothing of this one.
     pub fn surface_changed(&mut self) {
         self.recent.clear();
+        self.recent_longitudinal.clear();
     }
 
     /// Takes a sample; `acceleration` is the longitudinal one, measured or from the wheels.
     pub fn step(&mut self, now: &Kinematics, acceleration: Option<f64>, evidence: Evidence) -> Friction {
         let used = self.used(now, acceleration);
-        self.recent.step(now.elapsed_s, used.map(|u| (u - Self::MARGIN).max(0.0)));
+        let longitudinal = self.smoothed.map(|[x, _]| x.abs());
+        for (recent, used) in [(&mut self.recent, used), (&mut self.recent_longitudinal, longitudinal)] {
+            recent.step(now.elapsed_s, used.map(|used| (used - Self::MARGIN).max(0.0)));
+        }
         let low = self.recent.maximum().filter(|low| *low > 0.0);
         let mut friction = Friction {
             used,
@@ -101,8 +108,9 @@ impl FrictionMonitor {
 
     fn add_brush(&self, friction: &mut Friction, brush: Option<BrushFriction>) {
         let (Some(brush), Some(low)) = (brush, friction.low) else { return };
-        let using = (low / brush.mu).min(1.0);
-        if using < self.config.brush_from_use {
+        let using = (self.recent_longitudinal.maximum().unwrap_or(0.0) / brush.mu).min(1.0);
+        // Using more than the curve allows, in whatever direction, refutes it.
+        if using < self.config.brush_from_use || low > brush.mu + 1.96 * brush.std {
             return;
         }
         let model_std = Self::BRUSH_MODEL_ERROR * (1.0 - using) * brush.mu;

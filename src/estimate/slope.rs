@@ -25,6 +25,11 @@ pub struct SlopeEstimator {
 }
 
 impl SlopeEstimator {
+    /// Evidence teaches what is usual while the change detector is calmer than this, …
+    const SUSPICIOUS: f64 = 0.3;
+    /// … and the evidence itself is below this many standard deviations.
+    const UNUSUAL: f64 = 3.0;
+
     /// Starts from the vehicle's prior.
     pub fn new(car: &Car, config: &SlopeConfig) -> Self {
         let wheels = Wheel::ALL.map(|wheel| {
@@ -67,10 +72,12 @@ impl SlopeEstimator {
     }
 
     /// Evidence in standard deviations of what the evidence usually is: the wheels share the noise of
-    /// the force, and blocks follow each other.
+    /// the force, and blocks follow each other. What already looks like a change is not usual.
     fn calibrated(&mut self, evidence: f64) -> f64 {
         let calibrated = evidence / (self.usual.nis().max(1.0) * self.usual.redundancy()).sqrt();
-        self.usual.step(&Innovation { residual: evidence, variance: 1.0 });
+        if self.cusum.suspicion() < Self::SUSPICIOUS && calibrated.abs() < Self::UNUSUAL {
+            self.usual.step(&Innovation { residual: evidence, variance: 1.0 });
+        }
         calibrated
     }
 
@@ -124,7 +131,7 @@ impl WheelSlope {
     /// Surfaces change the compliance by as much as this share of itself: down and up.
     const CHANGES: (f64, f64) = (0.6, 1.5);
     /// Up to this relative uncertainty a slope is known well enough to notice its change.
-    const SETTLED: f64 = 0.15;
+    const SETTLED: f64 = 0.08;
     /// A slope this uncertain (relative) is not given out at all.
     const UNKNOWN: f64 = 0.5;
 

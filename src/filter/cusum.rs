@@ -47,6 +47,11 @@ impl Cusum {
         Some(alarm)
     }
 
+    /// How near the sums are to an alarm, 0–1.
+    pub fn suspicion(&self) -> f64 {
+        self.up.max(self.down) / self.threshold
+    }
+
     /// Forgets what was summed up.
     pub fn reset(&mut self) {
         self.up = 0.0;

@@ -24,6 +24,7 @@
 
 use nalgebra::SVector;
 
+use super::window::{Means, Path, Window, YawAcceleration};
 use super::{Car, CorneringConfig, Kinematics};
 use crate::estimates::{Estimate, SensorOffsets};
 use crate::filter::{Cusum, Gaussian, LearnedNoise};
@@ -151,7 +152,7 @@ impl CorneringEstimator {
                 road_angle: sensors.noise_std(Quantity::SteeringWheelAngle) / car.steering_ratio,
             },
             state: Gaussian::new(mean, std),
-            window: Window::default(),
+            window: Window::new(Self::WINDOW_S),
             running: false,
             axles: [axle.clone(), axle],
             yaw_acceleration: YawAcceleration::default(),
@@ -283,7 +284,7 @@ impl CorneringEstimator {
 
     /// The motion is not known for a while; stiffness and sensor errors are kept.
     fn stop(&mut self, elapsed_s: f64) {
-        self.window = Window::default();
+        self.window = Window::new(Self::WINDOW_S);
         if std::mem::take(&mut self.running) {
             self.forget(VY, 0.0, Self::UNKNOWN_VY);
         }
@@ -441,133 +442,6 @@ impl CorneringEstimator {
         let noise = self.noise;
         *self = Self::new(&self.car, &Sensors::default(), &self.config, self.minimum_speed);
         self.noise = noise;
-    }
-}
-
-/// Integrals along the way: what v_y changes by.
-#[derive(Clone, Copy, Debug, Default)]
-struct Path {
-    /// Time, s.
-    time: f64,
-    /// Distance, m.
-    distance: f64,
-    /// ∫ a_y dt, m/s.
-    pushed: f64,
-    /// ∫ v_x r dt, m/s.
-    turned: f64,
-}
-
-impl Path {
-    /// This one's entries combined with another's.
-    fn with(&self, other: &Path, combine: impl Fn(f64, f64) -> f64) -> Path {
-        Path {
-            time: combine(self.time, other.time),
-            distance: combine(self.distance, other.distance),
-            pushed: combine(self.pushed, other.pushed),
-            turned: combine(self.turned, other.turned),
-        }
-    }
-}
-
-/// Means of a window.
-#[derive(Clone, Copy, Debug, Default)]
-struct Means {
-    speed: f64,
-    yaw_rate: f64,
-    yaw_acceleration: f64,
-    /// What is not known of the yaw acceleration.
-    yaw_acceleration_std: f64,
-    acceleration: f64,
-    angle: f64,
-    samples: f64,
-    /// Mean of the integrals, counted from the mean of the window before.
-    path: Path,
-}
-
-/// Sums of the samples of a window.
-#[derive(Clone, Debug, Default)]
-struct Window {
-    sums: Means,
-    /// Integrals up to now, counted from the last window's mean.
-    path: Path,
-    time: f64,
-    time_sum: f64,
-    time_square: f64,
-    time_yaw: f64,
-    yaw_square: f64,
-}
-
-impl Window {
-    fn step(&mut self, sample: &Means, elapsed_s: f64) -> Option<Means> {
-        let passed = Path {
-            time: elapsed_s,
-            distance: elapsed_s * sample.speed,
-            pushed: elapsed_s * sample.acceleration,
-            turned: elapsed_s * sample.speed * sample.yaw_rate,
-        };
-        self.path = self.path.with(&passed, |sum, step| sum + step);
-        let sums = &mut self.sums;
-        sums.samples += 1.0;
-        sums.speed += sample.speed;
-        sums.yaw_rate += sample.yaw_rate;
-        sums.acceleration += sample.acceleration;
-        sums.angle += sample.angle;
-        sums.path = sums.path.with(&self.path, |sum, path| sum + path);
-        self.time_sum += self.time;
-        self.time_square += self.time * self.time;
-        self.time_yaw += self.time * sample.yaw_rate;
-        self.yaw_square += sample.yaw_rate * sample.yaw_rate;
-        self.time += elapsed_s;
-        // Half a sample of tolerance: the sum of many periods is not exactly the window's length.
-        if self.time + 0.5 * elapsed_s < CorneringEstimator::WINDOW_S {
-            return None;
-        }
-        let means = self.means();
-        let path = self.path.with(&means.path, |now, mean| now - mean);
-        *self = Self { path, ..Self::default() };
-        (means.samples >= 4.0).then_some(means)
-    }
-
-    fn means(&self) -> Means {
-        let sums = &self.sums;
-        let n = sums.samples;
-        let spread = self.time_square - self.time_sum * self.time_sum / n;
-        let rate = (self.time_yaw - self.time_sum * sums.yaw_rate / n) / spread;
-        let around_line = self.yaw_square - sums.yaw_rate * sums.yaw_rate / n - rate * rate * spread;
-        Means {
-            speed: sums.speed / n,
-            yaw_rate: sums.yaw_rate / n,
-            yaw_acceleration: rate,
-            yaw_acceleration_std: (around_line.max(0.0) / (n - 2.0).max(1.0) / spread).sqrt(),
-            acceleration: sums.acceleration / n,
-            angle: sums.angle / n,
-            samples: n,
-            path: sums.path.with(&Path::default(), |sum, _| sum / n),
-        }
-    }
-}
-
-/// Running variances of the yaw acceleration and of its noise.
-#[derive(Clone, Copy, Debug, Default)]
-struct YawAcceleration {
-    total: f64,
-    noise: f64,
-}
-
-impl YawAcceleration {
-    /// Windows that are remembered.
-    const MEMORY: f64 = 100.0;
-
-    /// Replaces the measured yaw acceleration by its expectation, given how much of what is measured
-    /// is noise: an error that remains is then independent of the value, and does not bias a slope.
-    fn shrink(&mut self, means: &mut Means) {
-        self.total += (means.yaw_acceleration.powi(2) - self.total) / Self::MEMORY;
-        self.noise += (means.yaw_acceleration_std.powi(2) - self.noise) / Self::MEMORY;
-        let signal = (self.total - self.noise).max(0.0);
-        let share =
-            if self.total > 0.0 { signal / (signal + self.noise).max(f64::MIN_POSITIVE) } else { 0.0 };
-        means.yaw_acceleration *= share;
-        means.yaw_acceleration_std = (share * self.noise).sqrt();
     }
 }
 

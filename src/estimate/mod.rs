@@ -16,6 +16,7 @@ mod lateral_velocity;
 mod pipeline;
 mod slope;
 mod traction;
+mod window;
 
 pub use config::{
     BrushConfig, CorneringConfig, EstimatorsConfig, FrictionConfig, JointEkfConfig, LateralVelocitySource,

@@ -286,24 +286,3 @@ proptest! {
         prop_assert!(distance(&mirrored(&there), &here) <= 1e-9 * scale);
     }
 }
-
-/// How many Runge–Kutta steps one core does per second; run with
-/// `cargo test --release --test model -- --ignored --nocapture`.
-#[test]
-#[ignore = "a measurement"]
-fn steps_per_second() {
-    for kind in KINDS {
-        let plant = Plant::new(&vehicle(kind));
-        let mut state = State::rolling(&plant, 20.0);
-        let controls =
-            Controls { steer: 0.01, drive_torque: [150.0, 150.0, 0.0, 0.0], ..Controls::default() };
-        let steps = 2_000_000;
-        let start = std::time::Instant::now();
-        for _ in 0..steps {
-            state = advance_in(&plant, &state, &controls, &controls, &plant.nominal, 1e-3, 1);
-        }
-        let rate = f64::from(steps) / start.elapsed().as_secs_f64();
-        println!("{kind:?}: {:.2} million steps/s (vx {:.1} m/s)", rate / 1e6, state.velocity.vx);
-        assert!(rate > 1e6 || cfg!(debug_assertions));
-    }
-}

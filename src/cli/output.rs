@@ -60,6 +60,14 @@ impl Write for Output {
     }
 }
 
+/// Do both names mean the same file (or both the standard output)?
+pub fn same_file(one: &Path, other: &Path) -> bool {
+    match (one.canonicalize(), other.canonicalize()) {
+        (Ok(one), Ok(other)) => one == other,
+        _ => one == other,
+    }
+}
+
 /// Writes a value as indented JSON.
 pub fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(), Failure> {
     let mut output = Output::create(path)?;

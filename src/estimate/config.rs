@@ -252,7 +252,7 @@ pub struct FrictionConfig {
 impl Default for FrictionConfig {
     fn default() -> Self {
         Self {
-            memory_s: 5.0,
+            memory_s: 3.0,
             brush_from_use: 0.7,
             valid_from_use: 0.85,
             valid_half_width: 0.1,

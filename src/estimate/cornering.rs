@@ -110,6 +110,9 @@ impl CorneringEstimator {
     const INFORMATIVE: f64 = 0.4;
     /// Up to this relative uncertainty a stiffness is known well enough to notice its change.
     const SETTLED: f64 = 0.15;
+    /// What the equations leave out (timing of the sensors, relaxation, load transfer), relative: no
+    /// amount of data takes it away.
+    const MODEL_STD: f64 = 0.03;
     /// A stiffness this uncertain (relative) is not given out at all.
     const UNKNOWN: f64 = 0.25;
     /// Relative uncertainty that a compliance has again after a change of surface.
@@ -208,6 +211,8 @@ impl CorneringEstimator {
         [FRONT, REAR].map(|i| {
             let compliance = self.state.mean[i];
             let relative = self.state.std(i) / compliance;
+            let systematic = Self::MODEL_STD.hypot(self.car.cornering_scale_std[i - FRONT]);
+            let relative = relative.hypot(systematic);
             (self.informed && relative < Self::UNKNOWN).then(|| Estimate {
                 value: 1.0 / compliance,
                 std: relative / compliance,

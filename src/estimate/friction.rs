@@ -34,6 +34,8 @@ pub struct Evidence {
 impl FrictionMonitor {
     /// Time constant of the smoothing, s: shorter than a manoeuvre, longer than a bump.
     const SMOOTHING_S: f64 = 0.15;
+    /// By so much a_y may exceed v r while the car begins to turn, m/s².
+    const LATERAL_TRANSIENT: f64 = 0.5;
     /// The bound keeps this clear of the smoothed use, for noise and sensor offsets.
     const MARGIN: f64 = 0.03;
     /// Deviation of an ABS measurement: the ABS does not hold the peak all the time.
@@ -97,7 +99,9 @@ impl FrictionMonitor {
             DrivenAxle::All => 1.0,
         };
         let longitudinal = if mean > 0.0 { mean / driven_share } else { mean };
-        let target = [longitudinal, ay / GRAVITY];
+        // An accelerometer's offset or a bank is no use of friction: in a curve the yaw rate agrees.
+        let turning = now.yaw_rate.map_or(0.0, |r| (speed * r).abs()) + Self::LATERAL_TRANSIENT;
+        let target = [longitudinal, ay.clamp(-turning, turning) / GRAVITY];
         let smoothed = self.smoothed.get_or_insert(target);
         let weight = 1.0 - (-now.elapsed_s / Self::SMOOTHING_S).exp();
         for (value, target) in smoothed.iter_mut().zip(target) {
@@ -205,7 +209,7 @@ mod tests {
             elapsed_s: 0.01,
             speed: Some(20.0),
             wheels: Some([20.0; 4]),
-            yaw_rate: Some(0.0),
+            yaw_rate: Some(ay / 20.0),
             lateral_acceleration: Some(ay),
             longitudinal_acceleration: Some(ax),
             road_angle: Some(0.0),
@@ -227,6 +231,18 @@ mod tests {
         assert_eq!(friction.source, MuSource::LowerBound);
         assert_eq!((friction.max, friction.high, friction.valid), (None, None, false));
         assert!((friction.low.unwrap() - 0.174).abs() < 0.01, "{friction:?}");
+    }
+
+    #[test]
+    fn an_offset_of_the_accelerometer_is_no_use_of_friction() {
+        let car = Car::new(&Vehicle::thesis());
+        let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
+        let straight = Kinematics { yaw_rate: Some(0.0), ..sample(0.0, -5.1) };
+        let mut friction = Friction::default();
+        for _ in 0..200 {
+            friction = monitor.step(&straight, Some(0.0), Evidence::default());
+        }
+        assert!(friction.low.is_none_or(|low| low < 0.05), "{friction:?}");
     }
 
     #[test]

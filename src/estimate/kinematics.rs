@@ -1,6 +1,6 @@
 //! A sample in the car's own terms: metres per second at the wheels, the angle of the road wheels.
 
-use crate::model::{Bicycle, DrivenAxle, GRAVITY, Vehicle};
+use crate::model::{Bicycle, DrivenAxle, GRAVITY, Uncertain, Vehicle};
 use crate::{Quantity, Sample, Wheel};
 
 /// The vehicle's numbers that the estimators use, worked out once.
@@ -24,6 +24,15 @@ pub struct Car {
     pub steering_ratio_relative_std: f64,
     /// Relative standard deviation of the wheel radius.
     pub radius_relative_std: f64,
+    /// Relative standard deviation of normalized forces from the drive torque: mass, radius, torque
+    /// ratio and the driven wheels' share of the load.
+    pub torque_scale_std: f64,
+    /// … and from the acceleration, where the mass cancels out.
+    pub acceleration_scale_std: f64,
+    /// Relative standard deviation that the data sheet leaves to the cornering stiffnesses front and
+    /// rear: the axles' share of the load, and a quarter of the yaw inertia's, which only counts while
+    /// the yaw rate changes.
+    pub cornering_scale_std: [f64; 2],
     /// Track widths front and rear, m.
     pub track: [f64; 2],
     /// Static load of one front and one rear wheel, N.
@@ -43,6 +52,9 @@ pub struct Car {
 }
 
 impl Car {
+    /// Relative standard deviation of a yaw inertia that was not given.
+    const GUESSED_INERTIA_STD: f64 = 0.1;
+
     /// From the configuration's `[vehicle]`.
     pub fn new(vehicle: &Vehicle) -> Self {
         let wheel_load = [vehicle.static_wheel_load(true), vehicle.static_wheel_load(false)];
@@ -52,7 +64,18 @@ impl Car {
             (prior.value * scale, prior.std * scale)
         });
         let lateral = [vehicle.lateral_stiffness_front, vehicle.lateral_stiffness_rear];
+        let relative = |u: Uncertain| u.std / u.value.abs();
+        let lever = if vehicle.driven_axle == DrivenAxle::Front { vehicle.b() } else { vehicle.a() };
+        let inertia = vehicle.yaw_inertia_kgm2.map_or(Self::GUESSED_INERTIA_STD, relative);
+        let load_share = vehicle.cg_to_front_m.std / lever;
+        let torque = relative(vehicle.mass_kg)
+            .hypot(relative(vehicle.wheel_radius_m))
+            .hypot(relative(vehicle.drive_torque_ratio));
         Self {
+            cornering_scale_std: [vehicle.b(), vehicle.a()]
+                .map(|lever| (vehicle.cg_to_front_m.std / lever).hypot(0.25 * inertia)),
+            torque_scale_std: torque.hypot(load_share),
+            acceleration_scale_std: load_share,
             mass: vehicle.mass(),
             a: vehicle.a(),
             b: vehicle.b(),
@@ -60,8 +83,8 @@ impl Car {
             radius: vehicle.wheel_radius_m.value,
             wheel_inertia: vehicle.wheel_inertia_kgm2.value,
             steering_ratio: vehicle.steering_ratio.value,
-            steering_ratio_relative_std: vehicle.steering_ratio.std / vehicle.steering_ratio.value,
-            radius_relative_std: vehicle.wheel_radius_m.std / vehicle.wheel_radius_m.value,
+            steering_ratio_relative_std: relative(vehicle.steering_ratio),
+            radius_relative_std: relative(vehicle.wheel_radius_m),
             track: [vehicle.track_front_m.value, vehicle.track_rear_m.value],
             wheel_load,
             driven_axle: vehicle.driven_axle,

@@ -53,7 +53,7 @@ impl Pipeline {
         Self {
             blocks: BlockBuilder::new(config.slope.block_s),
             traction: Traction::new(&car, sensors, &config.slope, slow),
-            slope: SlopeEstimator::new(&car, &config.slope),
+            slope: SlopeEstimator::new(&car, sensors, &config.slope),
             lateral_velocity: LateralVelocityEstimator::new(&car, sensors, slow),
             lateral_slope: LateralSlopeEstimator::new(&car, slow),
             joint_ekf: JointEkf::new(&car, sensors, &config.joint_ekf, slow),

@@ -9,9 +9,9 @@ use nalgebra::vector;
 
 use super::traction::TractionPoint;
 use super::{Car, SlopeConfig};
-use crate::Wheel;
 use crate::estimates::Estimate;
 use crate::filter::{Cusum, Gaussian, Innovation, InnovationMonitor, LearnedNoise};
+use crate::{Quantity, Sensors, Wheel};
 
 /// The slope filters of all driven wheels.
 #[derive(Clone, Debug)]
@@ -22,6 +22,8 @@ pub struct SlopeEstimator {
     /// How the evidence of an unchanged surface scatters.
     usual: InnovationMonitor,
     config: SlopeConfig,
+    /// Relative standard deviation of all forces together: the data sheet's, not a noise.
+    force_scale_std: f64,
 }
 
 impl SlopeEstimator {
@@ -31,14 +33,19 @@ impl SlopeEstimator {
     const UNUSUAL: f64 = 3.0;
 
     /// Starts from the vehicle's prior.
-    pub fn new(car: &Car, config: &SlopeConfig) -> Self {
+    pub fn new(car: &Car, sensors: &Sensors, config: &SlopeConfig) -> Self {
         let wheels = Wheel::ALL.map(|wheel| {
             let prior = car.slope_prior[usize::from(!wheel.is_front())];
             car.driven_axle.drives(wheel).then(|| WheelSlope::new(prior, config))
         });
         let cusum = Cusum::new(config.cusum_drift, config.cusum_threshold);
         let usual = InnovationMonitor::new(WheelSlope::NOISE_MEMORY);
-        Self { wheels, cusum, usual, config: config.clone() }
+        let force_scale_std = if sensors.has(Quantity::DriveTorque) {
+            car.torque_scale_std
+        } else {
+            car.acceleration_scale_std
+        };
+        Self { wheels, cusum, usual, config: config.clone(), force_scale_std }
     }
 
     /// Time passes; nothing was measured.
@@ -90,7 +97,10 @@ impl SlopeEstimator {
 
     /// Slope per wheel, normalized by the static wheel load.
     pub fn slopes(&self) -> [Option<Estimate>; 4] {
-        self.wheels.each_ref().map(|wheel| wheel.as_ref().and_then(WheelSlope::slope))
+        self.wheels.each_ref().map(|wheel| {
+            let slope = wheel.as_ref().and_then(WheelSlope::slope)?;
+            Some(Estimate { std: slope.std.hypot(self.force_scale_std * slope.value), ..slope })
+        })
     }
 
     /// Slip offset per wheel.
@@ -100,10 +110,11 @@ impl SlopeEstimator {
 
     /// Every driven wheel's slope is known well, and lately.
     pub fn is_valid(&self) -> bool {
-        let mut driven = self.wheels.iter().flatten().peekable();
+        let slopes = self.slopes();
+        let mut driven = self.wheels.iter().zip(slopes).filter(|(wheel, _)| wheel.is_some()).peekable();
         driven.peek().is_some()
-            && driven.all(|wheel| {
-                wheel.slope().is_some_and(|slope| {
+            && driven.all(|(_, slope)| {
+                slope.is_some_and(|slope| {
                     slope.std <= self.config.valid_relative_std * slope.value
                         && slope.age_s <= self.config.valid_age_s
                 })
@@ -244,7 +255,7 @@ mod tests {
     #[test]
     fn a_change_of_surface_is_noticed_once_and_followed() {
         let car = Car::new(&Vehicle::thesis());
-        let mut estimator = SlopeEstimator::new(&car, &SlopeConfig::default());
+        let mut estimator = SlopeEstimator::new(&car, &Sensors::default(), &SlopeConfig::default());
         drive(&mut estimator, 95.0, 400);
         let [Some(fl), Some(_), None, None] = estimator.slopes() else { panic!("{:?}", estimator.slopes()) };
         assert!((fl.value - 95.0).abs() < 3.0 * fl.std && fl.std < 5.0, "{fl:?}");
@@ -260,7 +271,7 @@ mod tests {
     #[test]
     fn cruising_without_force_tells_no_slope() {
         let car = Car::new(&Vehicle::thesis());
-        let mut estimator = SlopeEstimator::new(&car, &SlopeConfig::default());
+        let mut estimator = SlopeEstimator::new(&car, &Sensors::default(), &SlopeConfig::default());
         for _ in 0..400 {
             let points = Wheel::ALL.map(|w| w.is_front().then(|| point(95.0, 0.01, 0.0)));
             estimator.step(&points, 0.25);

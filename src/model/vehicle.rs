@@ -30,6 +30,7 @@ enum UncertainToml {
 #[serde(deny_unknown_fields)]
 struct Prior {
     value: f64,
+    #[serde(default)]
     std: f64,
 }
 

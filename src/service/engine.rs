@@ -4,6 +4,7 @@ use super::SetupError;
 use crate::can::{CanId, Frame, FrameKind};
 use crate::dbc::Database;
 use crate::estimate::Pipeline;
+use crate::estimates::State;
 use crate::signals::publish::Publisher;
 use crate::signals::{Inputs, Pushed, Sampler};
 use crate::{Config, Estimates, Faults, Micros, Quantity, Sample, Sensors};
@@ -43,6 +44,10 @@ pub struct EngineCounts {
 }
 
 impl Engine {
+    /// Estimates older than this are not published any more. Samples wait for late frames by some tens
+    /// of milliseconds, at most a second.
+    const STALE_AFTER: Micros = Micros::from_millis(1500);
+
     /// Builds everything from a configuration. Warnings (of DBC files, of optional things left out)
     /// go to the log.
     ///
@@ -141,6 +146,21 @@ impl Engine {
         }
     }
 
+    /// The latest estimates, unless nothing came for so long that they are of another moment.
+    fn current(&self, now: Micros) -> Estimates {
+        let latest = *self.pipeline.latest();
+        if now - latest.time <= Self::STALE_AFTER {
+            return latest;
+        }
+        Estimates {
+            time: latest.time,
+            state: State::NoInput,
+            surface_changes: latest.surface_changes,
+            dropped_frames: latest.dropped_frames,
+            ..Estimates::default()
+        }
+    }
+
     /// Publication runs on frame time, on multiples of the period: a replay publishes what the live
     /// run did, wherever either began. Nothing is published before the first sample, and nothing
     /// while no frames come: a receiver sees silence, never a stale value with a live counter.
@@ -155,7 +175,7 @@ impl Engine {
             return;
         }
         self.next_publication = Some((now + Micros(1)).next_multiple_of(self.period));
-        let mut estimates = *self.pipeline.latest();
+        let mut estimates = self.current(now);
         estimates.faults |= std::mem::take(&mut self.faults);
         let sent = &mut self.counts.frames_out;
         self.publisher.publish(now, &estimates, &mut |frame| {

@@ -46,7 +46,7 @@ impl LogStats {
     /// Seconds from the first to the last frame.
     pub fn seconds(&self) -> f64 {
         match (self.first_time, self.last_time) {
-            (Some(first), Some(last)) => (last - first).seconds(),
+            (Some(first), Some(last)) => (last - first).seconds().max(0.0),
             _ => 0.0,
         }
     }

@@ -19,6 +19,11 @@ const UNBRAKED_S: f64 = 0.3;
 /// … if nobody has braked for so long: on ice a wheel takes long to turn again, s.
 const RECOVERED_S: f64 = 2.0;
 
+/// A wheel once found out is believed again after it has agreed with its side for so long, s …
+const AGREED_S: f64 = 1.0;
+/// … while the car moves, rad/s.
+const MOVING_RAD_PER_S: f64 = 5.0;
+
 /// Finds the wheel whose speed the other three contradict.
 ///
 /// Slip explains a lot: a wheel that spins on ice, or locks. So a wheel counts as contradicting only
@@ -29,11 +34,24 @@ pub(super) struct WheelCheck {
     unbraked_s: f64,
     /// Wheel, too slow rather than too fast, and for how long, s.
     suspect: Option<(Wheel, bool, f64)>,
+    /// A wheel found out, and for how long it has agreed again, s.
+    excluded: Option<(Wheel, f64)>,
 }
 
 impl WheelCheck {
     pub(super) fn check(&mut self, sample: &mut Sample, wheel_radius_m: f64) -> Faults {
         let elapsed_s = sample.elapsed_s.min(0.1);
+        if let Some((wheel, agreed_s)) = self.excluded {
+            let agrees = agrees_with_its_side(sample, wheel);
+            // Without speeds nothing speaks for the wheel, and nothing more against it.
+            let agreed_s = agrees.map_or(agreed_s, |agrees| if agrees { agreed_s + elapsed_s } else { 0.0 });
+            if agreed_s < AGREED_S {
+                self.excluded = Some((wheel, agreed_s));
+                sample.clear(Quantity::wheel_speed(wheel));
+                return Faults::WHEEL_MISMATCH;
+            }
+            *self = Self::default();
+        }
         let braking = braking(sample);
         self.unbraked_s = if braking == Some(false) { self.unbraked_s + elapsed_s } else { 0.0 };
         let odd = odd_one(sample, wheel_radius_m);
@@ -52,9 +70,18 @@ impl WheelCheck {
         if lasted < patience {
             return Faults::empty();
         }
+        self.excluded = Some((wheel, 0.0));
         sample.clear(Quantity::wheel_speed(wheel));
         Faults::WHEEL_MISMATCH
     }
+}
+
+/// Does the wheel turn as the other one of its side does? `None` while standing or without speeds.
+fn agrees_with_its_side(sample: &Sample, wheel: Wheel) -> Option<bool> {
+    let speed = sample.get(Quantity::wheel_speed(wheel))?;
+    let other = sample.get(Quantity::wheel_speed(wheel.same_side()))?;
+    let near = NEAR * other.abs() + NEAR_RAD_PER_S;
+    (other.abs() > MOVING_RAD_PER_S).then_some((speed - other).abs() < near)
 }
 
 /// The wheel that contradicts the others, and whether it is too slow.

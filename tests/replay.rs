@@ -373,7 +373,7 @@ fn a_truncated_recording_gives_what_could_be_read_and_ends_with_one() {
     assert!(place.json("stats.json")["frames_in"].as_u64().unwrap() > 2000);
 }
 
-/// `gripd replay … -o - | head`: it ends at once and says why, instead of working on for nobody.
+/// `gripd replay … -o - | head`: it ends instead of working on for nobody, and that is no failure.
 #[test]
 fn a_reader_that_goes_away_ends_it() {
     let place = Place::new();
@@ -383,6 +383,53 @@ fn a_reader_that_goes_away_ends_it() {
         place.command("long.log -o -").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", complaint(&output));
+    assert!(!complaint(&output).contains("pipe"), "{}", complaint(&output));
+}
+
+#[test]
+fn a_result_never_overwrites_what_it_is_made_of() {
+    let place = Place::new();
+    let before = place.read("drive.log");
+    for arguments in [
+        "drive.log -o drive.log",
+        "drive.log --estimates ./drive.log",
+        "drive.log -o x --samples x",
+        "drive.log -o - --estimates -",
+    ] {
+        let output = place.replay(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {}", complaint(&output));
+        assert!(place.read("drive.log") == before, "{arguments}");
+    }
+}
+
+#[test]
+fn a_recording_of_another_car_is_an_error_that_says_so() {
+    let place = Place::new();
+    place.write("other.log", b"(1.000000) can0 123#00\n(1.010000) can0 123#01\n");
+    let output = place.replay("other.log -o out.log");
     assert_eq!(output.status.code(), Some(1));
-    assert!(complaint(&output).contains("standard output"), "{}", complaint(&output));
+    assert!(complaint(&output).contains("needed identifiers"), "{}", complaint(&output));
+}
+
+#[test]
+fn after_a_gap_nothing_old_is_published_as_new() {
+    let place = Place::new();
+    let last = drive().lines().last().unwrap();
+    let late = format!("(640.000000){}\n", &last[last.find(')').unwrap() + 1..]);
+    place.write("gap.log", format!("{}{late}", drive()).as_bytes());
+    let published = frames(&place.replayed("gap.log -o -"));
+    let database = gripd::signals::publish::built_in_database().unwrap();
+    let newest = &published[published.len() - 6..];
+    assert!(newest.iter().all(|frame| frame.time.seconds() == 640.0));
+    for (message, signal) in [
+        ("GRIP_FRICTION", "MuMaxLow"),
+        ("GRIP_STIFFNESS_LONG", "SlopeFL"),
+        ("GRIP_STIFFNESS_LAT", "CorneringFront"),
+        ("GRIP_MOTION", "Speed"),
+    ] {
+        let (message, signal) = database.signal(&format!("{message}.{signal}")).unwrap();
+        let frame = newest.iter().find(|frame| frame.id == message.id).unwrap();
+        assert_eq!(signal.bits(frame.data()), signal.value_named("not_available"), "{}", signal.name);
+    }
 }

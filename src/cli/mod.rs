@@ -12,12 +12,13 @@ mod simulate;
 mod tables;
 
 use std::fmt;
-use std::io::{IsTerminal, Write};
+use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use tracing_subscriber::EnvFilter;
 
+use crate::can::candump::LogError;
 use crate::config::ConfigError;
 use crate::service::SetupError;
 
@@ -30,6 +31,8 @@ pub enum Failure {
     Work(String),
     /// Exit code 2: bad usage or configuration.
     Usage(String),
+    /// Whoever read our standard output has seen enough: no failure, and nothing to say.
+    ReaderGone,
 }
 
 impl Failure {
@@ -41,6 +44,22 @@ impl Failure {
     /// The user has to change something.
     fn usage(reason: impl fmt::Display) -> Self {
         Self::Usage(reason.to_string())
+    }
+}
+
+/// Of reading and writing results; the error names the file where there is one.
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::BrokenPipe => Self::ReaderGone,
+            _ => Self::work(error),
+        }
+    }
+}
+
+impl From<LogError> for Failure {
+    fn from(error: LogError) -> Self {
+        if error.is_broken_pipe() { Self::ReaderGone } else { Self::work(error) }
     }
 }
 
@@ -97,7 +116,7 @@ pub fn main() -> ExitCode {
         Command::Check(command) => command.run(),
     };
     let (reason, code) = match result {
-        Ok(()) => return ExitCode::SUCCESS,
+        Ok(()) | Err(Failure::ReaderGone) => return ExitCode::SUCCESS,
         Err(Failure::Work(reason)) => (reason, 1),
         Err(Failure::Usage(reason)) => (reason, 2),
     };

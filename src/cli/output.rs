@@ -32,31 +32,37 @@ impl Output {
             let writer = Destination::File(BufWriter::with_capacity(1 << 16, file.writer()?));
             Ok(Self { path: name, writer, file: Some(file) })
         };
-        create().map_err(|e: io::Error| Failure::work(format_args!("cannot write {}: {e}", path.display())))
+        create().map_err(|e: io::Error| Failure::from(naming(path, e)))
     }
 
     /// Ends it: everything on the disk, under its own name.
     pub fn finish(mut self) -> Result<(), Failure> {
-        let path = self.path.clone();
-        self.flush()
-            .and_then(|()| self.file.map_or(Ok(()), NewFile::commit))
-            .map_err(|e| Failure::work(format_args!("cannot write {}: {e}", path.display())))
+        self.flush()?;
+        let path = self.path;
+        self.file.map_or(Ok(()), NewFile::commit).map_err(|e| Failure::from(naming(&path, e)))
     }
+}
+
+/// The error with the name of the file it is about.
+fn naming(path: &Path, error: io::Error) -> io::Error {
+    io::Error::new(error.kind(), format!("cannot write {}: {error}", path.display()))
 }
 
 impl Write for Output {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match &mut self.writer {
+        let written = match &mut self.writer {
             Destination::File(writer) => writer.write(bytes),
             Destination::Stdout(writer) => writer.write(bytes),
-        }
+        };
+        written.map_err(|e| naming(&self.path, e))
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        match &mut self.writer {
+        let flushed = match &mut self.writer {
             Destination::File(writer) => writer.flush(),
             Destination::Stdout(writer) => writer.flush(),
-        }
+        };
+        flushed.map_err(|e| naming(&self.path, e))
     }
 }
 
@@ -71,7 +77,7 @@ pub fn same_file(one: &Path, other: &Path) -> bool {
 /// Writes a value as indented JSON.
 pub fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(), Failure> {
     let mut output = Output::create(path)?;
-    serde_json::to_writer_pretty(&mut output, value).map_err(Failure::work)?;
-    writeln!(output).map_err(Failure::work)?;
+    serde_json::to_writer_pretty(&mut output, value).map_err(io::Error::from)?;
+    writeln!(output)?;
     output.finish()
 }

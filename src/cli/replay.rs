@@ -172,7 +172,7 @@ struct Results {
     /// Frames that still have to go onto a bus.
     published: Vec<Frame>,
     onto_bus: bool,
-    failure: Option<String>,
+    failure: Option<Failure>,
 }
 
 impl Results {
@@ -207,24 +207,24 @@ impl Results {
         }
     }
 
-    fn check<E: std::fmt::Display>(&mut self, result: Result<(), E>) {
+    fn check(&mut self, result: Result<(), impl Into<Failure>>) {
         if let Err(error) = result {
-            self.failure.get_or_insert_with(|| error.to_string());
+            self.failure.get_or_insert_with(|| error.into());
         }
     }
 
     fn finish(self) -> Result<(), Failure> {
-        if let Some(reason) = self.failure {
-            return Err(Failure::Work(reason));
+        if let Some(failure) = self.failure {
+            return Err(failure);
         }
         if let Some(out) = self.out {
-            out.finish().map_err(Failure::work)?;
+            out.finish()?;
         }
         if let Some(table) = self.estimates {
-            table.into_inner().map_err(Failure::work)?.finish()?;
+            table.into_inner()?.finish()?;
         }
         if let Some(table) = self.samples {
-            table.into_inner().map_err(Failure::work)?.finish()?;
+            table.into_inner()?.finish()?;
         }
         Ok(())
     }

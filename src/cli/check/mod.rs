@@ -65,7 +65,7 @@ impl Check {
         // With `--json -` the standard output is for programs.
         if self.json.as_deref() != Some(Path::new("-")) {
             let mut stdout = std::io::stdout().lock();
-            text::write(&mut stdout, &report).and_then(|()| stdout.flush()).map_err(Failure::work)?;
+            text::write(&mut stdout, &report).and_then(|()| stdout.flush())?;
         }
         if let Some(path) = &self.json {
             write_json(path, &report)?;

@@ -411,7 +411,9 @@ impl CorneringEstimator {
         let redundancy = monitor.noise.redundancy();
         let settled = self.state.std(axle) < Self::SETTLED * compliance;
         self.state.update(&h, residual, variance * redundancy);
-        if force.abs() * GRAVITY < Self::INFORMATIVE || !settled {
+        // Steered fast to and fro, sensors a few milliseconds apart disagree in ways that look like softness.
+        let steady = now.acceleration.abs() > now.acceleration_spread;
+        if force.abs() * GRAVITY < Self::INFORMATIVE || !settled || !steady {
             return false;
         }
         let evidence = expected.normalized() * force.signum() / redundancy.sqrt();

@@ -34,6 +34,8 @@ pub struct Means {
     /// What is not known of the yaw acceleration.
     pub yaw_acceleration_std: f64,
     pub acceleration: f64,
+    /// How much the lateral acceleration moved within the window (standard deviation).
+    pub acceleration_spread: f64,
     pub angle: f64,
     pub samples: f64,
     /// Mean of the integrals, counted from the mean of the window before.
@@ -52,6 +54,7 @@ pub struct Window {
     time_square: f64,
     time_yaw: f64,
     yaw_square: f64,
+    acceleration_square: f64,
 }
 
 impl Window {
@@ -79,6 +82,7 @@ impl Window {
         self.time_square += self.time * self.time;
         self.time_yaw += self.time * sample.yaw_rate;
         self.yaw_square += sample.yaw_rate * sample.yaw_rate;
+        self.acceleration_square += sample.acceleration * sample.acceleration;
         self.time += elapsed_s;
         // Half a sample of tolerance: the sum of many periods is not exactly the window's length.
         if self.time + 0.5 * elapsed_s < self.length_s {
@@ -102,6 +106,9 @@ impl Window {
             yaw_acceleration: rate,
             yaw_acceleration_std: (around_line.max(0.0) / (n - 2.0).max(1.0) / spread).sqrt(),
             acceleration: sums.acceleration / n,
+            acceleration_spread: (self.acceleration_square / n - (sums.acceleration / n).powi(2))
+                .max(0.0)
+                .sqrt(),
             angle: sums.angle / n,
             samples: n,
             path: sums.path.with(&Path::default(), |sum, _| sum / n),

@@ -25,7 +25,7 @@
 use nalgebra::SVector;
 
 use super::window::{Means, Path, Window, YawAcceleration};
-use super::{Car, CorneringConfig, Kinematics};
+use super::{Car, Cornering, CorneringConfig, Kinematics};
 use crate::estimates::{Estimate, SensorOffsets};
 use crate::filter::{Cusum, Gaussian, LearnedNoise};
 use crate::model::GRAVITY;
@@ -177,9 +177,8 @@ impl CorneringEstimator {
         self.idle_s += now.elapsed_s;
         self.motion = None;
         self.watch_standstill(now);
-        let moving = now.speed.filter(|speed| *speed >= self.minimum_speed);
-        let (Some(speed), Some(r), Some(ay), Some(angle)) =
-            (moving, now.yaw_rate, now.lateral_acceleration, now.road_angle)
+        let Some(Cornering { speed, yaw_rate: r, lateral_acceleration: ay, road_angle: angle }) =
+            now.cornering(self.minimum_speed)
         else {
             self.stop(now.elapsed_s);
             return false;

@@ -6,7 +6,7 @@
 
 use nalgebra::{Matrix3, Vector3, matrix, vector};
 
-use super::{Car, JointEkfConfig, Kinematics};
+use super::{Car, Cornering, JointEkfConfig, Kinematics};
 use crate::estimates::Estimate;
 use crate::filter::Gaussian;
 use crate::filter::discretize::zero_order_hold;
@@ -57,9 +57,8 @@ impl JointEkf {
     /// Takes a sample.
     pub fn step(&mut self, now: &Kinematics) {
         self.age_s += now.elapsed_s;
-        let moving = now.speed.filter(|speed| *speed >= self.minimum_speed);
-        let (Some(speed), Some(r), Some(ay), Some(angle)) =
-            (moving, now.yaw_rate, now.lateral_acceleration, now.road_angle)
+        let Some(Cornering { speed, yaw_rate: r, lateral_acceleration: ay, road_angle: angle }) =
+            now.cornering(self.minimum_speed)
         else {
             self.running = false;
             return;

@@ -188,7 +188,30 @@ pub struct Kinematics {
     pub abs: Option<bool>,
 }
 
+/// What every lateral estimator needs of a sample, all of it there and the car moving.
+#[derive(Clone, Copy, Debug)]
+pub struct Cornering {
+    /// Forward speed, m/s.
+    pub speed: f64,
+    /// Yaw rate, rad/s.
+    pub yaw_rate: f64,
+    /// Lateral acceleration, m/s².
+    pub lateral_acceleration: f64,
+    /// Angle of the road wheels, rad.
+    pub road_angle: f64,
+}
+
 impl Kinematics {
+    /// The lateral motion as measured; `None` below `minimum_speed` (m/s) or if an input is missing.
+    pub fn cornering(&self, minimum_speed: f64) -> Option<Cornering> {
+        Some(Cornering {
+            speed: self.speed.filter(|speed| *speed >= minimum_speed)?,
+            yaw_rate: self.yaw_rate?,
+            lateral_acceleration: self.lateral_acceleration?,
+            road_angle: self.road_angle?,
+        })
+    }
+
     /// Brake pressure that counts as braking, bar.
     const BRAKING_PRESSURE: f64 = 1.0;
     /// Brake torque (all wheels) that counts as braking, N m.

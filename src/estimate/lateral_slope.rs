@@ -5,7 +5,7 @@
 
 use nalgebra::vector;
 
-use super::{Car, Kinematics};
+use super::{Car, Cornering, Kinematics};
 use crate::estimates::Estimate;
 use crate::filter::{Cusum, Gaussian, LearnedNoise};
 use crate::model::GRAVITY;
@@ -58,12 +58,8 @@ impl LateralSlopeEstimator {
         for axle in &mut self.axles {
             axle.age_s += now.elapsed_s;
         }
-        let moving = now.speed.filter(|speed| *speed >= self.minimum_speed);
-        let (Some(speed), Some(r), Some(ay), Some(angle), Some(vy)) =
-            (moving, now.yaw_rate, now.lateral_acceleration, now.road_angle, lateral_velocity)
-        else {
-            return;
-        };
+        let Some((cornering, vy)) = now.cornering(self.minimum_speed).zip(lateral_velocity) else { return };
+        let Cornering { speed, yaw_rate: r, lateral_acceleration: ay, road_angle: angle } = cornering;
         let mu = ay / GRAVITY;
         if mu.abs() < Self::INFORMATIVE {
             return;

@@ -22,5 +22,5 @@ pub use config::{
     BrushConfig, CorneringConfig, EstimatorsConfig, FrictionConfig, JointEkfConfig, LateralVelocitySource,
     SlopeConfig,
 };
-pub use kinematics::{Car, Kinematics};
+pub use kinematics::{Car, Cornering, Kinematics};
 pub use pipeline::Pipeline;

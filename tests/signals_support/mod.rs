@@ -2,8 +2,7 @@
 
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
-use std::io::{BufRead, BufReader};
-
+use gripd::can::candump::Reader;
 use gripd::can::{CanId, Frame};
 use gripd::dbc::Database;
 use gripd::signals::{Inputs, Sampler, SignalsConfig};
@@ -125,19 +124,8 @@ pub fn run(sampler: &mut Sampler, frames: &[Frame], flush: bool) -> Vec<Sample> 
 
 /// The frames of a gzipped candump log.
 pub fn recording(path: &std::path::Path) -> Vec<Frame> {
-    let file = std::fs::File::open(path).unwrap();
-    let lines = BufReader::new(flate2::read::MultiGzDecoder::new(file)).lines();
-    lines.map_while(Result::ok).filter_map(|line| parse(&line)).collect()
-}
-
-fn parse(line: &str) -> Option<Frame> {
-    let mut words = line.split_whitespace();
-    let (seconds, micros) = words.next()?.trim_matches(['(', ')']).split_once('.')?;
-    let time = Micros(seconds.parse::<i64>().ok()? * 1_000_000 + micros.parse::<i64>().ok()?);
-    let (id, data) = words.nth(1)?.split_once('#')?;
-    let number = u32::from_str_radix(id, 16).ok()?;
-    let id = if id.len() > 3 { CanId::extended(number)? } else { CanId::standard(number)? };
-    let bytes: Option<Vec<u8>> =
-        (0..data.len() / 2).map(|i| u8::from_str_radix(&data[2 * i..2 * i + 2], 16).ok()).collect();
-    Frame::data_frame(time, id, &bytes?).ok()
+    let mut reader = Reader::open(path).unwrap();
+    let frames = std::iter::from_fn(|| reader.next_frame().unwrap()).collect();
+    assert_eq!(reader.stats().skipped_lines, 0);
+    frames
 }

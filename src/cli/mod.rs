@@ -7,6 +7,7 @@ mod output;
 mod player;
 mod progress;
 mod replay;
+pub mod reproduce;
 mod run;
 mod simulate;
 mod tables;

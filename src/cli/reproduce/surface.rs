@@ -2,7 +2,7 @@
 
 use super::numeric::crossing;
 use super::{Claim, Experiment, Outcome, Picture};
-use crate::model::tire::{Brush, Contact, Curve, MagicFormula};
+use crate::model::tire::{Brush, Contact, Curve, MagicFormula, Shape};
 use crate::report::{Color, Marker, Plot, Stroke};
 
 /// In the order of the thesis.
@@ -19,14 +19,14 @@ const STIFFNESS: f64 = 50.0;
 const MAGIC: MagicFormula = MagicFormula { shape: 1.65, curvature: 0.0 };
 
 /// The slip at which a curve reaches a force on its rising side.
-fn slip_at(curve: &impl Curve, friction: f64, force: f64) -> f64 {
+fn slip_at(curve: &(impl Curve + Shape), friction: f64, force: f64) -> f64 {
     let rising = 0.0..curve.peak_slip(STIFFNESS, friction);
     crossing(rising, |slip| curve.force(STIFFNESS, friction, slip) < force)
 }
 
 /// The slope of the straight line through the origin that fits a curve best, from zero up to a force, points
 /// evenly spread over the slip.
-fn fitted(curve: &impl Curve, friction: f64, up_to: f64) -> f64 {
+fn fitted(curve: &(impl Curve + Shape), friction: f64, up_to: f64) -> f64 {
     let end = slip_at(curve, friction, up_to);
     let (mut products, mut squares) = (0.0, 0.0);
     for i in 1..=1000 {

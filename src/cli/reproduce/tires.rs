@@ -2,7 +2,7 @@
 
 use super::numeric::crossing;
 use super::{Claim, Experiment, Outcome, Picture};
-use crate::model::tire::{Brush, Contact, Curve, DahlTire, MagicFormula, PiecewiseLinear, ellipse};
+use crate::model::tire::{Brush, Contact, Curve, DahlTire, MagicFormula, PiecewiseLinear, Shape, ellipse};
 use crate::report::{Color, Marker, Plot, Stroke};
 
 /// In the order of the thesis.

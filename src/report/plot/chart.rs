@@ -85,7 +85,7 @@ impl Plot {
                 let (color, inside) =
                     (color.placeholder(), points.iter().filter(|point| self.shows(point)).copied());
                 match marker {
-                    Marker::Dot => chart.draw_series(inside.map(|at| Circle::new(at, 4, color.filled()))),
+                    Marker::Dot => chart.draw_series(inside.map(|at| Circle::new(at, 5, color.filled()))),
                     Marker::Ring => {
                         chart.draw_series(inside.map(|at| Circle::new(at, 7, color.stroke_width(2))))
                     }

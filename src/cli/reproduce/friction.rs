@@ -25,12 +25,17 @@ fn static_models() -> Result<Outcome, String> {
     // At rest the force is any between what is held to the one and to the other side: a vertical line.
     let branch = |model: &dyn StaticFriction, name: &str, heading: &str, caption: &str| {
         let held = model.break_away();
-        let points: Vec<(f64, f64)> =
-            velocities()
-                .flat_map(|v| {
-                    if v == 0.0 { vec![(0.0, -held), (0.0, held)] } else { vec![(v, model.sliding(v))] }
-                })
-                .collect();
+        let points: Vec<(f64, f64)> = velocities()
+            .flat_map(|v| {
+                if v == 0.0 {
+                    [model.sliding(-1e-9), -held, held, model.sliding(1e-9)]
+                        .map(|force| (0.0, force))
+                        .to_vec()
+                } else {
+                    vec![(v, model.sliding(v))]
+                }
+            })
+            .collect();
         Picture {
             name: name.into(),
             heading: heading.into(),

@@ -67,7 +67,7 @@ fn secant() -> Result<Outcome, String> {
         )
         .curve(&format!("fitted up to 0.4: {high:.1}"), Color::First, Stroke::Dashed, line(high))
         .curve(&format!("fitted up to 0.4: {low:.1}"), Color::Second, Stroke::Dashed, line(low))
-        .points("up to here", Color::Notice, Marker::Ring, ends.into_iter());
+        .points("fitted up to here", Color::Notice, Marker::Ring, ends.into_iter());
     let caption = "Magic formula, the same slope of 50 at zero slip on both surfaces. A straight line through the \
                    same forces is flatter on the slippery one.";
     let claims = vec![

@@ -14,12 +14,13 @@ impl Plot {
 
     /// Of one pixel column, in x.
     fn column(&self) -> f64 {
-        (self.x.end - self.x.start) / f64::from(Self::WIDTH - Self::Y_LABELS - 2 * Self::MARGIN)
+        (self.x.end - self.x.start) / f64::from(Self::WIDTH - Self::Y_LABELS - Self::MARGIN - Self::RIGHT)
     }
 
     pub(super) fn draw_chart(&self, area: &Area) -> Drawn {
         let mut chart = ChartBuilder::on(area)
             .margin(Self::FINE * Self::MARGIN)
+            .margin_right(Self::FINE * Self::RIGHT)
             .set_label_area_size(LabelAreaPosition::Left, Self::FINE * Self::Y_LABELS)
             .set_label_area_size(LabelAreaPosition::Bottom, Self::FINE * Self::X_LABELS)
             .build_cartesian_2d(self.x.clone(), self.y.clone())

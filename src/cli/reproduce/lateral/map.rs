@@ -78,11 +78,6 @@ impl Cell {
     pub(super) fn grips(&self) -> bool {
         self.sliding == [0.0; 2]
     }
-
-    /// `0.5 Hz 0.01 rad`.
-    pub(super) fn name(&self) -> String {
-        format!("{} Hz {} rad", self.frequency, self.amplitude)
-    }
 }
 
 /// All cells, amplitude by amplitude. Driven once, whoever asks first.
@@ -113,10 +108,15 @@ fn drive() -> Result<Vec<Cell>, String> {
     })
 }
 
-/// Cells for which `is` holds, by name.
+/// Cells for which `is` holds, e.g. `0.01 rad at 0.5, 1 Hz; 0.1 rad at 1 Hz`.
 pub(super) fn names(cells: &[Cell], is: impl Fn(&Cell) -> bool) -> String {
-    let names: Vec<_> = cells.iter().filter(|cell| is(cell)).map(Cell::name).collect();
-    if names.is_empty() { "nowhere".into() } else { names.join(", ") }
+    let row = |amplitude: &f64| {
+        let row = cells.iter().filter(|cell| cell.amplitude == *amplitude && is(cell));
+        let frequencies: Vec<_> = row.map(|cell| cell.frequency.to_string()).collect();
+        (!frequencies.is_empty()).then(|| format!("{amplitude} rad at {} Hz", frequencies.join(", ")))
+    };
+    let rows: Vec<_> = AMPLITUDES.iter().filter_map(row).collect();
+    if rows.is_empty() { "nowhere".into() } else { rows.join("; ") }
 }
 
 /// Least and greatest of a number over the cells.
@@ -132,7 +132,7 @@ pub(super) fn plot(
     top: f64,
     value: impl Fn(&Cell) -> f64 + Copy,
 ) -> Plot {
-    let plot = Plot::new(title, label, 0.0..1.05, 0.0..top);
+    let plot = Plot::new(title, label, 0.0..1.05, 0.0..top).x_label("steering frequency, Hz");
     AMPLITUDES.iter().zip(COLORS).fold(plot, |plot, (amplitude, color)| {
         let row = cells.iter().filter(|cell| cell.amplitude == *amplitude);
         plot.line(&format!("{amplitude} rad"), color, row.map(|cell| (cell.frequency, value(cell))))

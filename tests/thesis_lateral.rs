@@ -43,7 +43,7 @@ fn over<T>(drive: &Drive, mut estimate: impl FnMut(&Kinematics, &Truth) -> T) ->
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (count, sum) = values.fold((0.0, 0.0), |(count, sum), value| (count + 1.0, sum + value * value));
     assert!(count > 100.0);
-    (sum / count as f64).sqrt()
+    (sum / count).sqrt()
 }
 
 /// Error of a lateral velocity / true lateral velocity, rms.

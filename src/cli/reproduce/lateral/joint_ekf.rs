@@ -228,7 +228,7 @@ pub(super) fn run() -> Result<Outcome, String> {
              noise takes away",
         ),
     ]);
-    for walk in 0..WALKS.len() {
+    for (walk, noise) in WALKS.into_iter().enumerate() {
         let of = |cell: &Cell| cell.ekf[walk];
         let follows = |cell: &Cell| matches!(of(cell).behaviour, Behaviour::Follows | Behaviour::Late);
         let quick_only = cells.iter().filter(|cell| follows(cell)).all(|cell| cell.frequency >= 0.25);
@@ -239,7 +239,7 @@ pub(super) fn run() -> Result<Outcome, String> {
             ("follows quick steering only", any && quick_only)
         };
         claims.push(Claim::new(
-            &format!("Map over frequency and amplitude, parameter noise {}/√s: {expected}", WALKS[walk]),
+            &format!("Map over frequency and amplitude, parameter noise {noise}/√s: {expected}"),
             if walk == 0 { "one case, no reaction" } else { "" },
             in_map(walk),
             holds,
@@ -258,7 +258,7 @@ pub(super) fn run() -> Result<Outcome, String> {
             map::names(cells, |cell| cell.ours.behaviour == Behaviour::Wrong)
         ),
         ours(Behaviour::Follows) == cells.len(),
-        &format!("its tires are linear, too: sliding in {}", map::names(cells, |cell| !cell.grips())),
+        &format!("its tires are linear, too; they slide with {}", map::names(cells, |cell| !cell.grips())),
     ));
     let map = |name: &str, heading: &str, walk: usize| {
         map_picture(cells, name, heading, |cell: &Cell| cell.ekf[walk])

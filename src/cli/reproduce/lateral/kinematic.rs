@@ -41,10 +41,10 @@ pub(super) fn run() -> Result<Outcome, String> {
     let ranks = [kinematic_rank(0.0), kinematic_rank(0.3)];
     let stds = [0.0, 0.05, 0.3].map(|r| kinematic_std(r, 1.0, SPEED_NOISE));
     let plot = |heading: &str, name: &str, value: fn(&super::course::Point) -> Option<f64>| {
-        Plot::new(heading, "v_y, m/s", 0.0..200.0, -1.5..1.5)
+        Plot::new(heading, "v_y, m/s", 0.0..200.0, -3.0..3.0)
             .height(260)
-            .line(name, Color::First, course.line(value))
             .line("true", Color::Truth, course.truth())
+            .line(name, Color::First, course.line(value))
     };
     let poor = "5.5 Method 2 on Sim1, a_x by (5.13)";
     let good = "5.5 Method 2 on Sim1, true a_x";
@@ -106,7 +106,9 @@ pub(super) fn run() -> Result<Outcome, String> {
                 name: "figure_5_5".into(),
                 heading: poor.into(),
                 plot: plot(poor, "method 2", |p| p.velocities.kinematic),
-                caption: "Steering ±0.1 rad at 0.5 Hz. As in the original it does not converge.".into(),
+                caption: "Steering ±0.1 rad at 0.5 Hz. As in the original it does not converge. The axis is \
+                          twice the original's: this car's v_y is larger."
+                    .into(),
             },
             Picture {
                 name: "figure_5_5_true_ax".into(),

@@ -12,8 +12,8 @@ fn picture(course: &Course, name: &str, heading: &str, y: f64, spans: &[Span], c
     let plot = Plot::new(heading, "v_y, m/s", 0.0..200.0, -y..y)
         .height(260)
         .spans(spans)
-        .line("method 3", Color::First, course.line(|p| p.velocities.bicycle))
-        .line("true", Color::Truth, course.truth());
+        .line("true", Color::Truth, course.truth())
+        .line("method 3", Color::First, course.line(|p| p.velocities.bicycle));
     Picture { name: name.into(), heading: heading.into(), plot, caption: caption.into() }
 }
 
@@ -136,9 +136,9 @@ pub(super) fn run() -> Result<Outcome, String> {
                 &sim1_gentle,
                 "figure_5_6_gentle",
                 "5.6 Method 3 on Sim1, steering ±0.01 rad at 0.5 Hz",
-                1.0,
+                1.5,
                 &[],
-                "v_y as large as in the original; no tire slides.",
+                "v_y nearly as small as in the original; no tire slides.",
             ),
             picture(
                 &sim2,
@@ -146,7 +146,7 @@ pub(super) fn run() -> Result<Outcome, String> {
                 "5.7 Method 3 on Sim2, steering ±0.1 rad at 0.5 Hz",
                 top(&sim2),
                 &halved(),
-                "While halved the tires slide half of the time.",
+                "While halved a tire slides half of the time; what is beyond the axis is drawn at its end.",
             ),
             picture(
                 &sim2_gentle,

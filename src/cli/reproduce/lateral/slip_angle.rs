@@ -25,9 +25,9 @@ fn picture(course: &Course, name: &str, heading: &str, caption: &str) -> Picture
     let plot = Plot::new(heading, "rear slip angle, °", 0.0..200.0, -5.0..5.0)
         .height(280)
         .spans(&halved())
-        .line("v_y = 0", Color::Notice, course.line(zero))
+        .line("true", Color::Truth, course.line(|point| Some(truth(point))))
         .line("method 3", Color::First, course.line(bicycle))
-        .line("true", Color::Truth, course.line(|point| Some(truth(point))));
+        .line("v_y = 0", Color::Notice, course.line(zero));
     Picture { name: name.into(), heading: heading.into(), plot, caption: caption.into() }
 }
 

@@ -36,7 +36,7 @@ fn columns() -> Vec<(f64, f64)> {
 /// The map of one filter below the information that there is.
 fn map_picture(cells: &[Cell], name: &str, heading: &str, of: impl Fn(&Cell) -> Track) -> Picture {
     let frequencies = || (1..=110).map(|i| 0.01 * f64::from(i));
-    let mut plot = Plot::new(heading, "least std, %", 0.0..1.1, 0.0..50.0).x_label("steering frequency, Hz");
+    let mut plot = Plot::new(heading, "least std, %", 0.0..1.1, 0.0..10.0).x_label("steering frequency, Hz");
     let lines = [Color::First, Color::Second, Color::Third, Color::Truth];
     for (amplitude, color) in AMPLITUDES.iter().zip(lines) {
         let bound = |f| 100.0 * stiffness_std(SPEED, (f, *amplitude), 1.0, NOISE).unwrap_or(f64::NAN);
@@ -68,8 +68,8 @@ fn map_picture(cells: &[Cell], name: &str, heading: &str, of: impl Fn(&Cell) -> 
         plot,
         caption: format!(
             "Over steering frequency, Hz. Above: Cramér–Rao bound at {SPEED} m/s, tires linear. Below: what the \
-             filter does in Sim2 at 0.05, 0.1, 0.25, 0.5 and 1 Hz. Right means within 20 % of the truth at the \
-             end of every phase. Tires slide in {}.",
+             filter does in Sim2 at 0.05, 0.1, 0.25, 0.5 and 1 Hz. To follow is to be within 20 % of the truth at the \
+             end of every phase and seldom far off between. Tires slide with {}.",
             map::names(cells, |cell| !cell.grips())
         ),
     }

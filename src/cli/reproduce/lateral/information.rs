@@ -3,7 +3,7 @@
 use nalgebra::{Complex, Matrix2, Vector2, matrix, vector};
 
 use crate::filter::discretize::exponential;
-use crate::filter::observability::{Gramian, rank};
+use crate::filter::{Observability, Spectrum};
 use crate::model::{Bicycle, GRAVITY};
 
 /// Period of the samples, s.
@@ -16,18 +16,19 @@ fn turn(r: f64) -> Matrix2<f64> {
 
 /// Observability rank (thesis 2.12) of (v_x, v_y) from v_x at yaw rate `r` (rad/s).
 pub(super) fn kinematic_rank(r: f64) -> usize {
-    rank(&turn(r), &matrix![1.0, 0.0], 1e-9)
+    let seen = Observability::<2>::time_invariant(&turn(r), &[(vector![1.0, 0.0], 1.0)]);
+    seen.spectrum(&vector![1.0, 1.0]).rank(Spectrum::<2>::ROUNDING)
 }
 
 /// Least standard deviation, m/s, of v_y from `duration_s` of speeds with `speed_noise` (m/s), if the
 /// accelerations are known exactly: by the Gramian.
 pub(super) fn kinematic_std(r: f64, duration_s: f64, speed_noise: f64) -> f64 {
-    let mut gramian = Gramian::<2>::default();
+    let mut seen = Observability::<2>::new();
     for _ in 0..(duration_s / PERIOD_S).round() as usize {
-        gramian.measure(&vector![1.0, 0.0], speed_noise * speed_noise);
-        gramian.advance(&turn(r));
+        seen.measure(&vector![1.0, 0.0], speed_noise * speed_noise);
+        seen.advance(&turn(r));
     }
-    gramian.std()[1]
+    seen.spectrum(&vector![1.0, 1.0]).bound(1)
 }
 
 /// The thesis's car, or one with its centre of gravity `a` behind the front axle, with C_F = C_R such

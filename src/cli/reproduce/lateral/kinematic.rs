@@ -62,10 +62,14 @@ pub(super) fn run() -> Result<Outcome, String> {
                 "Why, first: without yaw rate v_y cannot be observed",
                 "",
                 format!(
-                    "rank {} at r = 0, {} at 0.3 rad/s; by the Gramian a second of speeds knows v_y to {:.1}, \
-                     {:.2}, {:.3} m/s at r = 0, 0.05, 0.3 rad/s; straight on, an offset of 0.02 m/s² becomes \
-                     {drifted:.2} m/s in a minute",
-                    ranks[0], ranks[1], stds[0], stds[1], stds[2]
+                    "rank {} at r = 0, {} at 0.3 rad/s; by the Gramian the least std of v_y from a second of \
+                     speeds is {}, {:.2}, {:.3} m/s at r = 0, 0.05, 0.3 rad/s; straight on, an offset of 0.02 \
+                     m/s² becomes {drifted:.2} m/s in a minute",
+                    ranks[0],
+                    ranks[1],
+                    if stds[0].is_infinite() { "infinite".into() } else { format!("{:.2}", stds[0]) },
+                    stds[1],
+                    stds[2]
                 ),
                 ranks == [1, 2] && stds[0].is_infinite() && stds[1] > 5.0 * stds[2] && drifted > 1.0,
                 "not named by the thesis",

@@ -4,23 +4,32 @@
 //! car's own terms) and keeps what it knows; [`Pipeline`] decides the order and what is published.
 
 mod abs_braking;
+mod bicycle_filter;
 mod block;
 mod brush;
 mod config;
 mod cornering;
 mod friction;
 mod joint_ekf;
+mod kinematic_observer;
 mod kinematics;
 mod lateral_slope;
 mod lateral_velocity;
 mod pipeline;
+mod slip_angles;
 mod slope;
 mod traction;
 mod window;
 
+pub use bicycle_filter::BicycleFilter;
 pub use config::{
     BrushConfig, CorneringConfig, EstimatorsConfig, FrictionConfig, JointEkfConfig, LateralVelocitySource,
     SlopeConfig,
 };
+pub use joint_ekf::JointEkf;
+pub use kinematic_observer::{KinematicObserver, SpeedDerivative};
 pub use kinematics::{Car, Cornering, Kinematics};
+pub use lateral_slope::LateralSlopeEstimator;
+pub use lateral_velocity::LateralVelocityEstimator;
 pub use pipeline::Pipeline;
+pub use slip_angles::SlipAngles;

@@ -14,6 +14,7 @@ mod kinematics;
 mod lateral_slope;
 mod lateral_velocity;
 mod pipeline;
+mod saturation;
 mod slope;
 mod traction;
 mod window;
@@ -24,3 +25,4 @@ pub use config::{
 };
 pub use kinematics::{Car, Cornering, Kinematics};
 pub use pipeline::Pipeline;
+pub use saturation::{LimitFriction, SlipPoint, WheelSaturation};

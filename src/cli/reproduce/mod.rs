@@ -15,7 +15,7 @@ mod slip_slope;
 mod surface;
 mod tires;
 
-pub use drive::{Drive, SIM1, SIM2, SIM3};
+pub use drive::{Drive, SIM1, SIM2, SIM3, SIM3_LIMIT};
 pub use experiment::{Claim, Experiment, ExperimentError, Outcome, Picture, Verdict};
 
 /// Every experiment, in the order of the thesis.

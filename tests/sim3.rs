@@ -3,8 +3,9 @@
 #![allow(clippy::unwrap_used)] // Tests.
 
 use gripd::cli::reproduce::{Drive, SIM3, SIM3_LIMIT};
-use gripd::estimate::{EstimatorsConfig, Pipeline};
+use gripd::estimate::{EstimatorsConfig, Pipeline, SlipPoint, WheelSaturation};
 use gripd::estimates::{Estimates, MuSource};
+use gripd::model::scenario::Stretch;
 use gripd::model::{Piece, Scenario, TireKind, Truth, Uncertain, Vehicle};
 
 /// Runs the pipeline over a drive; the tires' stiffness is not known before.
@@ -62,9 +63,10 @@ fn both_steps_of_the_slope_are_found_within_two_seconds_and_friction_stays_a_bou
             assert_eq!((friction.max, friction.high, friction.valid), (None, None, false));
             assert!(friction.low.is_none_or(|low| low <= truth.mu_max), "seed {seed}, {t} s: {friction:?}");
             let settled = [60.0..100.0, 110.0..150.0, 160.0..200.0].iter().any(|s| s.contains(&t));
-            if settled {
-                let slope = estimates.slope[0].unwrap().value;
-                assert!((slope / truth.slope[0] - 1.0).abs() < 0.1, "seed {seed}, {t} s: {slope}");
+            if settled && truth.mu_used > 0.05 {
+                let slope = estimates.slope[0].unwrap();
+                let error = (slope.value / truth.slope[0] - 1.0).abs();
+                assert!(error < 0.1, "seed {seed}, {t} s: {slope:?}");
             }
         }
     }
@@ -157,25 +159,90 @@ fn on_one_surface(tire: TireKind, friction: f64, slope: f64, extra: Vec<[f64; 2]
 const TIRES: [TireKind; 3] = [TireKind::Piecewise, TireKind::Brush, TireKind::MagicFormula];
 const SURFACES: [(f64, f64); 4] = [(1.0, 50.0), (0.6, 50.0), (0.4, 30.0), (0.2, 30.0)];
 
+/// A step on the accelerator that makes the wheels spin for half a second.
+const SPIN: [[f64; 2]; 4] = [[40.0, 0.0], [42.0, 1.0], [42.6, 1.0], [43.0, 0.0]];
+
 #[test]
 fn the_limit_is_found_whatever_the_curve_of_the_tire() {
+    let (mut latest, mut worst, mut wrong_changes) = (0.0_f64, 0.0_f64, 0);
     for tire in TIRES {
-        for (friction, slope) in SURFACES {
-            let spin = vec![[40.0, 0.0], [42.0, 1.0], [42.6, 1.0], [43.0, 0.0]];
-            let scenario = on_one_surface(tire, friction, slope, spin);
-            for seed in 1..=5 {
-                let found = judge(&drive(&scenario, seed), 0.95);
-                println!("{tire:?} {friction} {slope}: {found:?}");
+        for (friction, slope) in &SURFACES[1..] {
+            let scenario = on_one_surface(tire, *friction, *slope, SPIN.to_vec());
+            for seed in 1..=4 {
+                let rows = drive(&scenario, seed);
+                let found = judge(&rows, 0.95);
+                assert_eq!(
+                    (found.early, found.valid[0]),
+                    (0, found.valid[1]),
+                    "{tire:?} {friction}: {found:?}"
+                );
+                latest = latest.max(found.after_s.unwrap());
+                worst = worst.max(found.worst);
+                let wrong = noticed(&rows, &[]).1;
+                if wrong > 0 {
+                    println!("{tire:?} {friction} {seed}: {wrong}");
+                }
+                wrong_changes += wrong;
             }
+        }
+    }
+    println!("found within {latest:.2} s, off by {:.1} %, {wrong_changes} wrong changes", 100.0 * worst);
+    assert!(latest <= 1.0 && worst <= 0.05, "{latest} s, {worst}");
+}
+
+/// At full grip half a g of acceleration moves a sixth of the front axle's load to the rear, which the
+/// estimators do not know: the value is right for the static load, its interval too wide to act upon.
+#[test]
+fn at_full_grip_the_load_transfer_keeps_the_value_from_being_valid() {
+    for tire in TIRES {
+        let rows = drive(&on_one_surface(tire, 1.0, 50.0, SPIN.to_vec()), 1);
+        let published = rows.iter().filter(|(_, e)| e.friction.source == MuSource::Limit);
+        let errors: Vec<f64> = published.map(|(_, e)| (e.friction.max.unwrap() - 1.0).abs()).collect();
+        assert!(!errors.is_empty() && errors.iter().all(|e| *e < 0.05), "{tire:?}: {errors:?}");
+        assert_eq!(judge(&rows, 0.95).valid[0], 0);
+    }
+}
+
+#[test]
+fn the_accelerometer_alone_finds_the_limit_too() {
+    let mut scenario = on_one_surface(TireKind::Brush, 0.5, 40.0, SPIN.to_vec());
+    scenario.sensors.by_name.remove("drive_torque");
+    for seed in 1..=8 {
+        let found = judge(&drive(&scenario, seed), 0.95);
+        println!("{found:?}");
+        assert!(
+            found.after_s.is_some_and(|after| after < 2.0) && found.worst < 0.06,
+            "seed {seed}: {found:?}"
+        );
+    }
+}
+
+/// A traction control cycles the torque about the limit.
+#[test]
+fn a_traction_control_does_not_hide_the_limit() {
+    let mut cycles = vec![[40.0, 0.0]];
+    for cycle in 0..5 {
+        let t = 41.0 + 0.5 * f64::from(cycle);
+        cycles.extend([[t, 1.15], [t + 0.1, 1.15], [t + 0.25, 0.4], [t + 0.35, 0.5]]);
+    }
+    cycles.push([44.0, 0.0]);
+    for tire in TIRES {
+        for seed in 1..=4 {
+            let found = judge(&drive(&on_one_surface(tire, 0.4, 30.0, cycles.clone()), seed), 0.95);
+            println!("{tire:?} {found:?}");
+            assert!(
+                found.after_s.is_some_and(|after| after < 3.0) && found.worst < 0.1,
+                "seed {seed}: {found:?}"
+            );
         }
     }
 }
 
 #[test]
 fn below_the_limit_friction_is_never_a_value() {
-    for (i, seed) in (1..=20).enumerate() {
+    for (i, seed) in (1..=24).enumerate() {
         let tire = TIRES[i % 3];
-        let (friction, slope) = SURFACES[i % 4];
+        let (friction, slope) = SURFACES[i / 3 % 4];
         // Several steps on the accelerator, slow and fast, to 60 % of the friction.
         let share = 0.58 - 0.3;
         let bursts = (0..8).flat_map(|burst| {
@@ -183,14 +250,50 @@ fn below_the_limit_friction_is_never_a_value() {
             let rise = 0.1 + 0.2 * f64::from(burst % 4);
             [[t, 0.0], [t + rise, share], [t + rise + 1.0, share], [t + 2.0 * rise + 1.0, 0.0]]
         });
-        let scenario = on_one_surface(tire, friction, slope, bursts.collect());
-        let rows = drive(&scenario, seed);
-        let found = judge(&rows, 0.999);
-        assert!((0.4..0.62).contains(&found.most_used), "{found:?}");
+        let rows = drive(&on_one_surface(tire, friction, slope, bursts.collect()), seed);
+        let most_used = judge(&rows, 0.999).most_used;
+        assert!((0.4..0.6).contains(&most_used), "{most_used}");
         let values = rows.iter().filter(|(_, e)| e.friction.max.is_some()).count();
-        println!(
-            "{tire:?} {friction}: {values} values, valid {:?}, used {:.2}",
-            found.valid, found.most_used
-        );
+        assert_eq!(values, 0, "{tire:?} {friction}, seed {seed}");
     }
+}
+
+/// Softer and stiffer surfaces in turn, at a force that stays: the slip goes up and down by a multiple,
+/// and nowhere is the limit.
+#[test]
+fn surfaces_that_change_at_constant_force_are_no_limit() {
+    for (seed, transition_s) in [(1, 0.0), (2, 0.05), (3, 0.1), (4, 0.2), (5, 0.3)] {
+        let mut scenario = on_one_surface(TireKind::Piecewise, 1.0, 90.0, vec![[10.0, 0.0], [11.0, 0.1]]);
+        scenario.road = (0..20)
+            .map(|i| Stretch {
+                from_s: 12.0 + 2.3 * f64::from(i),
+                transition_s,
+                slope: Some(if i % 2 == 0 { 25.0 } else { 90.0 }),
+                ..Stretch::default()
+            })
+            .collect();
+        for (truth, estimates) in drive(&scenario, seed) {
+            assert_ne!(
+                estimates.friction.source,
+                MuSource::Limit,
+                "{transition_s} s: {}",
+                truth.time.seconds()
+            );
+        }
+    }
+}
+
+fn braking(slip: f64, mu: f64) -> SlipPoint {
+    SlipPoint { slip: -slip, slip_std: 1e-4, mu: -mu, mu_std: 0.002 }
+}
+
+#[test]
+fn braking_forces_at_their_limit_are_seen_like_driving_forces() {
+    let mut wheel = WheelSaturation::new();
+    let curve = |slip: f64| (30.0 * slip).min(0.45);
+    let slips = [0.004, 0.008, 0.012, 0.016, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07];
+    let found: Vec<_> = slips.iter().filter_map(|s| wheel.step(braking(*s, curve(*s)), 30.0)).collect();
+    assert!(found.last().is_some_and(|(mu, _)| (mu - 0.45).abs() < 0.005), "{found:?}");
+    let mut wheel = WheelSaturation::new();
+    assert!(slips.iter().all(|s| wheel.step(braking(*s, 10.0 * s), 10.0).is_none()), "a line has no limit");
 }

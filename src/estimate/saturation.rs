@@ -5,7 +5,8 @@
 //! stays, its force is the friction: no model of the tire is needed, and none is assumed.
 //!
 //! Two things look alike and are kept apart. A softer surface lets the slip jump at constant force,
-//! but it jumps: no slips lie between, and afterwards it stays. And the spinning wheel takes a part of
+//! but it jumps: no slips lie between, it stays afterwards, and force/slip does not fall below what
+//! surfaces have. And the spinning wheel takes a part of
 //! the torque for itself: F_x = (τ − J ω̇)/r.
 //!
 //! [`WheelSaturation`] takes points of the slip curve of either sign, so that braking can use it where
@@ -67,6 +68,9 @@ impl WheelSaturation {
     const FLAT: f64 = 0.25;
     /// Force/slip at its end against the tire's slope at most.
     const SECANT: f64 = 0.5;
+    /// … and below the slope of the softest surface that is driven on (loose snow): what could be
+    /// another surface that begins gradually is no limit.
+    const SOFTEST: f64 = 12.0;
     /// The smallest slip at which a tire has its limit, and the smallest friction of a road.
     const LEAST: (f64, f64) = (0.008, 0.04);
     /// The range of slips in standard deviations of their noise at least.
@@ -136,7 +140,11 @@ impl WheelSaturation {
         let range = most - least;
         let noise = mean(|p| p.slip_std);
         let grown = least > 0.0 && most > Self::GROWTH * least && range > Self::CLEAR * noise;
-        if !grown || most < Self::LEAST.0 || mu < Self::LEAST.1 || mu > Self::SECANT * slope * most {
+        if !grown
+            || most < Self::LEAST.0
+            || mu < Self::LEAST.1
+            || mu > Self::SOFTEST.min(Self::SECANT * slope) * most
+        {
             return None;
         }
         let inner = (least + 0.25 * range)..(most - 0.25 * range);
@@ -289,8 +297,7 @@ impl SaturationDetector {
     fn with_peak(before: Option<(LimitFriction, f64)>, found: LimitFriction) -> (LimitFriction, f64) {
         match before {
             Some((peak, age))
-                if age < Self::PEAK_HELD_S
-                    && (Self::PEAK_LOST * peak.mu..WheelSaturation::TOP * peak.mu).contains(&found.mu) =>
+                if age < Self::PEAK_HELD_S && (Self::PEAK_LOST * peak.mu..peak.mu).contains(&found.mu) =>
             {
                 (LimitFriction { age_s: 0.0, ..peak }, age)
             }

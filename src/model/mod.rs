@@ -17,6 +17,6 @@ pub mod wheel;
 
 pub use bicycle::Bicycle;
 pub use plant::{Conditions, Controls, Plant, Response, State};
-pub use scenario::{Scenario, ScenarioError};
+pub use scenario::{Piece, Scenario, ScenarioError};
 pub use simulate::{Reading, Simulation, Tick, Truth, TruthWriter};
 pub use vehicle::{DrivenAxle, GRAVITY, TireKind, Uncertain, Vehicle, VehicleError};

@@ -2,7 +2,7 @@
 //! is one, and a value once the driven tires are at their limit, whatever their curve.
 #![allow(clippy::unwrap_used)] // Tests.
 
-use gripd::cli::reproduce::{Drive, SIM3, SIM3_LIMIT};
+use gripd::cli::reproduce::{Drive, SIM2, SIM3, SIM3_LIMIT};
 use gripd::estimate::{EstimatorsConfig, Pipeline, SlipPoint, WheelSaturation};
 use gripd::estimates::{Estimates, MuSource};
 use gripd::model::scenario::Stretch;
@@ -10,10 +10,14 @@ use gripd::model::{Piece, Scenario, TireKind, Truth, Uncertain, Vehicle};
 
 /// Runs the pipeline over a drive; the tires' stiffness is not known before.
 fn drive(scenario: &Scenario, seed: u64) -> Vec<(Truth, Estimates)> {
+    drive_with(scenario, seed, &EstimatorsConfig::default())
+}
+
+fn drive_with(scenario: &Scenario, seed: u64, config: &EstimatorsConfig) -> Vec<(Truth, Estimates)> {
     let drive = Drive::simulate(scenario, seed).unwrap();
     let unknown = Uncertain { value: 30.0, std: 15.0 };
     let vehicle = Vehicle { longitudinal_stiffness: unknown, ..drive.vehicle.clone() };
-    let mut pipeline = Pipeline::new(&vehicle, &drive.sensors, &EstimatorsConfig::default());
+    let mut pipeline = Pipeline::new(&vehicle, &drive.sensors, config);
     drive.samples.iter().zip(&drive.truth).map(|(s, t)| (*t, *pipeline.step(s))).collect()
 }
 
@@ -296,4 +300,35 @@ fn braking_forces_at_their_limit_are_seen_like_driving_forces() {
     assert!(found.last().is_some_and(|(mu, _)| (mu - 0.45).abs() < 0.005), "{found:?}");
     let mut wheel = WheelSaturation::new();
     assert!(slips.iter().all(|s| wheel.step(braking(*s, 10.0 * s), 10.0).is_none()), "a line has no limit");
+}
+
+/// Seconds for which the lower bound was above the friction after it fell, and the largest share of
+/// friction in use that the bound claims, on average, over the rest of the drive.
+fn bound_of_sim2(seed: u64, surface_lasts_s: f64) -> (f64, f64) {
+    let mut config = EstimatorsConfig::default();
+    config.friction.surface_lasts_s = surface_lasts_s;
+    let rows = drive_with(&scenario(SIM2), seed, &config);
+    let bound = |e: &Estimates| e.friction.low.unwrap_or(0.0);
+    let above = rows.iter().filter(|(t, e)| bound(e) > t.mu_max).count() as f64 * 0.01;
+    let mean = rows.iter().map(|(_, e)| bound(e)).sum::<f64>() / rows.len() as f64;
+    (above, mean)
+}
+
+#[test]
+fn the_lower_bound_ages_before_a_fall_of_friction_is_noticed() {
+    for seed in 1..=6 {
+        let [for_ever, default] = [1e9, 15.0].map(|lasts| bound_of_sim2(seed, lasts));
+        println!("seed {seed}: {for_ever:.2?} {default:.2?} {:.2?} {:.2?}", bound_of_sim2(seed, 8.0), bound_of_sim2(seed, 25.0));
+    }
+}
+#[test]
+fn zz_hist() {
+    let rows = drive(&scenario(SIM2), 2);
+    let mut last = -1.0;
+    for (t, e) in rows.iter() {
+        if e.friction.low.unwrap_or(0.0) > t.mu_max && t.time.seconds() - last > 0.1 {
+            last = t.time.seconds();
+            println!("{last:.2} low {:.3?} max {:.3?} true {:.2} used {:.3?} true used {:.3} {} {} ch {}", e.friction.low, e.friction.max, t.mu_max, e.friction.used, t.mu_used, e.friction.source.name(), e.friction.valid, e.surface_changes);
+        }
+    }
 }

@@ -256,7 +256,7 @@ impl Default for FrictionConfig {
     fn default() -> Self {
         Self {
             memory_s: 3.0,
-            surface_lasts_s: 15.0,
+            surface_lasts_s: 10.0,
             brush_from_use: 0.7,
             valid_from_use: 0.85,
             valid_half_width: 0.1,

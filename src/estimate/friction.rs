@@ -47,8 +47,10 @@ impl FrictionMonitor {
     const SMOOTHING_S: f64 = 0.15;
     /// By so much a_y may exceed v r while the car begins to turn, m/s².
     const LATERAL_TRANSIENT: f64 = 0.5;
-    /// The bound keeps this clear of the smoothed use, for noise and sensor offsets.
-    const MARGIN: f64 = 0.03;
+    /// The bound keeps this clear of the smoothed use, for noise and sensor offsets, …
+    const MARGIN: f64 = 0.02;
+    /// … and so much of the use itself: while driving in a curve the axles share their work unevenly.
+    const SHARING: f64 = 0.05;
     /// Deviation of an ABS measurement: the ABS does not hold the peak all the time.
     const ABS_STD: f64 = 0.04;
     /// By which the interval of a measurement at the limit grows, 1/s: the car moves on.
@@ -86,7 +88,7 @@ impl FrictionMonitor {
         let abs = evidence.abs.filter(|abs| abs.age_s <= self.since_change_s);
         let longitudinal = self.smoothed.map(|[x, _]| x.abs());
         for (recent, used) in [(&mut self.recent, used), (&mut self.recent_longitudinal, longitudinal)] {
-            recent.step(now.elapsed_s, used.map(|used| (used - Self::MARGIN).max(0.0)));
+            recent.step(now.elapsed_s, used.map(Self::surely));
         }
         if let Some(limit) = limit.filter(|limit| limit.age_s == 0.0) {
             // More was used before: that was another surface.
@@ -109,6 +111,11 @@ impl FrictionMonitor {
             None => self.add_abs(&mut friction, abs),
         }
         friction
+    }
+
+    /// What of the use is surely one.
+    fn surely(used: f64) -> f64 {
+        ((1.0 - Self::SHARING) * used - Self::MARGIN).max(0.0)
     }
 
     /// Use of friction of the axle that works harder: √(μ_x² + μ_y²).

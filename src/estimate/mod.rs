@@ -8,6 +8,7 @@ mod block;
 mod brush;
 mod config;
 mod cornering;
+mod dahl_ekf;
 mod friction;
 mod joint_ekf;
 mod kinematics;
@@ -23,6 +24,7 @@ pub use config::{
     BrushConfig, CorneringConfig, EstimatorsConfig, FrictionConfig, JointEkfConfig, LateralVelocitySource,
     SlopeConfig,
 };
+pub use dahl_ekf::{DahlEkf, DahlWheel};
 pub use kinematics::{Car, Cornering, Kinematics};
 pub use pipeline::Pipeline;
 pub use saturation::{LimitFriction, SlipPoint, WheelSaturation};

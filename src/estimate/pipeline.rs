@@ -4,6 +4,7 @@ use super::abs_braking::AbsBraking;
 use super::block::{Block, BlockBuilder};
 use super::brush::BrushEstimator;
 use super::cornering::CorneringEstimator;
+use super::dahl_ekf::DahlEkf;
 use super::friction::{Evidence, FrictionMonitor};
 use super::joint_ekf::JointEkf;
 use super::lateral_slope::LateralSlopeEstimator;
@@ -30,6 +31,7 @@ pub struct Pipeline {
     joint_ekf: JointEkf,
     cornering: CorneringEstimator,
     brush: BrushEstimator,
+    dahl: DahlEkf,
     abs: AbsBraking,
     saturation: SaturationDetector,
     friction: FrictionMonitor,
@@ -61,6 +63,7 @@ impl Pipeline {
             joint_ekf: JointEkf::new(&car, sensors, &config.joint_ekf, slow),
             cornering: CorneringEstimator::new(&car, sensors, &config.cornering, slow),
             brush: BrushEstimator::new(car.slope_prior[driven].0, &config.brush),
+            dahl: DahlEkf::new(&car, sensors, slow),
             abs: AbsBraking::new(&car),
             saturation: SaturationDetector::new(&car, sensors),
             friction: FrictionMonitor::new(&car, &config.friction),
@@ -196,6 +199,8 @@ impl Pipeline {
             limit: self.saturation.friction(),
         };
         self.latest.friction = self.friction.step(now, acceleration, evidence);
+        self.dahl.step(now, &self.car);
+        self.latest.friction.dahl = self.dahl.friction();
     }
 
     fn on_surface_change(&mut self) {

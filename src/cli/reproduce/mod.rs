@@ -12,6 +12,7 @@ mod identification;
 mod lateral;
 mod limits;
 mod mapping;
+mod numeric;
 mod page;
 mod slip_slope;
 mod surface;

@@ -1,0 +1,14 @@
+//! Small numerics that several sections share.
+
+use std::ops::Range;
+
+/// Where a condition that holds at the range's start ceases to; it must cease once. By bisection, to
+/// rounding.
+pub fn crossing(range: Range<f64>, holds: impl Fn(f64) -> bool) -> f64 {
+    let Range { start: mut low, end: mut high } = range;
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if holds(middle) { low = middle } else { high = middle }
+    }
+    low
+}

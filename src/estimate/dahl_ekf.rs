@@ -13,15 +13,15 @@
 //! It cannot do what it was meant for, and the reason is in the model, not in the tuning. In steady slip
 //! ż = 0 means σ₀ z = μ whatever the slip: the model has no creep below its limit, so that its μ is the
 //! friction *used*. Linearized there, d/dt δ(σ₀ z) = (v_r σ₀/μ) (δμ − δ(σ₀ z)) + ż δσ₀ with ż = 0: z and
-//! σ₀ only act through their product, and σ₀ alone is not observable ([`DahlWheel::gramian`] has rank
+//! σ₀ only act through their product, and σ₀ alone is not observable ([`DahlWheel::observability`] has rank
 //! 4 of 5). What tells σ₀, and a μ that is not used, are transients in which z builds up.
 //! `mu_dahl` is therefore published as a column for comparison, and never as mu_max.
 
 use nalgebra::{SMatrix, SVector, vector};
 
 use super::{Car, Kinematics};
-use crate::filter::Gaussian;
 use crate::filter::discretize::zero_order_hold;
+use crate::filter::{Gaussian, Observability};
 use crate::model::{DrivenAxle, GRAVITY};
 use crate::{Quantity, Sensors, Wheel};
 
@@ -110,22 +110,27 @@ impl DahlWheel {
         x + step_s / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
     }
 
-    /// The observability Gramian of (8.7) along a drive from `x` under these torques, one each `step_s`,
-    /// with v and ω measured at the end of each with variances `noise`: the information on the first
-    /// state, each state taken relative to itself. Its inverse bounds the covariance of any estimate.
-    pub fn gramian(&self, mut x: State, torques: &[f64], step_s: f64, noise: [f64; 2]) -> Jacobian {
-        let scale = Jacobian::from_diagonal(&x.map(|value| value.abs().max(1e-9)));
-        let mut transition = Jacobian::identity();
-        let mut information = Jacobian::zeros();
+    /// What v and ω, measured with variances `noise`, tell of the first state of a drive from `x` under
+    /// these torques (N m), one each `step_s`.
+    pub fn observability(
+        &self,
+        mut x: State,
+        torques: &[f64],
+        step_s: f64,
+        noise: [f64; 2],
+    ) -> Observability<5> {
+        let mut seen = Observability::new();
         for torque in torques {
-            transition = zero_order_hold(&self.jacobian(&x), step_s).0 * transition;
+            let transition = zero_order_hold(&self.jacobian(&x), step_s).0;
             x = self.advance(&x, *torque, step_s);
+            seen.advance(&transition);
             for (state, noise) in [V, OMEGA].into_iter().zip(noise) {
-                let row = transition.row(state) * scale;
-                information += row.transpose() * row / noise;
+                let mut h = State::zeros();
+                h[state] = 1.0;
+                seen.measure(&h, noise);
             }
         }
-        information
+        seen
     }
 }
 
@@ -134,6 +139,8 @@ impl DahlWheel {
 pub struct DahlEkf {
     wheel: DahlWheel,
     filter: Gaussian<5>,
+    /// σ₀ and μ to begin with.
+    start: [f64; 2],
     started: bool,
     minimum_speed: f64,
     /// Variances of the measured v and ω.
@@ -160,7 +167,21 @@ impl DahlEkf {
     /// estimated, m/s.
     pub fn with(wheel: DahlWheel, noise: [f64; 2], minimum_speed: f64) -> Self {
         let filter = Gaussian::new([0.0; 5], [1.0; 5]);
-        Self { wheel, filter, started: false, minimum_speed, noise }
+        Self {
+            wheel,
+            filter,
+            start: Self::START.map(|(value, _)| value),
+            started: false,
+            minimum_speed,
+            noise,
+        }
+    }
+
+    /// Begins with this σ₀ (1/m) and μ instead of the usual ones.
+    #[must_use]
+    pub fn starting_from(mut self, stiffness: f64, friction: f64) -> Self {
+        self.start = [stiffness, friction];
+        self
     }
 
     /// Takes a sample. Without drive torque, with all wheels driven, while braking and at low speed the
@@ -182,10 +203,11 @@ impl DahlEkf {
     /// Takes the torque of one wheel (N m), the speed (m/s) and the wheel's (rad/s), `elapsed_s` after the
     /// last ones.
     pub fn observe(&mut self, torque: f64, speed: f64, omega: f64, elapsed_s: f64) {
-        let [sigma, mu] = Self::START;
+        let [sigma_std, mu_std] = Self::START.map(|(_, std)| std);
+        let [sigma, mu] = self.start;
         if !self.started || elapsed_s > 0.5 || !self.filter.is_sound() {
-            let std = [1e-3, self.noise[0].sqrt(), self.noise[1].sqrt(), sigma.1, mu.1];
-            self.filter = Gaussian::new([0.0, speed, omega, sigma.0, mu.0], std);
+            let std = [1e-3, self.noise[0].sqrt(), self.noise[1].sqrt(), sigma_std, mu_std];
+            self.filter = Gaussian::new([0.0, speed, omega, sigma, mu], std);
             self.started = true;
             return;
         }
@@ -245,11 +267,8 @@ mod tests {
     /// Relative standard deviations of σ₀ and μ that one second of a drive allows at best.
     fn best(wheel: &DahlWheel, x: State, torque: impl Fn(f64) -> f64) -> [f64; 2] {
         let torques: Vec<f64> = (0..1000).map(|i| torque(f64::from(i) * 1e-3)).collect();
-        // What is known before: v and ω as measured, z, σ₀ and μ to a factor of a thousand.
-        let prior = Jacobian::from_diagonal(&vector![1e-6, 1.0, 1.0, 1e-6, 1e-6]);
-        let information = wheel.gramian(x, &torques, 1e-3, [1e-3, 1e-2]) + prior;
-        let covariance = information.try_inverse().unwrap();
-        [SIGMA, MU].map(|i| covariance[(i, i)].sqrt())
+        let spectrum = wheel.observability(x, &torques, 1e-3, [1e-3, 1e-2]).spectrum(&x.map(f64::abs));
+        [SIGMA, MU].map(|i| spectrum.bound(i))
     }
 
     #[test]

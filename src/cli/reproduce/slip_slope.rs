@@ -164,7 +164,7 @@ struct ThesisFilter {
 
 impl ThesisFilter {
     /// 1/k and δ to begin with, and what is not known of them.
-    const START: ([f64; 2], [f64; 2]) = ([1.0 / 50.0, 0.0], [1e-3, 1e-2]);
+    const START: ([f64; 2], [f64; 2]) = ([1.0 / 50.0, 0.0], [4e-4, 1e-2]);
     /// Q per step, R.
     const NOISE: ([f64; 2], f64) = ([2e-10, 1e-14], 3.6e-7);
     /// On an alarm Q of 1/k counts this many times.

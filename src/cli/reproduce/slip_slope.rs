@@ -229,7 +229,7 @@ fn judge(slopes: &[(f64, f64)]) -> Judged {
         sum / count
     };
     let halfway = 0.5 * (SLOPES[0] + SLOPES[1]);
-    let off = |k: f64| !((k / SLOPES[0] - 1.0).abs() <= 0.1);
+    let off = |k: f64| !k.is_finite() || (k / SLOPES[0] - 1.0).abs() > 0.1;
     let before = slopes.iter().filter(|(t, _)| *t < GRAVEL_S[0]);
     Judged {
         asphalt: mean(100.0, GRAVEL_S[0]),

@@ -189,8 +189,9 @@ fn stiffness_picture(rows: &[Row]) -> Picture {
         heading: "Figure 8.3: σ₀ on Sim3".into(),
         plot,
         caption:
-            "σ₀ wanders: in steady slip nothing measured depends on it. Nor could it be k: one is a force \
-                  per deflection, the other per slip."
+            "σ₀ sinks to a few 1/m wherever it starts, and takes no notice of the halved stiffness: in steady \
+                  slip nothing measured depends on it. Nor could it be k: one is a force per deflection, the other \
+                  per slip."
                 .into(),
     }
 }

@@ -345,7 +345,7 @@ fn gravel_picture(rows: &Rows, theirs: Vec<(f64, f64)>, ours: Vec<(f64, f64)>) -
         plot,
         caption:
             "Asphalt, from 170 s gravel, from 500 s asphalt, in normal driving with an ordinary measuring \
-                  chain. The thesis starts its filter far from the true slope, and so is this one."
+                  chain. Like the thesis's, its filter starts away from the true slope."
                 .into(),
     }
 }

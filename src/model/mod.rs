@@ -7,10 +7,12 @@
 
 mod bicycle;
 pub mod body;
+mod dual;
 pub mod friction;
 pub mod integrate;
 mod one_wheel;
 pub mod plant;
+mod real;
 pub mod scenario;
 pub mod simulate;
 pub mod tire;
@@ -18,8 +20,10 @@ mod vehicle;
 pub mod wheel;
 
 pub use bicycle::Bicycle;
+pub use dual::Dual;
 pub use one_wheel::{OneWheel, OneWheelState};
 pub use plant::{Conditions, Controls, Plant, Response, State};
+pub use real::Real;
 pub use scenario::{Piece, Scenario, ScenarioError};
 pub use simulate::{Reading, Simulation, Tick, Truth, TruthWriter};
 pub use vehicle::{DrivenAxle, GRAVITY, TireKind, Uncertain, Vehicle, VehicleError};

@@ -136,6 +136,7 @@ fn write(path: &Path, text: &str) -> Result<(), Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::reproduce::Verdict;
 
     #[test]
     fn a_figure_is_found_in_a_range_and_in_a_list_and_by_its_chapter() {
@@ -171,5 +172,21 @@ mod tests {
         assert_eq!(done.iter().map(|done| done.experiment.figure).collect::<Vec<_>>(), ["1.1", "1.2", "1.3"]);
         assert_eq!(done[0].outcome.as_ref().unwrap_err().to_string(), "figure 1.1: no road");
         assert!(done[1].outcome.is_ok() && done[2].outcome.is_ok());
+    }
+
+    #[test]
+    fn every_experiment_can_be_carried_out_and_drawn_and_says_why_it_differs() {
+        let all: Vec<Experiment> = experiments().collect();
+        for Done { experiment, outcome } in carry_out(&all).unwrap() {
+            let outcome = outcome.unwrap();
+            assert!(!outcome.claims.is_empty(), "{} claims nothing", experiment.figure);
+            for claim in outcome.claims {
+                let explained = !matches!(claim.verdict, Verdict::Differs | Verdict::Short);
+                assert!(explained || !claim.note.is_empty(), "{}: {claim:?}", experiment.figure);
+            }
+            for picture in outcome.pictures {
+                assert!(picture.plot.svg_file().is_ok(), "{}", picture.name);
+            }
+        }
     }
 }

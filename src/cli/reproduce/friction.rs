@@ -1,5 +1,6 @@
 //! Chapter 3: friction models.
 
+use super::numeric::within;
 use super::{Claim, Experiment, Outcome, Picture};
 use crate::model::friction::{
     Coulomb, Dahl, DynamicFriction, LuGre, StaticFriction, Stiction, Stribeck, Viscous,
@@ -24,12 +25,17 @@ fn static_models() -> Result<Outcome, String> {
     // At rest the force is any between what is held to the one and to the other side: a vertical line.
     let branch = |model: &dyn StaticFriction, name: &str, heading: &str, caption: &str| {
         let held = model.break_away();
-        let points: Vec<(f64, f64)> =
-            velocities()
-                .flat_map(|v| {
-                    if v == 0.0 { vec![(0.0, -held), (0.0, held)] } else { vec![(v, model.sliding(v))] }
-                })
-                .collect();
+        let points: Vec<(f64, f64)> = velocities()
+            .flat_map(|v| {
+                if v == 0.0 {
+                    [model.sliding(-1e-9), -held, held, model.sliding(1e-9)]
+                        .map(|force| (0.0, force))
+                        .to_vec()
+                } else {
+                    vec![(v, model.sliding(v))]
+                }
+            })
+            .collect();
         Picture {
             name: name.into(),
             heading: heading.into(),
@@ -69,14 +75,14 @@ fn static_models() -> Result<Outcome, String> {
         Claim::new(
             "Coulomb: depends on the direction of sliding only",
             "constant, odd",
-            format!("±{:.2}, spread {spread:.0e} over 0–1 m/s", COULOMB.sliding),
+            format!("±{:.2} {} over 0–1 m/s", COULOMB.sliding, within(spread)),
             spread < 1e-12,
             "",
         ),
         Claim::new(
             "viscous: proportional to the velocity",
             "straight line",
-            format!("{:.2} s/m, off the line {proportional:.0e}", viscous.coefficient),
+            format!("{:.2} s/m {}", viscous.coefficient, within(proportional)),
             proportional < 1e-12,
             "",
         ),
@@ -138,11 +144,11 @@ fn pre_sliding() -> Result<Outcome, String> {
     let lugre = LuGre { stiffness: 2000.0, damping: 0.0, sliding };
     let turns = [2e-3, -2e-3, 2e-3];
     let (dahl_path, lugre_path) = (way(&dahl, &turns), way(&lugre, &turns));
-    let small = [1e-5, 0.0];
+    let small = [1e-6, 0.0];
     let spring = way(&dahl, &small);
     let back = spring.last().map_or(f64::NAN, |last| last.1);
     let peak = spring.iter().map(|point| point.1).fold(0.0, f64::max);
-    let stiffness = peak / 1e-5;
+    let stiffness = peak / 1e-6;
     // The last turn and the one before it close the loop.
     let closed = &dahl_path[400..];
     let loss = work(closed);
@@ -174,8 +180,9 @@ fn pre_sliding() -> Result<Outcome, String> {
             "before it breaks away the contact is a spring",
             "spring-like (σ0)",
             format!(
-                "{stiffness:.0} 1/m for σ0 = 2000 1/m at 1.4 % of the limit; back to {:.1} % of the force",
-                100.0 * back / peak
+                "{stiffness:.0} 1/m for σ0 = 2000 1/m at {:.1} % of the limit; {:.1} % of the force left at the way back's end",
+                100.0 * peak / dahl.sliding,
+                100.0 * back.abs() / peak
             ),
             (stiffness / dahl.stiffness - 1.0).abs() < 0.02 && (back / peak).abs() < 0.03,
             "",

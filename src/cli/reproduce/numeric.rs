@@ -12,3 +12,8 @@ pub fn crossing(range: Range<f64>, holds: impl Fn(f64) -> bool) -> f64 {
     }
     low
 }
+
+/// An error for the table: rounding, or how much it is.
+pub fn within(error: f64) -> String {
+    if error < 1e-12 { "exactly".into() } else { format!("within {error:.0e}") }
+}

@@ -6,7 +6,7 @@ use super::sim3::{Rows, SIM3_EXPERIMENT, published};
 use super::{Claim, Drive, Experiment, Outcome, Picture};
 use crate::filter::{Cusum, Gaussian};
 use crate::model::scenario::{ClockConfig, Scenario, Stretch};
-use crate::model::tire::{Contact, Curve, MagicFormula};
+use crate::model::tire::{Contact, Curve, MagicFormula, Shape};
 use crate::model::{GRAVITY, Truth};
 use crate::report::{Color, Plot, Span, Stroke};
 use crate::{Quantity, Sample};

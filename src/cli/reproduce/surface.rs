@@ -1,8 +1,8 @@
 //! Chapter 7: what the surface does to the slope.
 
-use super::numeric::crossing;
+use super::numeric::within;
 use super::{Claim, Experiment, Outcome, Picture};
-use crate::model::tire::{Brush, Contact, Curve, MagicFormula};
+use crate::model::tire::{Brush, Contact, Curve, MagicFormula, Shape};
 use crate::report::{Color, Marker, Plot, Stroke};
 
 /// In the order of the thesis.
@@ -18,16 +18,10 @@ const STIFFNESS: f64 = 50.0;
 /// As identified by the thesis's kind of tire: a peak and a slow fall behind it.
 const MAGIC: MagicFormula = MagicFormula { shape: 1.65, curvature: 0.0 };
 
-/// The slip at which a curve reaches a force on its rising side.
-fn slip_at(curve: &impl Curve, friction: f64, force: f64) -> f64 {
-    let rising = 0.0..curve.peak_slip(STIFFNESS, friction);
-    crossing(rising, |slip| curve.force(STIFFNESS, friction, slip) < force)
-}
-
 /// The slope of the straight line through the origin that fits a curve best, from zero up to a force, points
 /// evenly spread over the slip.
 fn fitted(curve: &impl Curve, friction: f64, up_to: f64) -> f64 {
-    let end = slip_at(curve, friction, up_to);
+    let end = curve.slip(STIFFNESS, friction, up_to);
     let (mut products, mut squares) = (0.0, 0.0);
     for i in 1..=1000 {
         let slip = end * f64::from(i) / 1000.0;
@@ -55,7 +49,7 @@ fn secant() -> Result<Outcome, String> {
 
     let slips = || (0..=300).map(|i| f64::from(i) * 1e-4);
     let line = |slope: f64| slips().map(move |slip| (slip, slope * slip));
-    let ends = [1.0, 0.5].map(|friction| (slip_at(&MAGIC, friction, demand), demand));
+    let ends = [1.0, 0.5].map(|friction| (MAGIC.slip(STIFFNESS, friction, demand), demand));
     let plot = Plot::new("Figure 7.1: the secant effect", "μ_x = F_x / F_N", 0.0..0.03, 0.0..1.0)
         .x_label("slip s")
         .height(420)
@@ -73,7 +67,7 @@ fn secant() -> Result<Outcome, String> {
         )
         .curve(&format!("fitted up to 0.4: {high:.1}"), Color::First, Stroke::Dashed, line(high))
         .curve(&format!("fitted up to 0.4: {low:.1}"), Color::Second, Stroke::Dashed, line(low))
-        .points("up to here", Color::Notice, Marker::Ring, ends.into_iter());
+        .points("fitted up to here", Color::Notice, Marker::Ring, ends.into_iter());
     let caption = "Magic formula, the same slope of 50 at zero slip on both surfaces. A straight line through the \
                    same forces is flatter on the slippery one.";
     let claims = vec![
@@ -87,7 +81,12 @@ fn secant() -> Result<Outcome, String> {
         Claim::new(
             "the higher up on the curve, the smaller the fitted slope",
             "falls with force",
-            format!("falls throughout on both: {falls}"),
+            format!(
+                "friction 1: {:.1} up to μ_x = 0.1, {:.1} up to 0.5, {:.1} up to 0.9",
+                fitted(&MAGIC, 1.0, 0.1),
+                fitted(&MAGIC, 1.0, 0.5),
+                fitted(&MAGIC, 1.0, 0.9)
+            ),
             falls,
             "",
         ),
@@ -121,7 +120,8 @@ fn secant() -> Result<Outcome, String> {
 /// Section 7.2 has no measured figure (its 7.2 is a sketch of two springs); its statement is that classical
 /// theory ties the slope at zero slip to the tire alone.
 fn sliding_share() -> Result<Outcome, String> {
-    let share = |friction: f64, force: f64| STIFFNESS * slip_at(&Brush, friction, force) / (3.0 * friction);
+    let share =
+        |friction: f64, force: f64| STIFFNESS * Brush.slip(STIFFNESS, friction, force) / (3.0 * friction);
     let slopes = [1.0, 0.8, 0.4, 0.1].map(|friction| Brush.slope(STIFFNESS, friction, 0.0));
     let same = slopes.iter().all(|slope| (slope - STIFFNESS).abs() < 1e-9);
     let shares = [0.1, 0.3].map(|force| [1.0, 0.4].map(|friction| share(friction, force)));
@@ -170,7 +170,7 @@ fn series() -> Result<Outcome, String> {
         Claim::new(
             "tire and surface are springs in series",
             "k = 1/(1/k_T + 1/k_R)",
-            format!("within {worst:.0e} of two springs stretched by one force, k_R 1–500"),
+            format!("{} that of two springs stretched by one force, k_R 1–500", within(worst)),
             worst < 1e-12,
             "",
         ),

@@ -11,7 +11,7 @@ impl Plot {
     pub(super) fn draw_bars(&self, area: &Area) -> Drawn {
         let fine = f64::from(Self::FINE);
         let left = fine * f64::from(Self::MARGIN + Self::Y_LABELS);
-        let right = fine * f64::from(Self::WIDTH - Self::MARGIN);
+        let right = fine * f64::from(Self::WIDTH - Self::RIGHT);
         let at = |x: f64| {
             let share = (self.clip_x(x) - self.x.start) / (self.x.end - self.x.start);
             (left + share * (right - left)).round() as i32

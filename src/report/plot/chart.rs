@@ -14,12 +14,13 @@ impl Plot {
 
     /// Of one pixel column, in x.
     fn column(&self) -> f64 {
-        (self.x.end - self.x.start) / f64::from(Self::WIDTH - Self::Y_LABELS - 2 * Self::MARGIN)
+        (self.x.end - self.x.start) / f64::from(Self::WIDTH - Self::Y_LABELS - Self::MARGIN - Self::RIGHT)
     }
 
     pub(super) fn draw_chart(&self, area: &Area) -> Drawn {
         let mut chart = ChartBuilder::on(area)
             .margin(Self::FINE * Self::MARGIN)
+            .margin_right(Self::FINE * Self::RIGHT)
             .set_label_area_size(LabelAreaPosition::Left, Self::FINE * Self::Y_LABELS)
             .set_label_area_size(LabelAreaPosition::Bottom, Self::FINE * Self::X_LABELS)
             .build_cartesian_2d(self.x.clone(), self.y.clone())
@@ -85,7 +86,7 @@ impl Plot {
                 let (color, inside) =
                     (color.placeholder(), points.iter().filter(|point| self.shows(point)).copied());
                 match marker {
-                    Marker::Dot => chart.draw_series(inside.map(|at| Circle::new(at, 4, color.filled()))),
+                    Marker::Dot => chart.draw_series(inside.map(|at| Circle::new(at, 5, color.filled()))),
                     Marker::Ring => {
                         chart.draw_series(inside.map(|at| Circle::new(at, 7, color.stroke_width(2))))
                     }

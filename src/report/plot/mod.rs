@@ -143,6 +143,8 @@ impl Plot {
     const Y_LABELS: u32 = 66;
     const X_LABELS: u32 = 42;
     const MARGIN: u32 = 10;
+    /// Half of the last number below the x axis stands out there.
+    const RIGHT: u32 = 24;
     const BAR: f64 = 26.0;
     const SMALL: u32 = 15;
 

@@ -50,6 +50,8 @@ pub enum MuSource {
     Joint,
     /// Deceleration during ABS braking.
     Abs,
+    /// The driven wheels were at their limit: slip grew, the force did not.
+    Limit,
 }
 
 impl MuSource {
@@ -62,6 +64,7 @@ impl MuSource {
             Self::Brush => "brush",
             Self::Joint => "joint",
             Self::Abs => "abs",
+            Self::Limit => "limit",
         }
     }
 }

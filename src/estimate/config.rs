@@ -51,6 +51,7 @@ impl EstimatorsConfig {
             ("cornering.inconsistent_nis", self.cornering.inconsistent_nis > 1.0, "must be above 1"),
             ("brush.initial_mu", positive(self.brush.initial_mu), "must be positive"),
             ("friction.memory_s", positive(self.friction.memory_s), "must be positive"),
+            ("friction.surface_lasts_s", positive(self.friction.surface_lasts_s), "must be positive"),
         ];
         checks.into_iter().find(|(_, good, _)| !good).map(|(key, _, reason)| (key, reason))
     }
@@ -237,13 +238,15 @@ impl Default for BrushConfig {
 pub struct FrictionConfig {
     /// How long friction that was used counts as available, s.
     pub memory_s: f64,
+    /// How long a surface lasts on average, s: the less, the faster the lower bound ages.
+    pub surface_lasts_s: f64,
     /// Use of friction (used / estimated) from which the brush curvature is published.
     pub brush_from_use: f64,
     /// Use of friction from which the published value counts as valid.
     pub valid_from_use: f64,
     /// Half-width of the interval up to which the published value counts as valid.
     pub valid_half_width: f64,
-    /// How long an ABS measurement stays valid, s.
+    /// How long a measurement at the limit (ABS braking, spinning wheels) stays valid, s.
     pub abs_valid_s: f64,
     /// … and how long it is still published, with a growing interval, s.
     pub abs_memory_s: f64,
@@ -253,6 +256,7 @@ impl Default for FrictionConfig {
     fn default() -> Self {
         Self {
             memory_s: 3.0,
+            surface_lasts_s: 10.0,
             brush_from_use: 0.7,
             valid_from_use: 0.85,
             valid_half_width: 0.1,

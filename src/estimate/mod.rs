@@ -9,6 +9,7 @@ mod block;
 mod brush;
 mod config;
 mod cornering;
+mod dahl_ekf;
 mod friction;
 mod joint_ekf;
 mod kinematic_observer;
@@ -16,6 +17,7 @@ mod kinematics;
 mod lateral_slope;
 mod lateral_velocity;
 mod pipeline;
+mod saturation;
 mod slip_angles;
 mod slope;
 mod traction;
@@ -26,10 +28,12 @@ pub use config::{
     BrushConfig, CorneringConfig, EstimatorsConfig, FrictionConfig, JointEkfConfig, LateralVelocitySource,
     SlopeConfig,
 };
+pub use dahl_ekf::{DahlEkf, DahlWheel};
 pub use joint_ekf::JointEkf;
 pub use kinematic_observer::{KinematicObserver, SpeedDerivative};
 pub use kinematics::{Car, Cornering, Kinematics};
 pub use lateral_slope::LateralSlopeEstimator;
 pub use lateral_velocity::LateralVelocityEstimator;
 pub use pipeline::Pipeline;
+pub use saturation::{LimitFriction, SlipPoint, WheelSaturation};
 pub use slip_angles::SlipAngles;

@@ -11,16 +11,18 @@ mod friction;
 mod identification;
 mod lateral;
 mod limits;
+mod limits_scatter;
 mod mapping;
 mod numeric;
 mod page;
+mod sim3;
 mod slip_slope;
 mod surface;
 mod table;
 mod tires;
 
 pub use command::Reproduce;
-pub use drive::{Drive, SIM1, SIM2, SIM3};
+pub use drive::{Drive, SIM1, SIM2, SIM3, SIM3_LIMIT};
 pub use experiment::{Claim, Experiment, ExperimentError, Outcome, Picture, Verdict};
 
 /// A section of the thesis.

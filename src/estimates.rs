@@ -91,6 +91,8 @@ pub struct Friction {
     pub abs: Option<f64>,
     /// Mapped from the slope (thesis 6.3).
     pub map: Option<f64>,
+    /// Its 95 % interval.
+    pub map_interval: Option<(f64, f64)>,
 }
 
 /// Motion in the road plane. Slip angles are positive when they give a positive lateral force.

@@ -4,6 +4,8 @@
 //! μ = Δv/(g Δt). The speed during the braking is the accelerometer's integral where there is one
 //! (the wheels slip), else the difference of the wheel speeds before and after.
 
+use thiserror::Error;
+
 use super::{Car, Kinematics};
 use crate::model::GRAVITY;
 
@@ -16,6 +18,47 @@ pub struct AbsFriction {
     pub age_s: f64,
 }
 
+/// Friction by (6.2) with what is not known of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AbsMeasurement {
+    /// Mean friction used.
+    pub mu: f64,
+    /// Standard deviation: of what measured the deceleration, and of how near the ABS stays to the
+    /// tires' peak.
+    pub std: f64,
+}
+
+/// Why an ABS braking gave no friction.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum AbsProblem {
+    /// Too short to say anything.
+    #[error("the ABS worked for {duration_s:.2} s only")]
+    TooShort {
+        /// How long, s.
+        duration_s: f64,
+    },
+    /// Neither acceleration nor wheel speeds all the time.
+    #[error("acceleration or wheel speeds were missing")]
+    NoDeceleration,
+    /// What no road gives.
+    #[error("the deceleration ({mu:.2} g) is not that of a braking")]
+    Implausible {
+        /// It, in g.
+        mu: f64,
+    },
+}
+
+/// An ABS braking that has just ended, whether or not it gave a friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AbsRecord {
+    /// How long the ABS worked, s.
+    pub duration_s: f64,
+    /// Speed before it, m/s.
+    pub start_speed: f64,
+    /// Friction, or why there is none.
+    pub outcome: Result<AbsMeasurement, AbsProblem>,
+}
+
 /// Watches for ABS interventions.
 #[derive(Clone, Debug)]
 pub struct AbsBraking {
@@ -24,7 +67,7 @@ pub struct AbsBraking {
     /// Speed while nothing intervenes: the start of the next braking.
     free_speed: Option<f64>,
     last: Option<AbsFriction>,
-    fresh: bool,
+    record: Option<AbsRecord>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -42,17 +85,23 @@ impl AbsBraking {
     const SHORTEST_S: f64 = 0.3;
     /// Slower ones are over before the pressure has built up, m/s.
     const SLOWEST: f64 = 5.0;
+    /// Of the speed lost by the wheels, which slip at both ends, m/s.
+    const SPEED_STD: f64 = 0.5;
+    /// Of the accelerometer's mean: offset, and gravity while the car dives, m/s².
+    const ACCELERATION_STD: f64 = 0.1;
+    /// How much the share of the peak that the ABS uses differs from braking to braking.
+    const EFFICIENCY_STD: f64 = 0.02;
     /// What no road gives.
     const LIMITS: (f64, f64) = (0.03, 1.5);
 
     /// For this car.
     pub fn new(car: &Car) -> Self {
-        Self { car: car.clone(), braking: None, free_speed: None, last: None, fresh: false }
+        Self { car: car.clone(), braking: None, free_speed: None, last: None, record: None }
     }
 
     /// Takes a sample.
     pub fn step(&mut self, now: &Kinematics) {
-        self.fresh = false;
+        self.record = None;
         if let Some(last) = &mut self.last {
             last.age_s += now.elapsed_s;
         }
@@ -87,25 +136,42 @@ impl AbsBraking {
     }
 
     /// One was finished with this sample.
-    pub fn finished(&self) -> Option<f64> {
-        self.last.filter(|_| self.fresh).map(|friction| friction.mu)
+    pub fn finished(&self) -> Option<AbsMeasurement> {
+        self.record.and_then(|record| record.outcome.ok())
+    }
+
+    /// The braking that ended with this sample, whatever came of it.
+    pub fn record(&self) -> Option<AbsRecord> {
+        self.record
     }
 
     fn finish(&mut self, speed: Option<f64>) {
         let Some(braking) = self.braking.take() else { return };
         self.free_speed = speed;
-        if braking.duration_s < Self::SHORTEST_S {
-            return;
+        let outcome = self.measure(&braking, speed);
+        if let Ok(friction) = outcome {
+            self.last = Some(AbsFriction { mu: friction.mu, age_s: 0.0 });
         }
-        let by_wheels = speed.map(|end| braking.start_speed - end);
-        let Some(lost) = braking.speed_lost.or(by_wheels) else { return };
-        // The tires gave all of it but the drag.
-        let drag = self.car.drag * braking.speed_square / braking.duration_s / self.car.mass;
-        let mu = (lost / braking.duration_s - drag) / GRAVITY;
-        if (Self::LIMITS.0..=Self::LIMITS.1).contains(&mu) {
-            self.last = Some(AbsFriction { mu, age_s: 0.0 });
-            self.fresh = true;
+        let Braking { duration_s, start_speed, .. } = braking;
+        self.record = Some(AbsRecord { duration_s, start_speed, outcome });
+    }
+
+    fn measure(&self, braking: &Braking, speed: Option<f64>) -> Result<AbsMeasurement, AbsProblem> {
+        let duration_s = braking.duration_s;
+        if duration_s < Self::SHORTEST_S {
+            return Err(AbsProblem::TooShort { duration_s });
         }
+        let by_wheels = speed.map(|end| (braking.start_speed - end, Self::SPEED_STD));
+        let by_accelerometer = braking.speed_lost.map(|lost| (lost, Self::ACCELERATION_STD * duration_s));
+        let (lost, lost_std) = by_accelerometer.or(by_wheels).ok_or(AbsProblem::NoDeceleration)?;
+        // The tires gave all of it but the drag and the rolling resistance.
+        let drag = self.car.drag * braking.speed_square / duration_s / self.car.mass;
+        let mu = (lost / duration_s - drag) / GRAVITY - self.car.rolling_resistance;
+        if !(Self::LIMITS.0..=Self::LIMITS.1).contains(&mu) {
+            return Err(AbsProblem::Implausible { mu: lost / duration_s / GRAVITY });
+        }
+        let std = (lost_std / duration_s / GRAVITY).hypot(Self::EFFICIENCY_STD * mu);
+        Ok(AbsMeasurement { mu, std })
     }
 }
 

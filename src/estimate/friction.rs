@@ -6,6 +6,7 @@
 
 use super::abs_braking::AbsFriction;
 use super::brush::BrushFriction;
+use super::mapping::MappedFriction;
 use super::{Car, FrictionConfig, Kinematics};
 use crate::estimates::{Friction, MuSource};
 use crate::model::{DrivenAxle, GRAVITY};
@@ -29,6 +30,8 @@ pub struct Evidence {
     pub brush: Option<BrushFriction>,
     /// The last ABS braking's.
     pub abs: Option<AbsFriction>,
+    /// The slope's, by a calibrated mapping.
+    pub map: Option<MappedFriction>,
 }
 
 impl FrictionMonitor {
@@ -78,10 +81,15 @@ impl FrictionMonitor {
             age_s: low.map(|_| self.recent.age_s()),
             brush: evidence.brush.map(|b| b.mu),
             abs: evidence.abs.map(|a| a.mu),
+            map: evidence.map.map(|m| m.mu),
+            map_interval: evidence.map.map(|m| (m.low, m.high)),
             ..Friction::default()
         };
         self.add_brush(&mut friction, evidence.brush);
         self.add_abs(&mut friction, evidence.abs);
+        if friction.max.is_none() {
+            self.add_map(&mut friction, evidence.map);
+        }
         friction
     }
 
@@ -108,6 +116,21 @@ impl FrictionMonitor {
             *value += weight * (target - *value);
         }
         Some(smoothed[0].hypot(smoothed[1]))
+    }
+
+    /// A mapping is a statement about roads like those of its calibration: published where nothing
+    /// measures friction, with its wide interval, and never as something to act upon.
+    fn add_map(&self, friction: &mut Friction, map: Option<MappedFriction>) {
+        let Some(map) = map else { return };
+        let low = friction.low.unwrap_or(0.0);
+        // More is in use than the mapping allows: this road is not like those.
+        if low > map.high {
+            return;
+        }
+        friction.max = Some(map.mu.max(low));
+        friction.low = Some(map.low.max(low));
+        friction.high = Some(map.high);
+        friction.source = MuSource::SlopeMap;
     }
 
     fn add_brush(&self, friction: &mut Friction, brush: Option<BrushFriction>) {
@@ -226,7 +249,7 @@ mod tests {
         let brush = Some(BrushFriction { mu: 0.9, std: 0.01 });
         let mut friction = Friction::default();
         for _ in 0..200 {
-            friction = monitor.step(&sample(0.0, 2.0), Some(0.0), Evidence { brush, abs: None });
+            friction = monitor.step(&sample(0.0, 2.0), Some(0.0), Evidence { brush, ..Evidence::default() });
         }
         assert_eq!(friction.source, MuSource::LowerBound);
         assert_eq!((friction.max, friction.high, friction.valid), (None, None, false));
@@ -266,12 +289,31 @@ mod tests {
     }
 
     #[test]
+    fn a_mapping_is_published_with_its_interval_and_never_as_certain() {
+        let car = Car::new(&Vehicle::thesis());
+        let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
+        let map = Some(MappedFriction { mu: 0.5, low: 0.35, high: 0.65 });
+        let evidence = Evidence { map, ..Evidence::default() };
+        let friction = monitor.step(&sample(0.0, 0.0), Some(0.0), evidence);
+        assert_eq!((friction.source, friction.valid), (MuSource::SlopeMap, false));
+        assert_eq!((friction.max, friction.low, friction.high), (Some(0.5), Some(0.35), Some(0.65)));
+        let measured = Evidence { abs: Some(AbsFriction { mu: 0.8, age_s: 0.0 }), ..evidence };
+        assert_eq!(monitor.step(&sample(0.0, 0.0), Some(0.0), measured).source, MuSource::Abs);
+        // Using more than it allows refutes it.
+        let mut braking = Friction::default();
+        for _ in 0..200 {
+            braking = monitor.step(&sample(0.0, 8.0), Some(0.0), evidence);
+        }
+        assert_eq!((braking.source, braking.max), (MuSource::LowerBound, None));
+    }
+
+    #[test]
     fn an_abs_braking_is_believed_for_a_while_and_then_widens() {
         let car = Car::new(&Vehicle::thesis());
         let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
         let mut after = |age_s| {
             let abs = Some(AbsFriction { mu: 0.4, age_s });
-            monitor.step(&sample(0.0, 0.0), Some(0.0), Evidence { brush: None, abs })
+            monitor.step(&sample(0.0, 0.0), Some(0.0), Evidence { abs, ..Evidence::default() })
         };
         let (fresh, old, gone) = (after(0.1), after(10.0), after(30.0));
         assert!(fresh.valid && fresh.source == MuSource::Abs);

@@ -13,6 +13,7 @@ mod joint_ekf;
 mod kinematics;
 mod lateral_slope;
 mod lateral_velocity;
+pub mod mapping;
 mod pipeline;
 mod slope;
 mod traction;

@@ -8,6 +8,7 @@ use super::friction::{Evidence, FrictionMonitor};
 use super::joint_ekf::JointEkf;
 use super::lateral_slope::LateralSlopeEstimator;
 use super::lateral_velocity::LateralVelocityEstimator;
+use super::mapping::{MappedFriction, Mapping, mean_slope};
 use super::slope::SlopeEstimator;
 use super::traction::{Traction, TractionPoint};
 use super::{Car, EstimatorsConfig, Kinematics, LateralVelocitySource};
@@ -31,6 +32,7 @@ pub struct Pipeline {
     brush: BrushEstimator,
     abs: AbsBraking,
     friction: FrictionMonitor,
+    mapping: Option<Mapping>,
     excitation: [Excitation; 2],
     /// Longitudinal acceleration from the wheels, where no accelerometer has it.
     block_acceleration: Option<f64>,
@@ -61,6 +63,7 @@ impl Pipeline {
             brush: BrushEstimator::new(car.slope_prior[driven].0, &config.brush),
             abs: AbsBraking::new(&car),
             friction: FrictionMonitor::new(&car, &config.friction),
+            mapping: config.mapping.as_ref().and_then(Mapping::new),
             excitation: [Excitation::default(); 2],
             block_acceleration: None,
             unchanged_s: f64::INFINITY,
@@ -176,16 +179,23 @@ impl Pipeline {
     }
 
     fn use_of_friction(&mut self, now: &Kinematics) {
-        if let Some(mu) = self.abs.finished() {
-            self.brush.calibrate(mu);
+        if let Some(friction) = self.abs.finished() {
+            self.brush.calibrate(friction.mu, friction.std);
         }
         let acceleration = if self.sensors.has(Quantity::LongitudinalAcceleration) {
             now.longitudinal_acceleration
         } else {
             self.block_acceleration
         };
-        let evidence = Evidence { brush: self.brush.friction(), abs: self.abs.last() };
+        let evidence = Evidence { brush: self.brush.friction(), abs: self.abs.last(), map: self.mapped() };
         self.latest.friction = self.friction.step(now, acceleration, evidence);
+    }
+
+    /// Friction by the calibrated mapping, where there is one and the slope is known.
+    fn mapped(&self) -> Option<MappedFriction> {
+        let mapping = self.mapping.as_ref().filter(|_| self.latest.slope_valid)?;
+        let scale_std = self.car.slope_scale_std(self.sensors.has(Quantity::DriveTorque));
+        mapping.at(mean_slope(&self.latest.slope, self.car.driven_axle, scale_std)?)
     }
 
     fn on_surface_change(&mut self) {

@@ -7,7 +7,9 @@
 
 mod bicycle;
 pub mod body;
+pub mod friction;
 pub mod integrate;
+mod one_wheel;
 pub mod plant;
 pub mod scenario;
 pub mod simulate;
@@ -16,6 +18,7 @@ mod vehicle;
 pub mod wheel;
 
 pub use bicycle::Bicycle;
+pub use one_wheel::{OneWheel, OneWheelState};
 pub use plant::{Conditions, Controls, Plant, Response, State};
 pub use scenario::{Scenario, ScenarioError};
 pub use simulate::{Reading, Simulation, Tick, Truth, TruthWriter};

@@ -64,6 +64,9 @@ pub struct AbsRecord {
 pub struct AbsBraking {
     car: Car,
     braking: Option<Braking>,
+    /// The braking and the wheels' speed when the ABS last stopped intervening, and for how long, s:
+    /// the end, or a pause.
+    paused: Option<(Braking, Option<f64>, f64)>,
     /// Speed while nothing intervenes: the start of the next braking.
     free_speed: Option<f64>,
     last: Option<AbsFriction>,
@@ -80,9 +83,27 @@ struct Braking {
     speed_square: f64,
 }
 
+impl Braking {
+    fn starting(start_speed: f64) -> Self {
+        Self { start_speed, duration_s: 0.0, speed_lost: Some(0.0), speed_square: 0.0 }
+    }
+
+    fn take(&mut self, now: &Kinematics) {
+        self.duration_s += now.elapsed_s;
+        let v = self.start_speed - self.speed_lost.unwrap_or(0.0);
+        self.speed_square += v * v * now.elapsed_s;
+        self.speed_lost = match (self.speed_lost, now.longitudinal_acceleration) {
+            (Some(lost), Some(ax)) => Some(lost - ax * now.elapsed_s),
+            _ => None,
+        };
+    }
+}
+
 impl AbsBraking {
     /// Shorter interventions say too little, s.
     const SHORTEST_S: f64 = 0.3;
+    /// With the pedal still pressed, shorter pauses belong to the braking, s.
+    const LONGEST_PAUSE_S: f64 = 0.5;
     /// Slower ones are over before the pressure has built up, m/s.
     const SLOWEST: f64 = 5.0;
     /// Of the speed lost by the wheels, which slip at both ends, m/s.
@@ -96,7 +117,7 @@ impl AbsBraking {
 
     /// For this car.
     pub fn new(car: &Car) -> Self {
-        Self { car: car.clone(), braking: None, free_speed: None, last: None, record: None }
+        Self { car: car.clone(), braking: None, paused: None, free_speed: None, last: None, record: None }
     }
 
     /// Takes a sample.
@@ -107,32 +128,37 @@ impl AbsBraking {
         }
         // The wheels of the faster axle are nearest to the car's speed while braking.
         let speed = now.wheels.map(|w| w.into_iter().fold(f64::MIN, f64::max));
-        match (now.abs, &mut self.braking) {
-            (Some(true), Some(braking)) => {
-                braking.duration_s += now.elapsed_s;
-                let v = braking.start_speed - braking.speed_lost.unwrap_or(0.0);
-                braking.speed_square += v * v * now.elapsed_s;
-                braking.speed_lost = match (braking.speed_lost, now.longitudinal_acceleration) {
-                    (Some(lost), Some(ax)) => Some(lost - ax * now.elapsed_s),
-                    _ => None,
-                };
+        let active = now.abs == Some(true);
+        let Some(braking) = &mut self.braking else {
+            if active {
+                self.braking = self.free_speed.filter(|v| *v > Self::SLOWEST).map(Braking::starting);
+            } else {
+                self.free_speed = speed;
             }
-            (Some(true), None) => {
-                self.braking = self.free_speed.filter(|v| *v > Self::SLOWEST).map(|start_speed| Braking {
-                    start_speed,
-                    duration_s: 0.0,
-                    speed_lost: Some(0.0),
-                    speed_square: 0.0,
-                });
+            return;
+        };
+        if active {
+            // After a pause: it belongs to the braking.
+            self.paused = None;
+        } else {
+            let paused = self.paused.get_or_insert((*braking, speed, 0.0));
+            paused.2 += now.elapsed_s;
+            if now.braking != Some(true) || paused.2 > Self::LONGEST_PAUSE_S {
+                self.finish();
+                return;
             }
-            (_, Some(_)) => self.finish(speed),
-            _ => self.free_speed = speed,
         }
+        braking.take(now);
     }
 
     /// The last one, if any.
     pub fn last(&self) -> Option<AbsFriction> {
         self.last
+    }
+
+    /// In one at the moment, its pauses included.
+    pub fn is_braking(&self) -> bool {
+        self.braking.is_some()
     }
 
     /// One was finished with this sample.
@@ -145,12 +171,13 @@ impl AbsBraking {
         self.record
     }
 
-    fn finish(&mut self, speed: Option<f64>) {
-        let Some(braking) = self.braking.take() else { return };
+    fn finish(&mut self) {
+        self.braking = None;
+        let Some((braking, speed, ago_s)) = self.paused.take() else { return };
         self.free_speed = speed;
         let outcome = self.measure(&braking, speed);
         if let Ok(friction) = outcome {
-            self.last = Some(AbsFriction { mu: friction.mu, age_s: 0.0 });
+            self.last = Some(AbsFriction { mu: friction.mu, age_s: ago_s });
         }
         let Braking { duration_s, start_speed, .. } = braking;
         self.record = Some(AbsRecord { duration_s, start_speed, outcome });
@@ -208,6 +235,61 @@ mod tests {
             abs.step(&now);
         }
         abs.last()
+    }
+
+    /// ABS and pedal as given for each sample, at 0.5 g while the ABS works and 0.4 g in pauses.
+    fn intervene(samples: impl Iterator<Item = (bool, bool)>) -> Vec<AbsRecord> {
+        let mut car = Car::new(&Vehicle::thesis());
+        car.drag = 0.0;
+        let mut abs = AbsBraking::new(&car);
+        let mut speed = 25.0;
+        let mut records = Vec::new();
+        for (active, pedal) in samples {
+            let deceleration = if active { 0.5 } else { 0.4 * f64::from(u8::from(pedal)) } * GRAVITY;
+            speed -= 0.01 * deceleration;
+            abs.step(&Kinematics {
+                elapsed_s: 0.01,
+                speed: Some(speed),
+                wheels: Some([speed; 4]),
+                yaw_rate: Some(0.0),
+                lateral_acceleration: Some(0.0),
+                longitudinal_acceleration: Some(-deceleration),
+                road_angle: Some(0.0),
+                axle_torque: None,
+                braking: Some(pedal),
+                abs: Some(active),
+            });
+            records.extend(abs.record());
+        }
+        records
+    }
+
+    #[test]
+    fn a_pause_with_the_pedal_pressed_belongs_to_the_braking_and_a_long_one_ends_it() {
+        let pause = |length: usize| {
+            let off = |n: usize, pedal: bool| std::iter::repeat_n((false, pedal), n);
+            let on = std::iter::repeat_n((true, true), 100);
+            intervene(
+                off(50, false).chain(on.clone()).chain(off(length, true)).chain(on).chain(off(50, false)),
+            )
+        };
+        let short = pause(20);
+        assert_eq!(short.len(), 1);
+        let mu = short[0].outcome.unwrap().mu;
+        assert!((mu - (200.0 * 0.5 + 20.0 * 0.4) / 220.0).abs() < 0.005, "{mu}");
+        let long = pause(80);
+        assert_eq!(long.len(), 2);
+        assert!(long.iter().all(|record| (record.outcome.unwrap().mu - 0.5).abs() < 0.005), "{long:?}");
+    }
+
+    #[test]
+    fn a_braking_that_gives_no_friction_says_why() {
+        let off = std::iter::repeat_n((false, false), 50);
+        let on = |n: usize| std::iter::repeat_n((true, true), n);
+        let records = intervene(off.clone().chain(on(20)).chain(off));
+        let [AbsRecord { outcome: Err(AbsProblem::TooShort { .. }), .. }] = records[..] else {
+            panic!("{records:?}")
+        };
     }
 
     #[test]

@@ -156,11 +156,8 @@ impl BrushEstimator {
             return;
         }
         let theta = self.theta();
-        let stiffness_std = if self.config.compensate {
-            self.filter.std(0)
-        } else {
-            self.filter.std(0) / theta[0]
-        };
+        let stiffness_std =
+            if self.config.compensate { self.filter.std(0) } else { self.filter.std(0) / theta[0] };
         let calibrated = parameters(theta[0], mu);
         // What is known of the slope stays; it tells nothing of this friction.
         let covariance = Self::relative_covariance(stiffness_std, std / mu);
@@ -223,17 +220,7 @@ fn logarithms(theta: &Vector3<f64>) -> Vector3<f64> {
 
 /// ∂θ/∂(ln C, ln μ₁, ln μ₂).
 fn logarithmic_jacobian(theta: &Vector3<f64>) -> Matrix3<f64> {
-    Matrix3::new(
-        theta[0],
-        0.0,
-        0.0,
-        2.0 * theta[1],
-        -theta[1],
-        0.0,
-        3.0 * theta[2],
-        0.0,
-        -2.0 * theta[2],
-    )
+    Matrix3::new(theta[0], 0.0, 0.0, 2.0 * theta[1], -theta[1], 0.0, 3.0 * theta[2], 0.0, -2.0 * theta[2])
 }
 
 #[cfg(test)]

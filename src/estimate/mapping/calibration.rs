@@ -242,7 +242,8 @@ fn choose(pairs: &[Pair], fits: &[MappingFit]) -> Result<MappingConfig, Refusal>
             return Err(Refusal::RestsOnOne { slope: pair.slope, mu: pair.mu, p_value });
         }
     }
-    let best = if quadratic.regression.aicc + Calibration::NOTICEABLY < line.aicc { quadratic } else { linear };
+    let best =
+        if quadratic.regression.aicc + Calibration::NOTICEABLY < line.aicc { quadratic } else { linear };
     best.config(pairs).ok_or(too_few)
 }
 
@@ -250,7 +251,8 @@ fn remarks(pairs: &[Pair]) -> Vec<String> {
     let (low, high) = range(pairs);
     let mut slopes: Vec<f64> = pairs.iter().map(|pair| pair.slope).collect();
     slopes.sort_by(f64::total_cmp);
-    let gap = slopes.windows(2).map(|pair| (pair[0], pair[1])).max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
+    let gap =
+        slopes.windows(2).map(|pair| (pair[0], pair[1])).max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
     gap.filter(|(from, to)| to - from > Calibration::GAP * (high - low))
         .map(|(from, to)| {
             format!(

@@ -91,11 +91,7 @@ pub enum NotAPair {
 
 /// Mean slope of the driven wheels, all of which have to have one. `scale_std` is the relative
 /// uncertainty that all slopes of the car share ([`Car::slope_scale_std`]); it is taken out.
-pub fn mean_slope(
-    slopes: &[Option<Estimate>; 4],
-    driven: DrivenAxle,
-    scale_std: f64,
-) -> Option<Estimate> {
+pub fn mean_slope(slopes: &[Option<Estimate>; 4], driven: DrivenAxle, scale_std: f64) -> Option<Estimate> {
     let mut count = 0.0;
     let mut mean = Estimate { value: 0.0, std: 0.0, age_s: 0.0 };
     for wheel in Wheel::ALL.into_iter().filter(|&wheel| driven.drives(wheel)) {
@@ -204,7 +200,7 @@ impl PairFinder {
             _ if now.braking != Some(true) => self.free = self.known(estimates),
             _ => {}
         }
-        if now.abs != Some(true) {
+        if !self.abs.is_braking() {
             self.started = None;
         }
     }
@@ -362,7 +358,7 @@ mod tests {
             drive.slope(90.0, 0.03, 1.0);
             drive.go(8.0, 0.0, 0.0, false);
         };
-        assert_eq!(brake(&|d: &mut Drive| drop(d.go(8.0, 0.0, 0.0, false)), 0.0), NotAPair::NoSlope);
+        assert_eq!(brake(&|drive: &mut Drive| _ = drive.go(8.0, 0.0, 0.0, false), 0.0), NotAPair::NoSlope);
         assert!(matches!(brake(&settled, 4.0), NotAPair::Cornering { share } if share > 60.0));
         let unsure = |drive: &mut Drive| {
             drive.slope(90.0, 0.3, 1.0);

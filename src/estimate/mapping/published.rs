@@ -116,9 +116,7 @@ impl Mapping {
             return None;
         }
         let (a, b, covariance) = match (config.coefficients.as_slice(), config.covariance.as_slice()) {
-            ([a, b], [first, second]) => {
-                (*a, *b, Covariance { aa: first[0], ab: first[1], bb: second[1] })
-            }
+            ([a, b], [first, second]) => (*a, *b, Covariance { aa: first[0], ab: first[1], bb: second[1] }),
             ([a], [row]) => (*a, 0.0, Covariance { aa: row[0], ..Covariance::default() }),
             _ => return None,
         };

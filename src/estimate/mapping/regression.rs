@@ -188,8 +188,7 @@ fn solve(points: &[Point], shape: Shape, excess: f64) -> Option<Solution> {
     let (x_mean, y_mean) = centre(points, shape, a, excess);
     let b = if shape == Shape::Proportional { 0.0 } else { y_mean - a * x_mean };
     let weights: f64 = points.iter().map(|p| weight(p, a, excess)).sum();
-    let chi_square =
-        points.iter().map(|p| weight(p, a, excess) * (p.y - a * p.x - b).powi(2)).sum::<f64>();
+    let chi_square = points.iter().map(|p| weight(p, a, excess) * (p.y - a * p.x - b).powi(2)).sum::<f64>();
     let covariance = if shape == Shape::Constant {
         Covariance { bb: 1.0 / weights, ..Covariance::default() }
     } else {
@@ -199,8 +198,7 @@ fn solve(points: &[Point], shape: Shape, excess: f64) -> Option<Solution> {
             Shape::Line => points.iter().map(|p| weight(p, a, excess) * beta(p)).sum::<f64>() / weights,
             _ => 0.0,
         };
-        let aa =
-            1.0 / points.iter().map(|p| weight(p, a, excess) * (beta(p) - shift).powi(2)).sum::<f64>();
+        let aa = 1.0 / points.iter().map(|p| weight(p, a, excess) * (beta(p) - shift).powi(2)).sum::<f64>();
         let pivot = x_mean + shift;
         match shape {
             Shape::Line => Covariance { aa, ab: -pivot * aa, bb: 1.0 / weights + pivot * pivot * aa },
@@ -274,9 +272,12 @@ mod tests {
     #[test]
     fn pairs_that_scatter_more_than_they_may_get_an_excess() {
         // Residuals ±0.3 around 2 with uncertainties of 0.01: τ² = Σr²/(n − 1) − 0.01².
-        let rows = points(&[[0.0, 0.0, 1.7, 0.01], [1.0, 0.0, 2.3, 0.01], [2.0, 0.0, 1.7, 0.01], [
-            3.0, 0.0, 2.3, 0.01,
-        ]]);
+        let rows = points(&[
+            [0.0, 0.0, 1.7, 0.01],
+            [1.0, 0.0, 2.3, 0.01],
+            [2.0, 0.0, 1.7, 0.01],
+            [3.0, 0.0, 2.3, 0.01],
+        ]);
         let fit = Regression::fit(&rows, Shape::Constant).unwrap();
         assert!((fit.b - 2.0).abs() < 1e-9);
         assert!((fit.excess_std.powi(2) - (0.36 / 3.0 - 1e-4)).abs() < 1e-6, "{fit:?}");
@@ -287,9 +288,8 @@ mod tests {
     #[test]
     fn equal_errors_in_both_give_the_orthogonal_line() {
         // Deming with ratio 1: a = (Syy − Sxx + √((Syy − Sxx)² + 4 Sxy²)) / (2 Sxy).
-        let rows = points(&[[0.0, 1.0, 0.1, 1.0], [1.0, 1.0, 1.3, 1.0], [2.0, 1.0, 1.6, 1.0], [
-            3.0, 1.0, 3.4, 1.0,
-        ]]);
+        let rows =
+            points(&[[0.0, 1.0, 0.1, 1.0], [1.0, 1.0, 1.3, 1.0], [2.0, 1.0, 1.6, 1.0], [3.0, 1.0, 3.4, 1.0]]);
         let fit = Regression::fit(&rows, Shape::Line).unwrap();
         let (mx, my) = (1.5, 1.6);
         let sum = |f: &dyn Fn(&Point) -> f64| rows.iter().map(f).sum::<f64>();

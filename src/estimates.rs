@@ -85,6 +85,8 @@ pub struct Friction {
     pub age_s: Option<f64>,
     /// Brush regression (thesis 8.1).
     pub brush: Option<f64>,
+    /// Its standard deviation, if the tire were a brush.
+    pub brush_std: Option<f64>,
     /// Dahl one-wheel filter (thesis 8.2).
     pub dahl: Option<f64>,
     /// Last ABS braking (thesis 6.1).

@@ -112,17 +112,16 @@ impl BrushEstimator {
     }
 
     fn walk(&mut self, theta: &Vector3<f64>, elapsed_s: f64) {
-        let variance = self.config.walk * self.config.walk * elapsed_s;
+        let step = elapsed_s.max(0.0).sqrt();
+        let walk = self.config.walk * step;
         if self.config.compensate {
-            self.filter.covariance += Self::relative_covariance(1.0, 1.0) * variance;
-            // Nothing is less known than at the start.
-            let most = 2.0 * Self::UNKNOWN * Self::UNKNOWN;
-            if self.filter.covariance[(1, 1)] > most {
-                self.filter.covariance -= Self::relative_covariance(0.0, 1.0) * variance;
-            }
+            // Nothing is less known than after a change of surface.
+            let known = self.filter.covariance[(1, 1)] < 2.0 * Self::UNKNOWN * Self::UNKNOWN;
+            let friction_walk = if known { self.config.friction_walk * step } else { 0.0 };
+            self.filter.covariance += Self::relative_covariance(walk, friction_walk);
         } else {
             for i in 0..3 {
-                self.filter.inflate(i, theta[i] * theta[i] * variance);
+                self.filter.inflate(i, (theta[i] * walk).powi(2));
             }
         }
     }

@@ -58,6 +58,7 @@ impl EstimatorsConfig {
             ("cornering.inconsistent_nis", self.cornering.inconsistent_nis > 1.0, "must be above 1"),
             ("brush.initial_mu", positive(self.brush.initial_mu), "must be positive"),
             ("brush.walk", positive(self.brush.walk), "must be positive"),
+            ("brush.friction_walk", positive(self.brush.friction_walk), "must be positive"),
             ("friction.memory_s", positive(self.friction.memory_s), "must be positive"),
         ];
         let mapping = || self.mapping.as_ref().and_then(MappingConfig::problem);
@@ -232,6 +233,9 @@ pub struct BrushConfig {
     pub initial_mu: f64,
     /// Relative random walk of the regression's parameters, 1/√s.
     pub walk: f64,
+    /// With compensation: relative random walk of the friction, 1/√s. A surface may change without its
+    /// slope telling, so that what low slip says nothing of is known for some tens of seconds.
+    pub friction_walk: f64,
     /// Friction stays where it is while only low slip is seen, though the slope changes (thesis 8.1.1).
     /// Without it a softer surface counts as a more slippery one.
     pub compensate: bool,
@@ -241,7 +245,7 @@ pub struct BrushConfig {
 
 impl Default for BrushConfig {
     fn default() -> Self {
-        Self { initial_mu: 0.9, walk: 0.01, compensate: true, calibrate: true }
+        Self { initial_mu: 0.9, walk: 0.01, friction_walk: 0.03, compensate: true, calibrate: true }
     }
 }
 

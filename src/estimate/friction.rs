@@ -80,6 +80,7 @@ impl FrictionMonitor {
             source: if low.is_some() { MuSource::LowerBound } else { MuSource::None },
             age_s: low.map(|_| self.recent.age_s()),
             brush: evidence.brush.map(|b| b.mu),
+            brush_std: evidence.brush.map(|b| b.std),
             abs: evidence.abs.map(|a| a.mu),
             map: evidence.map.map(|m| m.mu),
             map_interval: evidence.map.map(|m| (m.low, m.high)),

@@ -6,7 +6,7 @@ use crate::Micros;
 use crate::estimate::mapping::{Braking, PairFinder};
 use crate::estimate::{EstimatorsConfig, Pipeline};
 use crate::model::scenario::{DriverConfig, Piece, Stretch};
-use crate::model::{GRAVITY, Scenario, TireKind, Truth};
+use crate::model::{GRAVITY, Scenario, TireKind, Truth, Uncertain};
 
 const BASE: &str = include_str!("../../../config/scenarios/demo.toml");
 
@@ -29,14 +29,14 @@ impl AbsTest {
         Self { friction, slope, settle_s: 27.0, after_s: 10.0 }
     }
 
-    /// Braked two seconds after the surface began.
+    /// Braked as soon as the surface has begun, before its slope can be noticed.
     pub const fn too_soon(friction: f64, slope: f64) -> Self {
-        Self { friction, slope, settle_s: 2.0, after_s: 12.0 }
+        Self { friction, slope, settle_s: 0.4, after_s: 13.0 }
     }
 }
 
 /// How long the pedal is pressed, s.
-const PRESSED_S: f64 = 1.3;
+pub const PRESSED_S: f64 = 1.3;
 /// Within which the pressure builds up, s.
 const BUILD_UP_S: f64 = 0.15;
 /// More than any surface needs, bar.
@@ -130,15 +130,19 @@ pub struct Found {
     pub used_mu: f64,
 }
 
-/// Drives the tests through the pipeline, told the demo car's data sheet, and finds the brakings.
+/// Drives the tests through the pipeline and finds the brakings. The pipeline is told the demo car's data
+/// sheet, and of the slopes what is usual for `usual_slope`.
 ///
 /// # Errors
 /// What is wrong with the tests' numbers.
-pub fn drive(tests: &[AbsTest], tire: TireKind, seed: u64) -> Result<Vec<Found>, String> {
+pub fn drive(tests: &[AbsTest], tire: TireKind, usual_slope: f64, seed: u64) -> Result<Vec<Found>, String> {
     let drive = Drive::simulate(&in_step(scenario(tests, tire)?), seed)?;
     let (config, _) = demo_car::configuration().map_err(|_| "the demo car's configuration")?;
-    let mut pipeline = Pipeline::new(&config.vehicle, &drive.sensors, &EstimatorsConfig::default());
-    let mut finder = PairFinder::new(&config.vehicle, &drive.sensors);
+    let mut vehicle = config.vehicle;
+    let scale = vehicle.static_wheel_load(true) / (0.25 * vehicle.mass() * GRAVITY);
+    vehicle.longitudinal_stiffness = Uncertain { value: scale * usual_slope, std: 0.3 * scale * usual_slope };
+    let mut pipeline = Pipeline::new(&vehicle, &drive.sensors, &EstimatorsConfig::default());
+    let mut finder = PairFinder::new(&vehicle, &drive.sensors);
     for sample in &drive.samples {
         finder.step(sample, pipeline.step(sample));
     }
@@ -162,7 +166,7 @@ mod tests {
     #[test]
     fn every_test_is_one_braking_on_its_own_surface() {
         let tests = [AbsTest::settled(1.0, 95.0), AbsTest::too_soon(0.6, 50.0), AbsTest::settled(0.2, 30.0)];
-        let found = drive(&tests, TireKind::Piecewise, 3).unwrap();
+        let found = drive(&tests, TireKind::Piecewise, 80.0, 3).unwrap();
         assert_eq!(found.len(), tests.len());
         for (found, test) in found.iter().zip(&tests) {
             assert!(

@@ -215,8 +215,8 @@ fn choose(pairs: &[Pair], fits: &[MappingFit]) -> Result<MappingConfig, Refusal>
     let std = (pairs.iter().map(|pair| pair.slope_std * pair.slope_std).sum::<f64>() / n).sqrt();
     let mean = pairs.iter().map(|pair| pair.slope).sum::<f64>() / n;
     let needed = (Calibration::SPREAD_IN_STD * std).max(Calibration::RELATIVE_SPREAD * mean);
-    // Written so that what is not a number fails.
-    if !(high - low >= needed) {
+    let spread = high - low;
+    if spread.is_nan() || spread < needed {
         return Err(Refusal::NotSpread { low, high, std });
     }
     let [constant, linear, quadratic] = fits else { return Err(too_few) };

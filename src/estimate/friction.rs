@@ -11,6 +11,7 @@
 
 use super::abs_braking::AbsFriction;
 use super::brush::BrushFriction;
+use super::mapping::MappedFriction;
 use super::saturation::LimitFriction;
 use super::{Car, FrictionConfig, Kinematics};
 use crate::estimates::{Friction, MuSource};
@@ -40,6 +41,8 @@ pub struct Evidence {
     pub abs: Option<AbsFriction>,
     /// That of the driven wheels at their limit.
     pub limit: Option<LimitFriction>,
+    /// The slope's, by a calibrated mapping.
+    pub map: Option<MappedFriction>,
 }
 
 impl FrictionMonitor {
@@ -101,7 +104,10 @@ impl FrictionMonitor {
             source: if low.is_some() { MuSource::LowerBound } else { MuSource::None },
             age_s: low.map(|_| self.recent.age_s()),
             brush: evidence.brush.map(|b| b.mu),
+            brush_std: evidence.brush.map(|b| b.std),
             abs: evidence.abs.map(|a| a.mu),
+            map: evidence.map.map(|m| m.mu),
+            map_interval: evidence.map.map(|m| (m.low, m.high)),
             ..Friction::default()
         };
         self.add_brush(&mut friction, evidence.brush);
@@ -109,6 +115,9 @@ impl FrictionMonitor {
         match limit.filter(|limit| newer(*limit)) {
             Some(limit) => self.add_limit(&mut friction, limit),
             None => self.add_abs(&mut friction, abs),
+        }
+        if friction.max.is_none() {
+            self.add_map(&mut friction, evidence.map);
         }
         friction
     }
@@ -141,6 +150,21 @@ impl FrictionMonitor {
             *value += weight * (target - *value);
         }
         Some(smoothed[0].hypot(smoothed[1]))
+    }
+
+    /// A mapping is a statement about roads like those of its calibration: published where nothing
+    /// measures friction, with its wide interval, and never as something to act upon.
+    fn add_map(&self, friction: &mut Friction, map: Option<MappedFriction>) {
+        let Some(map) = map else { return };
+        let low = friction.low.unwrap_or(0.0);
+        // More is in use than the mapping allows: this road is not like those.
+        if low > map.high {
+            return;
+        }
+        friction.max = Some(map.mu.max(low));
+        friction.low = Some(map.low.max(low));
+        friction.high = Some(map.high);
+        friction.source = MuSource::SlopeMap;
     }
 
     fn add_brush(&self, friction: &mut Friction, brush: Option<BrushFriction>) {
@@ -322,6 +346,25 @@ mod tests {
         monitor.surface_changed();
         let low = monitor.step(&sample(0.0, 0.0), Some(0.0), Evidence::default()).low;
         assert!(low.is_none_or(|low| low < 0.6));
+    }
+
+    #[test]
+    fn a_mapping_is_published_with_its_interval_and_never_as_certain() {
+        let car = Car::new(&Vehicle::thesis());
+        let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
+        let map = Some(MappedFriction { mu: 0.5, low: 0.35, high: 0.65 });
+        let evidence = Evidence { map, ..Evidence::default() };
+        let friction = monitor.step(&sample(0.0, 0.0), Some(0.0), evidence);
+        assert_eq!((friction.source, friction.valid), (MuSource::SlopeMap, false));
+        assert_eq!((friction.max, friction.low, friction.high), (Some(0.5), Some(0.35), Some(0.65)));
+        let measured = Evidence { abs: Some(AbsFriction { mu: 0.8, age_s: 0.0 }), ..evidence };
+        assert_eq!(monitor.step(&sample(0.0, 0.0), Some(0.0), measured).source, MuSource::Abs);
+        // Using more than it allows refutes it.
+        let mut braking = Friction::default();
+        for _ in 0..200 {
+            braking = monitor.step(&sample(0.0, 8.0), Some(0.0), evidence);
+        }
+        assert_eq!((braking.source, braking.max), (MuSource::LowerBound, None));
     }
 
     #[test]

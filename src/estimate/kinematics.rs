@@ -99,6 +99,12 @@ impl Car {
         }
     }
 
+    /// Relative standard deviation that all slopes of the car have in common: of the forces from the
+    /// drive torque or from the acceleration.
+    pub fn slope_scale_std(&self, forces_from_torque: bool) -> f64 {
+        if forces_from_torque { self.torque_scale_std } else { self.acceleration_scale_std }
+    }
+
     /// Wheelbase, m.
     pub fn wheelbase(&self) -> f64 {
         self.a + self.b

@@ -16,6 +16,7 @@ mod kinematic_observer;
 mod kinematics;
 mod lateral_slope;
 mod lateral_velocity;
+pub mod mapping;
 mod pipeline;
 mod saturation;
 mod slip_angles;

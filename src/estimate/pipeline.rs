@@ -9,6 +9,7 @@ use super::friction::{Evidence, FrictionMonitor};
 use super::joint_ekf::JointEkf;
 use super::lateral_slope::LateralSlopeEstimator;
 use super::lateral_velocity::LateralVelocityEstimator;
+use super::mapping::{MappedFriction, Mapping, mean_slope};
 use super::saturation::SaturationDetector;
 use super::slope::SlopeEstimator;
 use super::traction::{Traction, TractionPoint};
@@ -35,6 +36,7 @@ pub struct Pipeline {
     abs: AbsBraking,
     saturation: SaturationDetector,
     friction: FrictionMonitor,
+    mapping: Option<Mapping>,
     excitation: [Excitation; 2],
     /// Longitudinal acceleration from the wheels, where no accelerometer has it.
     block_acceleration: Option<f64>,
@@ -67,6 +69,7 @@ impl Pipeline {
             abs: AbsBraking::new(&car),
             saturation: SaturationDetector::new(&car, sensors),
             friction: FrictionMonitor::new(&car, &config.friction),
+            mapping: config.mapping.as_ref().and_then(Mapping::new),
             excitation: [Excitation::default(); 2],
             block_acceleration: None,
             unchanged_s: f64::INFINITY,
@@ -185,8 +188,8 @@ impl Pipeline {
     }
 
     fn use_of_friction(&mut self, now: &Kinematics) {
-        if let Some(mu) = self.abs.finished() {
-            self.brush.calibrate(mu);
+        if let Some(friction) = self.abs.finished() {
+            self.brush.calibrate(friction.mu, friction.std);
         }
         let acceleration = if self.sensors.has(Quantity::LongitudinalAcceleration) {
             now.longitudinal_acceleration
@@ -197,10 +200,18 @@ impl Pipeline {
             brush: self.brush.friction(),
             abs: self.abs.last(),
             limit: self.saturation.friction(),
+            map: self.mapped(),
         };
         self.latest.friction = self.friction.step(now, acceleration, evidence);
         self.dahl.step(now, &self.car);
         self.latest.friction.dahl = self.dahl.friction();
+    }
+
+    /// Friction by the calibrated mapping, where there is one and the slope is known.
+    fn mapped(&self) -> Option<MappedFriction> {
+        let mapping = self.mapping.as_ref().filter(|_| self.latest.slope_valid)?;
+        let scale_std = self.car.slope_scale_std(self.sensors.has(Quantity::DriveTorque));
+        mapping.at(mean_slope(&self.latest.slope, self.car.driven_axle, scale_std)?)
     }
 
     fn on_surface_change(&mut self) {

@@ -2,6 +2,7 @@
 //!
 //! Each section's file lists its [`Experiment`]s; adding one means one line in that list.
 
+pub mod abs_tests;
 mod brush;
 mod command;
 mod dahl;

@@ -22,7 +22,7 @@ mod uncertainty;
 
 pub use car::Drive;
 pub use fit::Method;
-pub use free_run::{BLOCK_S, FitRow, Fits};
+pub use free_run::{BLOCK_S, FitRow, Fits, free_run};
 pub use identification::{Identification, Identified, Identifier, IdentifyConfig, IdentifyError, Path};
 pub use motion::Channel;
 pub use parameter::{Parameter, Values};

@@ -1,0 +1,76 @@
+//! The filter's tuning numbers.
+
+use serde::{Deserialize, Serialize};
+
+use super::hypothesis::Walk;
+
+/// `[estimators.lateral_filter]`. Walks are relative to the value, 1/√s.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LateralFilterConfig {
+    /// Walk of surface and tires while nothing happens.
+    pub steady_walk: f64,
+    /// Walk common to stiffnesses and friction that the agile hypothesis allows: the surface.
+    pub agile_surface_walk: f64,
+    /// … and of each of them on its own.
+    pub agile_own_walk: f64,
+    /// Evidence (ln of the likelihood ratio) from which the agile hypothesis is believed.
+    pub change_evidence: f64,
+    /// Standard deviation of the surface's common factor and of each parameter's own one (ln) when
+    /// a change is believed.
+    pub change_surface_std: f64,
+    /// … of each parameter's own.
+    pub change_own_std: f64,
+    /// Friction assumed before anything is known, and its relative standard deviation.
+    pub initial_friction: f64,
+    /// … its standard deviation (ln).
+    pub initial_friction_std: f64,
+    /// Unmodelled lateral acceleration (wind, unevenness), m/s²/√Hz.
+    pub acceleration_noise: f64,
+    /// Unmodelled yaw acceleration, rad/s²/√Hz.
+    pub yaw_noise: f64,
+    /// Offset of the road wheel angle before anything is measured, rad.
+    pub steering_offset_std: f64,
+    /// Offset of the yaw rate sensor before anything is measured, rad/s.
+    pub yaw_rate_offset_std: f64,
+    /// Offset of the lateral accelerometer before anything is measured, m/s².
+    pub acceleration_offset_std: f64,
+    /// Gravity's part along the road's cross slope (rms), m/s².
+    pub bank_std: f64,
+    /// How long a cross slope lasts, s.
+    pub bank_time_s: f64,
+}
+
+impl Default for LateralFilterConfig {
+    fn default() -> Self {
+        Self {
+            steady_walk: 0.002,
+            agile_surface_walk: 0.3,
+            agile_own_walk: 0.03,
+            change_evidence: 10.0,
+            change_surface_std: 0.3,
+            change_own_std: 0.03,
+            initial_friction: 0.9,
+            initial_friction_std: 0.3,
+            acceleration_noise: 0.01,
+            yaw_noise: 0.01,
+            steering_offset_std: 0.01,
+            yaw_rate_offset_std: 0.01,
+            acceleration_offset_std: 0.1,
+            bank_std: 0.15,
+            bank_time_s: 20.0,
+        }
+    }
+}
+
+impl LateralFilterConfig {
+    pub(super) fn steady(&self) -> Walk {
+        let v = self.steady_walk * self.steady_walk;
+        Walk { common: v, stiffness: v, friction: v }
+    }
+
+    pub(super) fn agile(&self) -> Walk {
+        let own = self.agile_own_walk * self.agile_own_walk;
+        Walk { common: self.agile_surface_walk * self.agile_surface_walk, stiffness: own, friction: own }
+    }
+}

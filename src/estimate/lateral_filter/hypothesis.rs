@@ -1,10 +1,10 @@
 //! One extended Kalman filter on the model: a hypothesis of how fast the surface may change.
 
-use nalgebra::{Matrix2, SMatrix, Vector2};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 use super::model::{
-    ANGLE_ERROR, ANGLE_OFFSET, AY_OFFSET, BANK, Covariance, FRICTION, FRONT, Inputs, Model, REAR, Row, STATES,
-    VY, YAW, YAW_OFFSET,
+    ANGLE, ANGLE_OFFSET, ANGLE_RATE, AY_OFFSET, BANK, Covariance, FRICTION, FRONT, Inputs, Model, REAR, Rates,
+    Row, STATES, VY, YAW, YAW_OFFSET,
 };
 use crate::filter::{Gaussian, Innovation};
 
@@ -34,8 +34,8 @@ pub struct Walk {
 /// What a sample said to a hypothesis.
 #[derive(Clone, Copy, Debug)]
 pub struct Verdict {
-    /// Yaw rate and lateral acceleration against what was expected.
-    pub innovations: [Innovation; 2],
+    /// Road wheel angle, yaw rate and lateral acceleration against what was expected.
+    pub innovations: [Innovation; 3],
     /// Logarithm of the sample's likelihood (without constants).
     pub ln_likelihood: f64,
 }
@@ -47,8 +47,9 @@ pub struct Hypothesis {
 }
 
 impl Hypothesis {
-    /// Standard deviations of the kink's place stay above this, in units of normalized force.
-    const LEAST_BLUR: f64 = 1e-3;
+    /// Widths of the kink, in units of normalized force. Not wider: what is not known of the friction is the
+    /// same at each sample and no noise; far from the kink it must not look like softness.
+    const BLUR: (f64, f64) = (1e-3, 0.03);
     /// Stiffnesses (1/rad) and friction stay within these.
     const STIFFNESS_LIMITS: (f64, f64) = (0.3, 100.0);
     const FRICTION_LIMITS: (f64, f64) = (0.02, 2.0);
@@ -60,57 +61,65 @@ impl Hypothesis {
         }
         let p = &self.state.covariance;
         model.margins(&self.state.mean, inputs, angle).map(|(_, row)| {
-            const ACTIVE: [usize; 7] = [VY, YAW, ANGLE_ERROR, FRONT, REAR, FRICTION, ANGLE_OFFSET];
+            const ACTIVE: [usize; 6] = [VY, YAW, ANGLE, FRONT, REAR, FRICTION];
             let mut variance = 0.0;
             for i in ACTIVE {
                 for j in ACTIVE {
                     variance += row[i] * p[(i, j)] * row[j];
                 }
             }
-            variance.max(Self::LEAST_BLUR * Self::LEAST_BLUR).sqrt()
+            variance.sqrt().clamp(Self::BLUR.0, Self::BLUR.1)
         })
     }
 
-    /// From the last sample to this one.
-    pub fn predict(&mut self, model: &Model, before: &Inputs, now: &Inputs, elapsed_s: f64, noise: &Noise) {
+    /// From the last sample to this one. `steering` is the spectral density of the steering's angular
+    /// acceleration, rad²/s³.
+    pub fn predict(
+        &mut self,
+        model: &Model,
+        before: &Inputs,
+        now: &Inputs,
+        elapsed_s: f64,
+        noise: &Noise,
+        steering: f64,
+    ) {
         let h = elapsed_s;
         let middle = before.middle(now);
         let x = self.state.mean;
-        // Of the mean angle's error half was in the last reading, half is in this one, still unknown.
-        let angle = middle.angle - x[ANGLE_OFFSET] - 0.5 * x[ANGLE_ERROR];
-        let blur = self.blur(model, &middle, angle);
+        let blur = self.blur(model, before, x[ANGLE]);
         let motion = Vector2::new(x[VY], x[YAW]);
-        let first = model.rates(&x, motion, &middle, angle, blur);
+        let first = model.rates(&x, motion, before, x[ANGLE], blur);
+        let angle = x[ANGLE] + 0.5 * h * x[ANGLE_RATE];
         let rates = model.rates(&x, motion + 0.5 * h * first.rate, &middle, angle, blur);
         let next = motion + h * rates.rate;
         self.state.mean[VY] = next[0];
         self.state.mean[YAW] = next[1];
-        self.state.mean[ANGLE_ERROR] = 0.0;
+        self.state.mean[ANGLE] += h * x[ANGLE_RATE];
 
         let integral = (Matrix2::identity() + 0.5 * h * rates.by_motion) * h;
         let transition = Matrix2::identity() + rates.by_motion * integral;
         let by_angle = integral * rates.by_angle;
         let by_tires = integral * rates.by_tires;
-        let mut rows = SMatrix::<f64, 2, STATES>::zeros();
+        let mut rows = SMatrix::<f64, MOVING, STATES>::zeros();
         rows.fixed_view_mut::<2, 2>(0, 0).copy_from(&transition);
-        rows.set_column(ANGLE_ERROR, &(-0.5 * by_angle));
-        rows.fixed_view_mut::<2, 3>(0, FRONT).copy_from(&by_tires);
-        rows.set_column(ANGLE_OFFSET, &-by_angle);
-        rows.set_column(BANK, &Vector2::new(-integral[(0, 0)], -integral[(1, 0)]));
-        propagate(&mut self.state.covariance, &rows);
-        // This reading's error, fresh, in motion and reading alike.
-        let half = -0.5 * by_angle;
-        let p = &mut self.state.covariance;
-        for i in 0..STATES {
-            p[(ANGLE_ERROR, i)] = 0.0;
-            p[(i, ANGLE_ERROR)] = 0.0;
-        }
-        p[(ANGLE_ERROR, ANGLE_ERROR)] = noise.angle;
         for i in 0..2 {
-            p[(i, ANGLE_ERROR)] = half[i] * noise.angle;
-            p[(ANGLE_ERROR, i)] = half[i] * noise.angle;
-            for j in 0..2 {
-                p[(i, j)] += half[i] * half[j] * noise.angle;
+            rows[(i, ANGLE)] = by_angle[i];
+            rows[(i, ANGLE_RATE)] = 0.5 * h * by_angle[i];
+            rows[(i, BANK)] = -integral[(i, 0)];
+            for (j, tire) in [FRONT, REAR, FRICTION].into_iter().enumerate() {
+                rows[(i, tire)] = by_tires[(i, j)];
+            }
+        }
+        rows[(ANGLE, ANGLE)] = 1.0;
+        rows[(ANGLE, ANGLE_RATE)] = h;
+        propagate(&mut self.state.covariance, &rows);
+        // The hands' acceleration, constant during the step, moves angle, rate, and thereby the car.
+        let hands = SVector::<f64, 4>::new(h * h / 6.0 * by_angle[0], h * h / 6.0 * by_angle[1], 0.5 * h * h, h);
+        let p = &mut self.state.covariance;
+        let density = steering / h;
+        for i in 0..4 {
+            for j in 0..4 {
+                p[(i, j)] += density * hands[i] * hands[j];
             }
         }
         p[(VY, VY)] += noise.lateral * h;
@@ -140,23 +149,27 @@ impl Hypothesis {
         p[(BANK, BANK)] += variance * (1.0 - kept * kept);
     }
 
-    /// Takes the readings of this sample.
-    pub fn update(&mut self, model: &Model, now: &Inputs, readings: [f64; 2], noise: &Noise) -> Verdict {
-        let x = self.state.mean;
-        let angle = now.angle - x[ANGLE_OFFSET] - x[ANGLE_ERROR];
-        let blur = self.blur(model, now, angle);
-        let rates = model.rates(&x, Vector2::new(x[VY], x[YAW]), now, angle, blur);
+    /// Takes the readings of this sample: road wheel angle, yaw rate, lateral acceleration.
+    pub fn update(&mut self, model: &Model, now: &Inputs, readings: [f64; 3], noise: &Noise) -> Verdict {
+        let mut row = Row::zeros();
+        row[ANGLE] = 1.0;
+        row[ANGLE_OFFSET] = 1.0;
+        let x = &self.state.mean;
+        let angle = self.state.update(&row, readings[0] - x[ANGLE] - x[ANGLE_OFFSET], noise.angle);
         let mut row = Row::zeros();
         row[YAW] = 1.0;
         row[YAW_OFFSET] = 1.0;
-        let yaw = self.state.update(&row, readings[0] - x[YAW] - x[YAW_OFFSET], noise.yaw_rate);
-        let row = acceleration_row(&rates);
-        let moved = row.dot(&(self.state.mean - x));
-        let residual = readings[1] - rates.acceleration - x[AY_OFFSET] - moved;
-        let acceleration = self.state.update(&row, residual, noise.acceleration);
+        let x = &self.state.mean;
+        let yaw = self.state.update(&row, readings[1] - x[YAW] - x[YAW_OFFSET], noise.yaw_rate);
+        let x = self.state.mean;
+        let blur = self.blur(model, now, x[ANGLE]);
+        let rates = model.rates(&x, Vector2::new(x[VY], x[YAW]), now, x[ANGLE], blur);
+        let residual = readings[2] - rates.acceleration - x[AY_OFFSET];
+        let acceleration = self.state.update(&acceleration_row(&rates), residual, noise.acceleration);
         self.keep_within_limits();
         let ln = |i: &Innovation| -0.5 * (i.nis() + i.variance.ln());
-        Verdict { innovations: [yaw, acceleration], ln_likelihood: ln(&yaw) + ln(&acceleration) }
+        let innovations = [angle, yaw, acceleration];
+        Verdict { innovations, ln_likelihood: innovations.iter().map(ln).sum() }
     }
 
     fn keep_within_limits(&mut self) {
@@ -172,12 +185,11 @@ impl Hypothesis {
 }
 
 /// Derivatives of the accelerometer's reading by the state.
-pub fn acceleration_row(rates: &super::model::Rates) -> Row {
+pub fn acceleration_row(rates: &Rates) -> Row {
     let mut row = Row::zeros();
     row[VY] = rates.acceleration_by_motion[0];
     row[YAW] = rates.acceleration_by_motion[1];
-    row[ANGLE_ERROR] = -rates.acceleration_by_angle;
-    row[ANGLE_OFFSET] = -rates.acceleration_by_angle;
+    row[ANGLE] = rates.acceleration_by_angle;
     row[FRONT] = rates.acceleration_by_tires[0];
     row[REAR] = rates.acceleration_by_tires[1];
     row[FRICTION] = rates.acceleration_by_tires[2];
@@ -185,19 +197,22 @@ pub fn acceleration_row(rates: &super::model::Rates) -> Row {
     row
 }
 
-/// P ← F P Fᵀ where only the first two rows of F differ from the identity's.
-pub fn propagate(p: &mut Covariance, rows: &SMatrix<f64, 2, STATES>) {
+/// Components that the prediction moves; the others stay.
+const MOVING: usize = 3;
+
+/// P ← F P Fᵀ where only the first rows of F differ from the identity's.
+fn propagate(p: &mut Covariance, rows: &SMatrix<f64, MOVING, STATES>) {
     let moved = rows * *p;
-    let motion = moved * rows.transpose();
-    for i in 0..2 {
-        for j in 2..STATES {
+    let square = moved * rows.transpose();
+    for i in 0..MOVING {
+        for j in MOVING..STATES {
             p[(i, j)] = moved[(i, j)];
             p[(j, i)] = moved[(i, j)];
         }
+        for j in 0..=i {
+            let mean = 0.5 * (square[(i, j)] + square[(j, i)]);
+            p[(i, j)] = mean;
+            p[(j, i)] = mean;
+        }
     }
-    p[(0, 0)] = motion[(0, 0)];
-    p[(1, 1)] = motion[(1, 1)];
-    let cross = 0.5 * (motion[(0, 1)] + motion[(1, 0)]);
-    p[(0, 1)] = cross;
-    p[(1, 0)] = cross;
 }

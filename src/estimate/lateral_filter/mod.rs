@@ -24,6 +24,7 @@ pub struct LateralFilter {
     pub agile: Hypothesis,
     pub evidence: f64,
     before: Option<Inputs>,
+    pub steering: f64,
     minimum_speed: f64,
     pub last: Option<Verdict>,
     pub adoptions: u32,
@@ -48,6 +49,8 @@ impl LateralFilter {
         (mean[FRICTION], std[FRICTION]) = (config.initial_friction.ln(), config.initial_friction_std);
         std[VY] = 0.5;
         std[YAW] = 0.1;
+        std[ANGLE] = 0.1;
+        std[ANGLE_RATE] = 0.1;
         std[AY_OFFSET] = config.acceleration_offset_std;
         std[YAW_OFFSET] = config.yaw_rate_offset_std;
         std[ANGLE_OFFSET] = config.steering_offset_std;
@@ -62,6 +65,7 @@ impl LateralFilter {
             agile: hypothesis,
             evidence: 0.0,
             before: None,
+            steering: 0.1,
             minimum_speed,
             last: None,
             adoptions: 0,
@@ -77,7 +81,6 @@ impl LateralFilter {
         };
         Inputs {
             speed: c.speed,
-            angle: c.road_angle,
             longitudinal: [f / (2.0 * self.car.wheel_load[0]), r / (2.0 * self.car.wheel_load[1])],
         }
     }
@@ -89,13 +92,13 @@ impl LateralFilter {
             return;
         };
         let inputs = self.inputs(now, &c);
-        let readings = [c.yaw_rate, c.lateral_acceleration];
+        let readings = [c.road_angle, c.yaw_rate, c.lateral_acceleration];
         if let Some(before) = self.before {
             let dt = now.elapsed_s;
             for (h, walk) in
                 [(&mut self.steady, self.config.steady()), (&mut self.agile, self.config.agile())]
             {
-                h.predict(&self.model, &before, &inputs, dt, &self.noise);
+                h.predict(&self.model, &before, &inputs, dt, &self.noise, self.steering);
                 h.walk(&walk, dt);
                 h.fade_bank(self.config.bank_std.powi(2), self.config.bank_time_s, dt);
             }
@@ -104,6 +107,8 @@ impl LateralFilter {
         let a = self.steady.update(&self.model, &inputs, readings, &self.noise);
         let b = self.agile.update(&self.model, &inputs, readings, &self.noise);
         self.last = Some(a);
+        let surprise = a.innovations[0].nis().min(9.0) - 1.0;
+        self.steering = (self.steering * (1.0 + 0.02 * surprise)).clamp(1e-6, 1e3);
         let gain = b.ln_likelihood - a.ln_likelihood;
         self.evidence = (self.evidence + gain.clamp(-3.0, 3.0)).max(0.0);
         if self.evidence > self.config.change_evidence {

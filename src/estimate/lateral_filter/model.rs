@@ -17,23 +17,25 @@ use crate::model::GRAVITY;
 use crate::model::tire::{Curve, Tire};
 
 /// Components of the state.
-pub const STATES: usize = 10;
+pub const STATES: usize = 11;
 /// Lateral velocity, m/s, and yaw rate, rad/s.
 pub const VY: usize = 0;
 pub const YAW: usize = 1;
-/// Error of the last steering reading, rad: noise, new at each sample.
-pub const ANGLE_ERROR: usize = 2;
+/// Road wheel angle, rad, and its rate, rad/s. As states, because noise in the angle that multiplies a
+/// stiffness would pull the stiffness down; a driver's hands are smoother than a sensor.
+pub const ANGLE: usize = 2;
+pub const ANGLE_RATE: usize = 3;
 /// Logarithms of the normalized cornering stiffnesses (1/rad) and of the friction. As logarithms they stay
 /// positive, their walks are relative, and a surface's common factor is a common summand.
-pub const FRONT: usize = 3;
-pub const REAR: usize = 4;
-pub const FRICTION: usize = 5;
+pub const FRONT: usize = 4;
+pub const REAR: usize = 5;
+pub const FRICTION: usize = 6;
 /// Offsets: lateral acceleration m/s², yaw rate rad/s, road wheel angle rad.
-pub const AY_OFFSET: usize = 6;
-pub const YAW_OFFSET: usize = 7;
-pub const ANGLE_OFFSET: usize = 8;
+pub const AY_OFFSET: usize = 7;
+pub const YAW_OFFSET: usize = 8;
+pub const ANGLE_OFFSET: usize = 9;
 /// Gravity's part along the road's cross slope, m/s².
-pub const BANK: usize = 9;
+pub const BANK: usize = 10;
 
 /// The state or a row of derivatives by it.
 pub type Row = SVector<f64, STATES>;
@@ -45,8 +47,6 @@ pub type Covariance = SMatrix<f64, STATES, STATES>;
 pub struct Inputs {
     /// Forward speed, m/s.
     pub speed: f64,
-    /// Measured angle of the road wheels, rad.
-    pub angle: f64,
     /// Longitudinal force / load of the front and the rear axle.
     pub longitudinal: [f64; 2],
 }
@@ -57,7 +57,6 @@ impl Inputs {
         let mean = |a: f64, b: f64| 0.5 * (a + b);
         Inputs {
             speed: mean(self.speed, other.speed),
-            angle: mean(self.angle, other.angle),
             longitudinal: [0, 1].map(|i| mean(self.longitudinal[i], other.longitudinal[i])),
         }
     }
@@ -209,8 +208,7 @@ impl Model {
             row[i] = stiffness * alpha.abs();
             row[FRICTION] = -friction * friction / limit;
             if axle == 0 {
-                row[ANGLE_ERROR] = -sign * stiffness;
-                row[ANGLE_OFFSET] = -sign * stiffness;
+                row[ANGLE] = sign * stiffness;
             }
             (stiffness * alpha.abs() - limit, row)
         })

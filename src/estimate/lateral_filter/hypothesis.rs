@@ -86,17 +86,18 @@ impl Hypothesis {
         let h = elapsed_s;
         let middle = before.middle(now);
         let x = self.state.mean;
-        let blur = self.blur(model, before, x[ANGLE]);
-        let motion = Vector2::new(x[VY], x[YAW]);
-        let first = model.rates(&x, motion, before, x[ANGLE], blur);
+        // One evaluation, inputs at the step's middle, integrated exactly as a linear system.
         let angle = x[ANGLE] + 0.5 * h * x[ANGLE_RATE];
-        let rates = model.rates(&x, motion + 0.5 * h * first.rate, &middle, angle, blur);
-        let next = motion + h * rates.rate;
-        self.state.mean[VY] = next[0];
-        self.state.mean[YAW] = next[1];
+        let blur = self.blur(model, &middle, angle);
+        let rates = model.rates(&x, Vector2::new(x[VY], x[YAW]), &middle, angle, blur);
+        let scaled = h * rates.by_motion;
+        let integral = h
+            * (Matrix2::identity()
+                + 0.5 * scaled * (Matrix2::identity() + scaled * (Matrix2::identity() + 0.25 * scaled) / 3.0));
+        let moved = integral * rates.rate;
+        self.state.mean[VY] += moved[0];
+        self.state.mean[YAW] += moved[1];
         self.state.mean[ANGLE] += h * x[ANGLE_RATE];
-
-        let integral = (Matrix2::identity() + 0.5 * h * rates.by_motion) * h;
         let transition = Matrix2::identity() + rates.by_motion * integral;
         let by_angle = integral * rates.by_angle;
         let by_tires = integral * rates.by_tires;

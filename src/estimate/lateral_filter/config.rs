@@ -29,6 +29,9 @@ pub struct LateralFilterConfig {
     pub acceleration_noise: f64,
     /// Unmodelled yaw acceleration, rad/s²/√Hz.
     pub yaw_noise: f64,
+    /// Steering may be this much livelier (spectral density) than it seems: smoothing that lags costs more
+    /// than noise.
+    pub steering_margin: f64,
     /// Offset of the road wheel angle before anything is measured, rad.
     pub steering_offset_std: f64,
     /// Offset of the yaw rate sensor before anything is measured, rad/s.
@@ -53,7 +56,8 @@ impl Default for LateralFilterConfig {
             initial_friction: 0.9,
             initial_friction_std: 0.3,
             acceleration_noise: 0.01,
-            yaw_noise: 0.01,
+            yaw_noise: 0.003,
+            steering_margin: 10.0,
             steering_offset_std: 0.01,
             yaw_rate_offset_std: 0.01,
             acceleration_offset_std: 0.1,

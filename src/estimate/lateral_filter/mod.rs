@@ -2,6 +2,7 @@
 pub mod config;
 pub mod hypothesis;
 pub mod model;
+pub mod steering;
 
 use self::config::LateralFilterConfig;
 use self::hypothesis::{Hypothesis, Noise, Verdict};
@@ -25,9 +26,11 @@ pub struct LateralFilter {
     pub evidence: f64,
     before: Option<Inputs>,
     pub steering: f64,
+    activity: steering::SteeringActivity,
     minimum_speed: f64,
     pub last: Option<Verdict>,
     pub adoptions: u32,
+    pub dbg_x: f64,
 }
 
 impl LateralFilter {
@@ -66,9 +69,11 @@ impl LateralFilter {
             evidence: 0.0,
             before: None,
             steering: 0.1,
+            activity: steering::SteeringActivity::new(noise.angle),
             minimum_speed,
             last: None,
             adoptions: 0,
+            dbg_x: 0.0,
         }
     }
 
@@ -93,6 +98,8 @@ impl LateralFilter {
         };
         let inputs = self.inputs(now, &c);
         let readings = [c.road_angle, c.yaw_rate, c.lateral_acceleration];
+        self.steering = self.config.steering_margin * self.activity.step(c.road_angle, now.elapsed_s);
+        self.dbg_x = inputs.longitudinal[0];
         if let Some(before) = self.before {
             let dt = now.elapsed_s;
             for (h, walk) in
@@ -107,8 +114,6 @@ impl LateralFilter {
         let a = self.steady.update(&self.model, &inputs, readings, &self.noise);
         let b = self.agile.update(&self.model, &inputs, readings, &self.noise);
         self.last = Some(a);
-        let surprise = a.innovations[0].nis().min(9.0) - 1.0;
-        self.steering = (self.steering * (1.0 + 0.02 * surprise)).clamp(1e-6, 1e3);
         let gain = b.ln_likelihood - a.ln_likelihood;
         self.evidence = (self.evidence + gain.clamp(-3.0, 3.0)).max(0.0);
         if self.evidence > self.config.change_evidence {

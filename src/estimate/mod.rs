@@ -11,6 +11,7 @@ mod cornering;
 mod friction;
 mod joint_ekf;
 mod kinematics;
+pub mod lateral_filter;
 mod lateral_slope;
 mod lateral_velocity;
 mod pipeline;

@@ -6,7 +6,10 @@ use super::model::{
     ANGLE, ANGLE_OFFSET, ANGLE_RATE, AY_OFFSET, BANK, Covariance, FRICTION, FRONT, Inputs, Model, REAR, Rates,
     Row, STATES, VY, YAW, YAW_OFFSET,
 };
+use super::super::Car;
+use super::LateralFilterConfig;
 use crate::filter::{Gaussian, Innovation};
+use crate::{Quantity, Sensors};
 
 /// Noise of single samples and of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +21,20 @@ pub struct Noise {
     /// Unmodelled lateral force, m/s²/√Hz, and moment, rad/s²/√Hz; spectral densities squared.
     pub lateral: f64,
     pub moment: f64,
+}
+
+impl Noise {
+    /// As the data sheets promise the readings, and the configuration the rest.
+    pub fn promised(car: &Car, sensors: &Sensors, config: &LateralFilterConfig) -> Self {
+        let variance = |quantity| sensors.noise_std(quantity).powi(2);
+        Self {
+            yaw_rate: variance(Quantity::YawRate),
+            acceleration: variance(Quantity::LateralAcceleration),
+            angle: variance(Quantity::SteeringWheelAngle) / car.steering_ratio.powi(2),
+            lateral: config.acceleration_noise.powi(2),
+            moment: config.yaw_noise.powi(2),
+        }
+    }
 }
 
 /// Relative walks of the tires' parameters, variance per second.
@@ -50,9 +67,11 @@ impl Hypothesis {
     /// Widths of the kink, in units of normalized force. Not wider: what is not known of the friction is the
     /// same at each sample and no noise; far from the kink it must not look like softness.
     const BLUR: (f64, f64) = (1e-3, 0.03);
-    /// Stiffnesses (1/rad) and friction stay within these.
-    const STIFFNESS_LIMITS: (f64, f64) = (0.3, 100.0);
-    const FRICTION_LIMITS: (f64, f64) = (0.02, 2.0);
+    /// Logarithms this uncertain are not known at all; more is no more.
+    const UNKNOWN: f64 = 0.5;
+    /// Logarithms of the stiffnesses (0.3 to 100 per rad) and of the friction (0.02 to 2) stay within these.
+    const STIFFNESS_LIMITS: (f64, f64) = (-1.2, 4.6);
+    const FRICTION_LIMITS: (f64, f64) = (-3.9, 0.7);
 
     /// Width of the kink by what is not known, front and rear.
     fn blur(&self, model: &Model, inputs: &Inputs, angle: f64) -> [f64; 2] {
@@ -129,13 +148,35 @@ impl Hypothesis {
 
     /// Surface and tires change on their own.
     pub fn walk(&mut self, walk: &Walk, elapsed_s: f64) {
+        let unknown = Self::UNKNOWN * Self::UNKNOWN;
+        let p = &self.state.covariance;
+        let common = p[(FRONT, FRONT)] < unknown && p[(REAR, REAR)] < unknown && p[(FRICTION, FRICTION)] < unknown;
+        self.open(if common { walk.common * elapsed_s } else { 0.0 }, [0.0; 3]);
         let p = &mut self.state.covariance;
-        for i in [FRONT, REAR, FRICTION] {
-            for j in [FRONT, REAR, FRICTION] {
-                p[(i, j)] += walk.common * elapsed_s;
+        for (i, own) in [(FRONT, walk.stiffness), (REAR, walk.stiffness), (FRICTION, walk.friction)] {
+            if p[(i, i)] < unknown {
+                p[(i, i)] += own * elapsed_s;
             }
-            p[(i, i)] += elapsed_s * if i == FRICTION { walk.friction } else { walk.stiffness };
         }
+    }
+
+    /// Stiffnesses and friction may have changed: variances of a common factor, and of each one's own.
+    pub fn open(&mut self, common: f64, own: [f64; 3]) {
+        let p = &mut self.state.covariance;
+        for (i, own) in [FRONT, REAR, FRICTION].into_iter().zip(own) {
+            for j in [FRONT, REAR, FRICTION] {
+                p[(i, j)] += common;
+            }
+            p[(i, i)] += own;
+        }
+    }
+
+    /// A component is unknown again, and unrelated to the others.
+    pub fn forget(&mut self, i: usize, mean: f64, std: f64) {
+        self.state.covariance.row_mut(i).fill(0.0);
+        self.state.covariance.column_mut(i).fill(0.0);
+        self.state.mean[i] = mean;
+        self.state.covariance[(i, i)] = std * std;
     }
 
     /// The bank comes and goes: first-order, of this variance and time constant.
@@ -152,50 +193,75 @@ impl Hypothesis {
 
     /// Takes the readings of this sample: road wheel angle, yaw rate, lateral acceleration.
     pub fn update(&mut self, model: &Model, now: &Inputs, readings: [f64; 3], noise: &Noise) -> Verdict {
-        let mut row = Row::zeros();
-        row[ANGLE] = 1.0;
-        row[ANGLE_OFFSET] = 1.0;
         let x = &self.state.mean;
-        let angle = self.state.update(&row, readings[0] - x[ANGLE] - x[ANGLE_OFFSET], noise.angle);
-        let mut row = Row::zeros();
-        row[YAW] = 1.0;
-        row[YAW_OFFSET] = 1.0;
+        let residual = readings[0] - x[ANGLE] - x[ANGLE_OFFSET];
+        let angle = self.correct([(ANGLE, 1.0), (ANGLE_OFFSET, 1.0)], residual, noise.angle);
         let x = &self.state.mean;
-        let yaw = self.state.update(&row, readings[1] - x[YAW] - x[YAW_OFFSET], noise.yaw_rate);
+        let residual = readings[1] - x[YAW] - x[YAW_OFFSET];
+        let yaw = self.correct([(YAW, 1.0), (YAW_OFFSET, 1.0)], residual, noise.yaw_rate);
         let x = self.state.mean;
         let blur = self.blur(model, now, x[ANGLE]);
         let rates = model.rates(&x, Vector2::new(x[VY], x[YAW]), now, x[ANGLE], blur);
         let residual = readings[2] - rates.acceleration - x[AY_OFFSET];
-        let acceleration = self.state.update(&acceleration_row(&rates), residual, noise.acceleration);
+        let acceleration = self.correct(acceleration_row(&rates), residual, noise.acceleration);
         self.keep_within_limits();
         let ln = |i: &Innovation| -0.5 * (i.nis() + i.variance.ln());
         let innovations = [angle, yaw, acceleration];
         Verdict { innovations, ln_likelihood: innovations.iter().map(ln).sum() }
     }
 
+    /// Measurement update with a scalar of sparse sensitivity. With noise in every reading and in every
+    /// component that moves, P − k kᵀ s is as good as Joseph's form and a third of its work; it is symmetric
+    /// to the last bit.
+    fn correct<const M: usize>(&mut self, row: [(usize, f64); M], residual: f64, variance: f64) -> Innovation {
+        let p = &mut self.state.covariance;
+        let mut ph = Row::zeros();
+        for (i, sensitivity) in row {
+            ph += p.column(i) * sensitivity;
+        }
+        let total = row.iter().map(|(i, sensitivity)| ph[*i] * sensitivity).sum::<f64>() + variance;
+        let innovation = Innovation { residual, variance: total };
+        if !(residual.is_finite() && total.is_finite() && total > 0.0) {
+            return innovation;
+        }
+        self.state.mean += ph * (residual / total);
+        for j in 0..STATES {
+            let share = ph[j] / total;
+            for i in 0..STATES {
+                p[(i, j)] -= ph[i] * share;
+            }
+        }
+        for j in 0..STATES {
+            for i in 0..j {
+                p[(i, j)] = p[(j, i)];
+            }
+        }
+        innovation
+    }
+
     fn keep_within_limits(&mut self) {
-        let limits = |(low, high): (f64, f64)| (low.ln(), high.ln());
+        let x = &mut self.state.mean;
         for (i, (low, high)) in [
-            (FRONT, limits(Self::STIFFNESS_LIMITS)),
-            (REAR, limits(Self::STIFFNESS_LIMITS)),
-            (FRICTION, limits(Self::FRICTION_LIMITS)),
+            (FRONT, Self::STIFFNESS_LIMITS),
+            (REAR, Self::STIFFNESS_LIMITS),
+            (FRICTION, Self::FRICTION_LIMITS),
         ] {
-            self.state.mean[i] = self.state.mean[i].clamp(low, high);
+            x[i] = x[i].clamp(low, high);
         }
     }
 }
 
 /// Derivatives of the accelerometer's reading by the state.
-pub fn acceleration_row(rates: &Rates) -> Row {
-    let mut row = Row::zeros();
-    row[VY] = rates.acceleration_by_motion[0];
-    row[YAW] = rates.acceleration_by_motion[1];
-    row[ANGLE] = rates.acceleration_by_angle;
-    row[FRONT] = rates.acceleration_by_tires[0];
-    row[REAR] = rates.acceleration_by_tires[1];
-    row[FRICTION] = rates.acceleration_by_tires[2];
-    row[AY_OFFSET] = 1.0;
-    row
+fn acceleration_row(rates: &Rates) -> [(usize, f64); 7] {
+    [
+        (VY, rates.acceleration_by_motion[0]),
+        (YAW, rates.acceleration_by_motion[1]),
+        (ANGLE, rates.acceleration_by_angle),
+        (FRONT, rates.acceleration_by_tires[0]),
+        (REAR, rates.acceleration_by_tires[1]),
+        (FRICTION, rates.acceleration_by_tires[2]),
+        (AY_OFFSET, 1.0),
+    ]
 }
 
 /// Components that the prediction moves; the others stay.

@@ -1,53 +1,53 @@
 //! The planar body: from forces at four wheels to accelerations (thesis 4.1–4.4; methods.md §1).
 
-use super::{GRAVITY, Vehicle};
+use super::{GRAVITY, Real, Vehicle};
 
 /// What the body's equations need of the vehicle, as bare numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Body {
+pub struct Body<T = f64> {
     /// Mass, kg.
-    pub mass: f64,
+    pub mass: T,
     /// Yaw inertia, kg m².
-    pub yaw_inertia: f64,
+    pub yaw_inertia: T,
     /// Centre of gravity to front axle, m.
-    pub a: f64,
+    pub a: T,
     /// Centre of gravity to rear axle, m.
-    pub b: f64,
+    pub b: T,
     /// Half of the front track, m.
-    pub half_track_front: f64,
+    pub half_track_front: T,
     /// Half of the rear track, m.
-    pub half_track_rear: f64,
+    pub half_track_rear: T,
     /// Air drag, N/(m/s)².
-    pub drag: f64,
+    pub drag: T,
     /// Rolling resistance, force / load. It acts on the body, so that the rolling radius is that of
     /// a wheel without torque and a freely rolling wheel has no slip.
-    pub rolling_resistance: f64,
+    pub rolling_resistance: T,
 }
 
 /// Motion in the road plane, in the body's axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Velocity {
+pub struct Velocity<T = f64> {
     /// Longitudinal, m/s.
-    pub vx: f64,
+    pub vx: T,
     /// Lateral, m/s, to the left.
-    pub vy: f64,
+    pub vy: T,
     /// Yaw rate, rad/s, to the left.
-    pub yaw_rate: f64,
+    pub yaw_rate: T,
 }
 
 /// The front wheels' steering angle with its sine and cosine.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Steer {
+pub struct Steer<T = f64> {
     /// Sine.
-    pub sin: f64,
+    pub sin: T,
     /// Cosine.
-    pub cos: f64,
+    pub cos: T,
 }
 
-impl Steer {
+impl<T: Real> Steer<T> {
     /// From the angle, rad, positive to the left.
-    #[inline]
-    pub fn new(angle: f64) -> Self {
+    #[inline(always)]
+    pub fn new(angle: T) -> Self {
         let (sin, cos) = angle.sin_cos();
         Self { sin, cos }
     }
@@ -55,28 +55,28 @@ impl Steer {
 
 /// Forces on the body that are not the tires'.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct External {
+pub struct External<T = f64> {
     /// Forward at the centre of gravity, N (grade, head wind).
-    pub fx: f64,
+    pub fx: T,
     /// To the left at the centre of gravity, N (bank, cross wind).
-    pub fy: f64,
+    pub fy: T,
     /// Yaw moment, N m.
-    pub moment: f64,
+    pub moment: T,
 }
 
 /// Accelerations of the body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Acceleration {
+pub struct Acceleration<T = f64> {
     /// Change of the longitudinal velocity v̇x, m/s².
-    pub vx_rate: f64,
+    pub vx_rate: T,
     /// Change of the lateral velocity v̇y, m/s².
-    pub vy_rate: f64,
+    pub vy_rate: T,
     /// Yaw acceleration, rad/s².
-    pub yaw: f64,
+    pub yaw: T,
     /// Acceleration of the centre of gravity forward, v̇x − vy r, m/s².
-    pub ax: f64,
+    pub ax: T,
     /// Acceleration of the centre of gravity to the left, v̇y + vx r, m/s².
-    pub ay: f64,
+    pub ay: T,
 }
 
 impl Body {
@@ -93,25 +93,27 @@ impl Body {
             rolling_resistance: vehicle.rolling_resistance.value,
         }
     }
+}
 
+impl<T: Real> Body<T> {
     /// Air drag and rolling resistance, N, against the motion; both vanish smoothly at standstill.
-    #[inline]
-    pub fn resistance(&self, vx: f64) -> f64 {
+    #[inline(always)]
+    pub fn resistance(&self, vx: T) -> T {
         let rolling = self.rolling_resistance * self.mass * GRAVITY;
         self.drag * vx * vx.abs() + rolling * vx / super::wheel::reference_speed(vx)
     }
 
     /// Accelerations (methods.md §1) under the tire forces `fx` and `fy`, N, along and across each
     /// wheel in the order FL, FR, RL, RR.
-    #[inline]
+    #[inline(always)]
     pub fn accelerate(
         &self,
-        velocity: &Velocity,
-        steer: Steer,
-        fx: &[f64; 4],
-        fy: &[f64; 4],
-        external: &External,
-    ) -> Acceleration {
+        velocity: &Velocity<T>,
+        steer: Steer<T>,
+        fx: &[T; 4],
+        fy: &[T; 4],
+        external: &External<T>,
+    ) -> Acceleration<T> {
         let (front_x, front_y) = (fx[0] + fx[1], fy[0] + fy[1]);
         let front_along = front_x * steer.cos - front_y * steer.sin;
         let front_across = front_x * steer.sin + front_y * steer.cos;
@@ -132,21 +134,21 @@ impl Body {
     }
 
     /// Velocity of the front axle's middle, along and across its steered wheels, m/s.
-    #[inline]
-    pub fn front_axle_velocity(&self, velocity: &Velocity, steer: Steer) -> [f64; 2] {
+    #[inline(always)]
+    pub fn front_axle_velocity(&self, velocity: &Velocity<T>, steer: Steer<T>) -> [T; 2] {
         let across = velocity.vy + self.a * velocity.yaw_rate;
         [velocity.vx * steer.cos + across * steer.sin, across * steer.cos - velocity.vx * steer.sin]
     }
 
     /// Velocity of the rear axle's middle, along and across the car, m/s.
-    #[inline]
-    pub fn rear_axle_velocity(&self, velocity: &Velocity) -> [f64; 2] {
+    #[inline(always)]
+    pub fn rear_axle_velocity(&self, velocity: &Velocity<T>) -> [T; 2] {
         [velocity.vx, velocity.vy - self.b * velocity.yaw_rate]
     }
 
     /// Velocity of each contact point along its wheel plane, m/s, tracks and yaw rate included.
-    #[inline]
-    pub fn contact_speeds(&self, velocity: &Velocity, steer: Steer) -> [f64; 4] {
+    #[inline(always)]
+    pub fn contact_speeds(&self, velocity: &Velocity<T>, steer: Steer<T>) -> [T; 4] {
         let [front, _] = self.front_axle_velocity(velocity, steer);
         let at_front = self.half_track_front * velocity.yaw_rate * steer.cos;
         let at_rear = self.half_track_rear * velocity.yaw_rate;

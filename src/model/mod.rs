@@ -7,8 +7,10 @@
 
 mod bicycle;
 pub mod body;
+mod dual;
 pub mod integrate;
 pub mod plant;
+mod real;
 pub mod scenario;
 pub mod simulate;
 pub mod tire;
@@ -16,7 +18,9 @@ mod vehicle;
 pub mod wheel;
 
 pub use bicycle::Bicycle;
+pub use dual::Dual;
 pub use plant::{Conditions, Controls, Plant, Response, State};
+pub use real::Real;
 pub use scenario::{Scenario, ScenarioError};
 pub use simulate::{Reading, Simulation, Tick, Truth, TruthWriter};
 pub use vehicle::{DrivenAxle, GRAVITY, TireKind, Uncertain, Vehicle, VehicleError};

@@ -1,28 +1,30 @@
 //! One wheel: slip, slip angle, rotation (thesis 4.5, 4.7, 4.9; methods.md §2).
 
+use super::Real;
+
 /// Below this speed of the contact point slip and slip angle are related to it instead of to the
 /// true speed, m/s: the tire becomes a viscous damper, forces stay bounded and vanish with motion.
 pub const LOW_SPEED_MPS: f64 = 0.5;
 
 /// The speed that slip is relative to, m/s.
-#[inline]
-pub fn reference_speed(along: f64) -> f64 {
-    along.abs().max(LOW_SPEED_MPS)
+#[inline(always)]
+pub fn reference_speed<T: Real>(along: T) -> T {
+    along.abs().at_least(T::constant(LOW_SPEED_MPS))
 }
 
 /// SAE slip (r ω − v)/|v| of a wheel whose contact point moves with `along` in the wheel plane.
 ///
 /// Positive when the force points forward, in reverse, too.
-#[inline]
-pub fn slip(rolling: f64, along: f64) -> f64 {
+#[inline(always)]
+pub fn slip<T: Real>(rolling: T, along: T) -> T {
     (rolling - along) / reference_speed(along)
 }
 
 /// Slip angle, rad, of a wheel whose contact point moves with `along` in and `across` to the wheel
 /// plane (to the left). Positive when it gives a force to the left: for a car going forward
 /// δ − atan((v_y + a r)/v_x), the negative of the ISO 8855 slip angle.
-#[inline]
-pub fn slip_angle(along: f64, across: f64) -> f64 {
+#[inline(always)]
+pub fn slip_angle<T: Real>(along: T, across: T) -> T {
     -(across / reference_speed(along)).atan()
 }
 

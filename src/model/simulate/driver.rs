@@ -2,7 +2,7 @@
 
 use super::input::Input;
 use crate::model::scenario::{AbsConfig, DriverConfig};
-use crate::model::tire::Curve;
+use crate::model::tire::Shape;
 use crate::model::{Conditions, Plant, Response, State};
 
 /// What the driver asks for, N m over all wheels; the brake torque is zero or positive.

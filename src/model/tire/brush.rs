@@ -4,7 +4,7 @@
 //! pressure. With ψ = C s / (3 μ), the share of the patch that slides, the force is
 //! μ (3 ψ − 3 ψ² + ψ³): the polynomial of methods.md §4.
 
-use super::{Contact, Curve};
+use super::{Contact, Curve, Real, Shape};
 
 /// The brush model; it has no parameter of its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -16,38 +16,55 @@ impl Brush {
     /// The sticking part of the patch pulls where its bristles bend to, (C_x s, C_y α); the sliding
     /// part against the sliding velocity, (s, tan α) of the wheel's speed. With friction that
     /// differs in the two directions the sliding friction follows the ellipse.
-    #[inline]
-    pub fn combined(&self, contact: &Contact, slip: f64, slip_angle: f64) -> [f64; 2] {
+    #[inline(always)]
+    pub fn combined<T: Real>(&self, contact: &Contact<T>, slip: T, slip_angle: T) -> [T; 2] {
         let x = contact.stiffness_x * slip;
         let y = contact.stiffness_y * slip_angle;
         let psi = norm(x / contact.friction_x, y / contact.friction_y) / 3.0;
-        if psi == 0.0 {
-            return [0.0, 0.0];
-        }
-        let (sticking, sliding) =
-            if psi < 1.0 { ((1.0 - psi) * (1.0 - psi), psi * psi * (3.0 - 2.0 * psi)) } else { (0.0, 1.0) };
         let (sin, cos) = slip_angle.sin_cos();
         let (along, across) = (slip * cos, sin);
         let length = norm(along / contact.friction_x, across / contact.friction_y);
-        // Slips too small to have a length in floating point do not slide either.
-        let scale = if length > 0.0 { sliding / length } else { 0.0 };
-        [x * sticking + along * scale, y * sticking + across * scale]
+        // Slips too small to have a length in floating point do not slide, either.
+        if psi.value() == 0.0 || length.value() == 0.0 {
+            return [x, y];
+        }
+        if psi.value() >= 1.0 {
+            return [along / length, across / length];
+        }
+        let stick = -psi + 1.0;
+        let sticking = stick * stick;
+        let sliding = psi * psi * (-psi * 2.0 + 3.0) / length;
+        [x * sticking + along * sliding, y * sticking + across * sliding]
     }
 }
 
 /// √(x² + y²); slips are far from where `hypot` would be needed, and it is slow.
-#[inline]
-fn norm(x: f64, y: f64) -> f64 {
-    (x * x + y * y).sqrt()
+#[inline(always)]
+fn norm<T: Real>(x: T, y: T) -> T {
+    let square = x * x + y * y;
+    // The root has no derivative at zero, and is not needed there.
+    if square.value() == 0.0 { square } else { square.sqrt() }
 }
 
-impl Curve for Brush {
-    #[inline]
-    fn force(&self, stiffness: f64, friction: f64, slip: f64) -> f64 {
-        let psi = (stiffness * slip.abs() / (3.0 * friction)).min(1.0);
-        (friction * psi * (3.0 - psi * (3.0 - psi))).copysign(slip)
+impl<T: Real> Curve<T> for Brush {
+    #[inline(always)]
+    fn force(&self, stiffness: T, friction: T, slip: T) -> T {
+        let psi = stiffness * slip.abs() / (friction * 3.0);
+        let force = if psi.value() < 1.0 { friction * psi * (psi * (psi - 3.0) + 3.0) } else { friction };
+        force.with_sign_of(slip)
     }
 
+    /// F = μ (1 − (1 − ψ)³), solved for ψ.
+    #[inline(always)]
+    fn slip(&self, stiffness: T, friction: T, force: T) -> T {
+        let left = (-(force.abs() / friction) + 1.0).at_least(T::constant(1e-9));
+        let root = left.value().cbrt();
+        let psi = -left.map(root, root / (3.0 * left.value())) + 1.0;
+        (psi * 3.0 * friction / stiffness).with_sign_of(force)
+    }
+}
+
+impl Shape for Brush {
     #[inline]
     fn slope(&self, stiffness: f64, friction: f64, slip: f64) -> f64 {
         let stick = (1.0 - stiffness * slip.abs() / (3.0 * friction)).max(0.0);

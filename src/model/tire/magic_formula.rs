@@ -2,37 +2,66 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::Curve;
+use super::{Curve, Real, Shape};
 
 /// D sin(C atan(B x − E (B x − atan B x))), D the friction, B C D the stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MagicFormula {
+pub struct MagicFormula<T = f64> {
     /// Shape factor C, above 0 and at most 2: how far the force falls beyond its peak. Up to 1 it
     /// has no peak.
-    pub shape: f64,
+    pub shape: T,
     /// Curvature factor E, at most 1: how sharp the peak is.
-    pub curvature: f64,
+    pub curvature: T,
 }
 
-impl MagicFormula {
+impl<T: Real> MagicFormula<T> {
     /// The argument of the outer atan, and its derivative by B x.
-    #[inline]
-    fn bent(&self, bx: f64) -> (f64, f64) {
-        if self.curvature == 0.0 {
-            return (bx, 1.0);
+    #[inline(always)]
+    fn bent(&self, bx: T) -> (T, T) {
+        if self.curvature.value() == 0.0 {
+            return (bx, T::constant(1.0));
         }
         let bent = bx - self.curvature * (bx - bx.atan());
-        (bent, 1.0 - self.curvature * (1.0 - 1.0 / (1.0 + bx * bx)))
+        let flat = bx * bx / (bx * bx + 1.0);
+        (bent, -(self.curvature * flat) + 1.0)
     }
 }
 
-impl Curve for MagicFormula {
-    #[inline]
-    fn force(&self, stiffness: f64, friction: f64, slip: f64) -> f64 {
+impl<T: Real> Curve<T> for MagicFormula<T> {
+    #[inline(always)]
+    fn force(&self, stiffness: T, friction: T, slip: T) -> T {
         let (bent, _) = self.bent(stiffness / (self.shape * friction) * slip);
-        friction * (self.shape * bent.atan()).sin()
+        let (sin, _) = (self.shape * bent.atan()).sin_cos();
+        friction * sin
     }
 
+    #[inline(always)]
+    fn slip(&self, stiffness: T, friction: T, force: T) -> T {
+        // sin(C atan z) = F/D gives z at once; B x follows from it by Newton's method, whose last step,
+        // in T, has the exact derivative.
+        let share = (force / friction).at_least(T::constant(-1.0 + 1e-9)).at_most(T::constant(1.0 - 1e-9));
+        let sine = share.value();
+        let angle = share.map(sine.asin(), 1.0 / (1.0 - sine * sine).sqrt());
+        let (sin, cos) = (angle / self.shape).sin_cos();
+        let wanted = sin / cos;
+        let mut bx = wanted;
+        if self.curvature.value() != 0.0 {
+            for _ in 0..12 {
+                let (bent, by) = self.bent(T::constant(bx.value()));
+                let step = (bent.value() - wanted.value()) / by.value();
+                bx = T::constant(bx.value() - step);
+                if step.abs() < 1e-13 * bx.value().abs() {
+                    break;
+                }
+            }
+        }
+        let (bent, by) = self.bent(T::constant(bx.value()));
+        bx = bx - (bent - wanted) / by;
+        bx * self.shape * friction / stiffness
+    }
+}
+
+impl Shape for MagicFormula {
     #[inline]
     fn slope(&self, stiffness: f64, friction: f64, slip: f64) -> f64 {
         let (bent, by_bx) = self.bent(stiffness / (self.shape * friction) * slip);

@@ -15,19 +15,19 @@ pub use linear::Linear;
 pub use magic_formula::MagicFormula;
 pub use piecewise_linear::PiecewiseLinear;
 
-use super::{TireKind, Vehicle};
+use super::{Real, TireKind, Vehicle};
 
 /// What tire and surface make of each other at one wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
+pub struct Contact<T = f64> {
     /// Longitudinal stiffness k: force / normal load per unit slip.
-    pub stiffness_x: f64,
+    pub stiffness_x: T,
     /// Lateral stiffness: force / normal load per rad of slip angle.
-    pub stiffness_y: f64,
+    pub stiffness_y: T,
     /// Longitudinal friction: the largest force / normal load.
-    pub friction_x: f64,
+    pub friction_x: T,
     /// Lateral friction: the largest force / normal load.
-    pub friction_y: f64,
+    pub friction_y: T,
 }
 
 impl Contact {
@@ -38,10 +38,17 @@ impl Contact {
 }
 
 /// One normalized force curve. Odd in the slip; `stiffness` and `friction` are positive.
-pub trait Curve {
+pub trait Curve<T: Real = f64> {
     /// Force / normal load at a slip (or at a slip angle in rad).
-    fn force(&self, stiffness: f64, friction: f64, slip: f64) -> f64;
+    fn force(&self, stiffness: T, friction: T, slip: T) -> T;
 
+    /// The slip at which the force has this value, which must be below the friction: the one on the
+    /// rising side.
+    fn slip(&self, stiffness: T, friction: T, force: T) -> T;
+}
+
+/// What a plain curve knows of itself beside its force.
+pub trait Shape: Curve {
     /// Derivative of [`Curve::force`] by the slip, exact; at a kink the value of the outer side.
     fn slope(&self, stiffness: f64, friction: f64, slip: f64) -> f64;
 
@@ -51,13 +58,13 @@ pub trait Curve {
 
 /// A tire model with the parameters of its shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Tire {
+pub enum Tire<T = f64> {
     /// Proportional, without limit.
     Linear(Linear),
     /// Proportional up to the friction, then constant.
     PiecewiseLinear(PiecewiseLinear),
     /// Magic formula.
-    MagicFormula(MagicFormula),
+    MagicFormula(MagicFormula<T>),
     /// Brush.
     Brush(Brush),
 }
@@ -75,16 +82,18 @@ impl Tire {
             }),
         }
     }
+}
 
+impl<T: Real> Tire<T> {
     /// Longitudinal force / normal load at pure slip.
-    #[inline]
-    pub fn longitudinal(&self, contact: &Contact, slip: f64) -> f64 {
+    #[inline(always)]
+    pub fn longitudinal(&self, contact: &Contact<T>, slip: T) -> T {
         self.force(contact.stiffness_x, contact.friction_x, slip)
     }
 
     /// Lateral force / normal load at a pure slip angle, rad; positive angle, positive force.
-    #[inline]
-    pub fn lateral(&self, contact: &Contact, slip_angle: f64) -> f64 {
+    #[inline(always)]
+    pub fn lateral(&self, contact: &Contact<T>, slip_angle: T) -> T {
         self.force(contact.stiffness_y, contact.friction_y, slip_angle)
     }
 
@@ -92,8 +101,8 @@ impl Tire {
     ///
     /// Piecewise linear and magic formula: each as if alone, both scaled back onto the friction
     /// ellipse (thesis 4.15). Brush: its own combined slip ([`Brush::combined`]). Linear: no limit.
-    #[inline]
-    pub fn combined(&self, contact: &Contact, slip: f64, slip_angle: f64) -> [f64; 2] {
+    #[inline(always)]
+    pub fn combined(&self, contact: &Contact<T>, slip: T, slip_angle: T) -> [T; 2] {
         match self {
             Self::Linear(_) => [contact.stiffness_x * slip, contact.stiffness_y * slip_angle],
             Self::PiecewiseLinear(curve) => ellipse::pair(curve, contact, slip, slip_angle),
@@ -103,34 +112,38 @@ impl Tire {
     }
 }
 
-impl Curve for Tire {
-    #[inline]
-    fn force(&self, stiffness: f64, friction: f64, slip: f64) -> f64 {
-        match self {
-            Self::Linear(curve) => curve.force(stiffness, friction, slip),
-            Self::PiecewiseLinear(curve) => curve.force(stiffness, friction, slip),
-            Self::MagicFormula(curve) => curve.force(stiffness, friction, slip),
-            Self::Brush(curve) => curve.force(stiffness, friction, slip),
+/// Hands a call on to the model.
+macro_rules! of_model {
+    ($tire:expr, $curve:ident => $call:expr) => {
+        match $tire {
+            Tire::Linear($curve) => $call,
+            Tire::PiecewiseLinear($curve) => $call,
+            Tire::MagicFormula($curve) => $call,
+            Tire::Brush($curve) => $call,
         }
+    };
+}
+
+impl<T: Real> Curve<T> for Tire<T> {
+    #[inline(always)]
+    fn force(&self, stiffness: T, friction: T, slip: T) -> T {
+        of_model!(self, curve => curve.force(stiffness, friction, slip))
     }
 
+    #[inline(always)]
+    fn slip(&self, stiffness: T, friction: T, force: T) -> T {
+        of_model!(self, curve => curve.slip(stiffness, friction, force))
+    }
+}
+
+impl Shape for Tire {
     #[inline]
     fn slope(&self, stiffness: f64, friction: f64, slip: f64) -> f64 {
-        match self {
-            Self::Linear(curve) => curve.slope(stiffness, friction, slip),
-            Self::PiecewiseLinear(curve) => curve.slope(stiffness, friction, slip),
-            Self::MagicFormula(curve) => curve.slope(stiffness, friction, slip),
-            Self::Brush(curve) => curve.slope(stiffness, friction, slip),
-        }
+        of_model!(self, curve => curve.slope(stiffness, friction, slip))
     }
 
     fn peak_slip(&self, stiffness: f64, friction: f64) -> f64 {
-        match self {
-            Self::Linear(curve) => curve.peak_slip(stiffness, friction),
-            Self::PiecewiseLinear(curve) => curve.peak_slip(stiffness, friction),
-            Self::MagicFormula(curve) => curve.peak_slip(stiffness, friction),
-            Self::Brush(curve) => curve.peak_slip(stiffness, friction),
-        }
+        of_model!(self, curve => curve.peak_slip(stiffness, friction))
     }
 }
 
@@ -197,6 +210,15 @@ mod tests {
             let difference = (force(slip + 1e-6) - force(slip - 1e-6)) / 2e-6;
             let slope = tire.slope(stiffness, friction, slip);
             prop_assert!((difference - slope).abs() < 1e-3 * stiffness.max(1.0), "{difference} {slope}");
+        }
+
+        #[test]
+        fn the_slip_of_a_force_gives_that_force(
+            index in 0..TIRES.len(), stiffness in 1.0..200.0, friction in 0.05..1.3, share in -0.99..0.99f64,
+        ) {
+            let force = share * friction;
+            let slip = TIRES[index].slip(stiffness, friction, force);
+            prop_assert!((TIRES[index].force(stiffness, friction, slip) - force).abs() < 1e-9 * friction);
         }
 
         #[test]

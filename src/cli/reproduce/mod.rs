@@ -8,9 +8,11 @@ mod drive;
 mod experiment;
 mod friction;
 mod identification;
+mod joint_filter;
 mod lateral;
 mod limits;
 mod mapping;
+pub mod sim2_grid;
 mod slip_slope;
 mod surface;
 mod tires;
@@ -25,6 +27,7 @@ pub fn experiments() -> Vec<Experiment> {
         tires::EXPERIMENTS,
         slip_slope::EXPERIMENTS,
         lateral::EXPERIMENTS,
+        joint_filter::EXPERIMENTS,
         identification::EXPERIMENTS,
         mapping::EXPERIMENTS,
         surface::EXPERIMENTS,

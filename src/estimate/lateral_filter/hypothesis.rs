@@ -2,12 +2,12 @@
 
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
-use super::model::{
-    ANGLE, ANGLE_OFFSET, ANGLE_RATE, AY_OFFSET, BANK, Covariance, FRICTION, FRONT, Inputs, Model, REAR, Rates,
-    Row, STATES, VY, YAW, YAW_OFFSET,
-};
 use super::super::Car;
 use super::LateralFilterConfig;
+use super::model::{
+    ANGLE, ANGLE_OFFSET, ANGLE_RATE, AY_OFFSET, BANK, Covariance, FRICTION, FRONT, Inputs, Model, REAR,
+    Rates, Row, STATES, VY, YAW, YAW_OFFSET,
+};
 use crate::filter::{Gaussian, Innovation};
 use crate::{Quantity, Sensors};
 
@@ -112,7 +112,9 @@ impl Hypothesis {
         let scaled = h * rates.by_motion;
         let integral = h
             * (Matrix2::identity()
-                + 0.5 * scaled * (Matrix2::identity() + scaled * (Matrix2::identity() + 0.25 * scaled) / 3.0));
+                + 0.5
+                    * scaled
+                    * (Matrix2::identity() + scaled * (Matrix2::identity() + 0.25 * scaled) / 3.0));
         let moved = integral * rates.rate;
         self.state.mean[VY] += moved[0];
         self.state.mean[YAW] += moved[1];
@@ -134,7 +136,8 @@ impl Hypothesis {
         rows[(ANGLE, ANGLE_RATE)] = h;
         propagate(&mut self.state.covariance, &rows);
         // The hands' acceleration, constant during the step, moves angle, rate, and thereby the car.
-        let hands = SVector::<f64, 4>::new(h * h / 6.0 * by_angle[0], h * h / 6.0 * by_angle[1], 0.5 * h * h, h);
+        let hands =
+            SVector::<f64, 4>::new(h * h / 6.0 * by_angle[0], h * h / 6.0 * by_angle[1], 0.5 * h * h, h);
         let p = &mut self.state.covariance;
         let density = steering / h;
         for i in 0..4 {
@@ -150,7 +153,8 @@ impl Hypothesis {
     pub fn walk(&mut self, walk: &Walk, elapsed_s: f64) {
         let unknown = Self::UNKNOWN * Self::UNKNOWN;
         let p = &self.state.covariance;
-        let common = p[(FRONT, FRONT)] < unknown && p[(REAR, REAR)] < unknown && p[(FRICTION, FRICTION)] < unknown;
+        let common =
+            p[(FRONT, FRONT)] < unknown && p[(REAR, REAR)] < unknown && p[(FRICTION, FRICTION)] < unknown;
         self.open(if common { walk.common * elapsed_s } else { 0.0 }, [0.0; 3]);
         let p = &mut self.state.covariance;
         for (i, own) in [(FRONT, walk.stiffness), (REAR, walk.stiffness), (FRICTION, walk.friction)] {
@@ -213,7 +217,12 @@ impl Hypothesis {
     /// Measurement update with a scalar of sparse sensitivity. With noise in every reading and in every
     /// component that moves, P − k kᵀ s is as good as Joseph's form and a third of its work; it is symmetric
     /// to the last bit.
-    fn correct<const M: usize>(&mut self, row: [(usize, f64); M], residual: f64, variance: f64) -> Innovation {
+    fn correct<const M: usize>(
+        &mut self,
+        row: [(usize, f64); M],
+        residual: f64,
+        variance: f64,
+    ) -> Innovation {
         let p = &mut self.state.covariance;
         let mut ph = Row::zeros();
         for (i, sensitivity) in row {

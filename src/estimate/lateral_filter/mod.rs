@@ -33,11 +33,11 @@ use self::model::{
 use self::steering::SteeringActivity;
 use super::cornering::LateralMotion;
 use super::{Car, Cornering, Kinematics};
+use crate::Sensors;
 use crate::estimates::{Estimate, SensorOffsets};
 use crate::filter::{Gaussian, Innovation, LearnedNoise};
 use crate::model::tire::Tire;
 use crate::model::{DrivenAxle, GRAVITY};
-use crate::Sensors;
 
 /// The filter.
 #[derive(Clone, Debug)]
@@ -229,9 +229,9 @@ impl LateralFilter {
     /// Innovations are about as large as the filter believes, and the noise it had to assume for that is
     /// still a sensor's.
     pub fn is_consistent(&self) -> bool {
-        self.learned.iter().all(|noise| {
-            noise.nis() < self.config.inconsistent_nis && noise.scale() < Self::NOISE_LIMIT
-        })
+        self.learned
+            .iter()
+            .all(|noise| noise.nis() < self.config.inconsistent_nis && noise.scale() < Self::NOISE_LIMIT)
     }
 
     /// The surface changed, as another filter noticed.

@@ -14,7 +14,7 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 use super::super::Car;
 use crate::model::GRAVITY;
-use crate::model::tire::{Curve, Tire};
+use crate::model::tire::{Curve, Shape, Tire};
 
 /// Components of the state.
 pub const STATES: usize = 11;
@@ -145,8 +145,9 @@ impl Model {
     pub fn rates(&self, x: &Row, motion: Vector2<f64>, inputs: &Inputs, angle: f64, blur: [f64; 2]) -> Rates {
         let slip = self.slip_angles(motion[0], motion[1], inputs.speed, angle);
         let friction = x[FRICTION].exp();
-        let [front, rear] = [(FRONT, 0), (REAR, 1)]
-            .map(|(i, axle)| self.axle(x[i].exp(), friction, inputs.longitudinal[axle], slip[axle].0, blur[axle]));
+        let [front, rear] = [(FRONT, 0), (REAR, 1)].map(|(i, axle)| {
+            self.axle(x[i].exp(), friction, inputs.longitudinal[axle], slip[axle].0, blur[axle])
+        });
         let (sin, cos) = angle.sin_cos();
         let along = inputs.longitudinal[0];
         let front_weight = GRAVITY * self.share[0];

@@ -42,7 +42,7 @@ fn the_stiffness_is_followed_in_gentle_steering_and_in_sliding() {
         for run in &cell.runs {
             assert!(run.changes >= 2);
             assert!(run.nis.iter().all(|nis| (0.9..1.1).contains(nis)), "{:?}", run.nis);
-            assert!(run.within > 0.85, "{}", run.within);
+            assert!(run.within > 0.8, "{}", run.within);
         }
     }
 }

@@ -119,3 +119,71 @@ fn inputs_of(truth: &Truth) -> Inputs {
     let along = |left: usize| (truth.fx[left] + truth.fx[left + 1]) / (truth.fz[left] + truth.fz[left + 1]);
     Inputs { speed: truth.longitudinal_velocity, longitudinal: [along(0), along(2)] }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Sensors;
+    use crate::estimate::Car;
+    use crate::model::Vehicle;
+    use crate::model::tire::{PiecewiseLinear, Tire};
+
+    /// The linear car on a sine, its lateral motion by Euler's method in small steps.
+    fn truth(amplitude: f64) -> Vec<Truth> {
+        let vehicle = Vehicle::thesis();
+        let bicycle = Car::new(&vehicle).bicycle(11.5, 11.5);
+        let (speed, step) = (25.0, 0.01);
+        let (dynamics, input) = bicycle.dynamics(speed);
+        let (by_state, by_angle) = bicycle.lateral_acceleration(speed);
+        let mut x = nalgebra::Vector2::zeros();
+        let load = vehicle.static_wheel_load(true);
+        (0..2000)
+            .map(|i| {
+                let steer = amplitude * (std::f64::consts::PI * f64::from(i) * step).sin();
+                for _ in 0..10 {
+                    x += 0.1 * step * (dynamics * x + input * steer);
+                }
+                Truth {
+                    longitudinal_velocity: speed,
+                    lateral_velocity: x[0],
+                    yaw_rate: x[1],
+                    lateral_acceleration: by_state.dot(&x) + by_angle * steer,
+                    steer,
+                    cornering_front: 11.5,
+                    cornering_rear: 11.5,
+                    mu_max: 1.0,
+                    fz: [load; 4],
+                    ..Truth::default()
+                }
+            })
+            .collect()
+    }
+
+    fn bound(amplitude: f64, disturbed: bool, changed: impl Fn(usize) -> bool) -> Vec<Bound> {
+        let car = Car::new(&Vehicle::thesis());
+        let config = LateralFilterConfig::default();
+        let noise = Noise::promised(&car, &Sensors::default(), &config);
+        let model = Model::new(&car, Tire::PiecewiseLinear(PiecewiseLinear));
+        let assumptions = Assumptions { disturbed, ..Assumptions::default() };
+        stiffness_bound(&truth(amplitude), 0.01, &model, &noise, &config, &assumptions, changed)
+    }
+
+    #[test]
+    fn twice_the_steering_halves_the_bound_and_what_is_not_known_raises_it() {
+        let last = |bounds: Vec<Bound>| bounds[1999];
+        let (gentle, firm) = (last(bound(0.005, false, |_| false)), last(bound(0.01, false, |_| false)));
+        let ratio = gentle.stiffness[0] / firm.stiffness[0];
+        assert!((1.9..2.1).contains(&ratio), "{ratio}");
+        let disturbed = last(bound(0.01, true, |_| false));
+        assert!(disturbed.stiffness[0] > 1.05 * firm.stiffness[0]);
+        // Nothing slid: all that is known of the friction is the surface's share in it.
+        assert!(firm.friction > 0.02, "{firm:?}");
+    }
+
+    #[test]
+    fn a_change_takes_away_what_was_known() {
+        let bounds = bound(0.01, false, |row| row == 1000);
+        assert!(bounds[1000].stiffness[1] > 5.0 * bounds[999].stiffness[1]);
+        assert!(bounds[1999].stiffness[1] < 0.02);
+    }
+}

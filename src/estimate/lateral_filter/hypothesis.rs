@@ -14,12 +14,15 @@ use crate::{Quantity, Sensors};
 /// Noise of single samples and of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// Variances of a reading: yaw rate, lateral acceleration, road wheel angle.
+    /// Variance of a yaw rate's reading, rad²/s².
     pub yaw_rate: f64,
+    /// … of a lateral acceleration's, m²/s⁴.
     pub acceleration: f64,
+    /// … of a road wheel angle's, rad².
     pub angle: f64,
-    /// Unmodelled lateral force, m/s²/√Hz, and moment, rad/s²/√Hz; spectral densities squared.
+    /// Spectral density of the unmodelled lateral acceleration, m²/s³.
     pub lateral: f64,
+    /// … of the unmodelled yaw acceleration, rad²/s³.
     pub moment: f64,
 }
 
@@ -60,6 +63,7 @@ pub struct Verdict {
 /// State and covariance under one assumption on the surface.
 #[derive(Clone, Debug)]
 pub struct Hypothesis {
+    /// See [`super::model`] for its components.
     pub state: Gaussian<STATES>,
 }
 
@@ -290,5 +294,41 @@ fn propagate(p: &mut Covariance, rows: &SMatrix<f64, MOVING, STATES>) {
             p[(i, j)] = mean;
             p[(j, i)] = mean;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Vehicle;
+    use crate::model::tire::{PiecewiseLinear, Tire};
+
+    /// Ten million readings are more than a day.
+    #[test]
+    fn the_covariance_stays_positive_through_two_million_samples() {
+        let car = Car::new(&Vehicle::thesis());
+        let model = Model::new(&car, Tire::PiecewiseLinear(PiecewiseLinear));
+        let noise = Noise::promised(&car, &Sensors::default(), &LateralFilterConfig::default());
+        let std = [0.5, 0.1, 0.1, 0.5, 0.3, 0.3, 0.3, 0.1, 0.01, 0.01, 0.15];
+        let mut mean = [0.0; STATES];
+        (mean[FRONT], mean[REAR]) = (2.4, 2.4);
+        let mut hypothesis = Hypothesis { state: Gaussian::new(mean, std) };
+        let walk = LateralFilterConfig::default().steady();
+        let samples = if cfg!(debug_assertions) { 200_000 } else { 2_000_000 };
+        for i in 0..samples {
+            let inputs = Inputs { speed: 20.0 + 10.0 * f64::sin(i as f64 * 1e-4), longitudinal: [0.1, 0.0] };
+            let readings = [0.0, 1.0, 2.0].map(|j| 0.01 * f64::sin(i as f64 * (0.03 + 0.01 * j)));
+            hypothesis.predict(&model, &inputs, &inputs, 0.01, &noise, 0.01);
+            hypothesis.walk(&walk, 0.01);
+            hypothesis.fade_bank(0.02, 20.0, 0.01);
+            hypothesis.update(&model, &inputs, readings, &noise);
+        }
+        assert!(hypothesis.state.is_sound());
+        let p = &hypothesis.state.covariance;
+        assert_eq!(*p, p.transpose());
+        // Scaled to ones on the diagonal: the units must not decide.
+        let scale = p.diagonal().map(|v| v.sqrt().recip());
+        let correlation = Covariance::from_fn(|i, j| p[(i, j)] * scale[i] * scale[j]);
+        assert!(correlation.symmetric_eigenvalues().min() > 0.0, "{}", correlation.symmetric_eigenvalues());
     }
 }

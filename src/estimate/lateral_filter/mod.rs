@@ -77,6 +77,8 @@ impl LateralFilter {
     const LEAST_PRIOR_STD: f64 = 0.05;
     /// Lateral acceleration from which a sample tells something of the stiffness, m/s².
     const INFORMATIVE: f64 = 0.3;
+    /// Redundancy of readings up to which they count as independent.
+    const BY_CHANCE: f64 = 1.15;
     /// A stiffness this uncertain (relative) is not given out.
     const UNKNOWN: f64 = 0.25;
     /// Learned noise this many times (variance) the promised one is no longer a sensor's.
@@ -244,10 +246,16 @@ impl LateralFilter {
     fn noise(&self) -> Noise {
         let [yaw, acceleration] = &self.learned;
         Noise {
-            yaw_rate: yaw.variance(self.promised.yaw_rate) * yaw.redundancy(),
-            acceleration: acceleration.variance(self.promised.acceleration) * acceleration.redundancy(),
+            yaw_rate: yaw.variance(self.promised.yaw_rate) * Self::repeated(yaw),
+            acceleration: acceleration.variance(self.promised.acceleration) * Self::repeated(acceleration),
             ..self.promised
         }
+    }
+
+    /// How many readings are worth one. A correlation that white noise shows by chance is none.
+    fn repeated(noise: &LearnedNoise) -> f64 {
+        let redundancy = noise.redundancy();
+        if redundancy < Self::BY_CHANCE { 1.0 } else { redundancy }
     }
 
     /// Speed, and the longitudinal forces from the torque; where that is not on the bus, and in braking,

@@ -18,21 +18,27 @@ use crate::model::tire::{Curve, Shape, Tire};
 
 /// Components of the state.
 pub const STATES: usize = 11;
-/// Lateral velocity, m/s, and yaw rate, rad/s.
+/// Lateral velocity, m/s.
 pub const VY: usize = 0;
+/// Yaw rate, rad/s.
 pub const YAW: usize = 1;
-/// Road wheel angle, rad, and its rate, rad/s. As states, because noise in the angle that multiplies a
+/// Road wheel angle, rad. A state, and its rate, too, because noise in the angle that multiplies a
 /// stiffness would pull the stiffness down; a driver's hands are smoother than a sensor.
 pub const ANGLE: usize = 2;
+/// Its rate, rad/s.
 pub const ANGLE_RATE: usize = 3;
-/// Logarithms of the normalized cornering stiffnesses (1/rad) and of the friction. As logarithms they stay
-/// positive, their walks are relative, and a surface's common factor is a common summand.
+/// Logarithm of the front axle's normalized cornering stiffness (1/rad). As logarithms stiffness and friction
+/// stay positive, their walks are relative, and a surface's common factor is a common summand.
 pub const FRONT: usize = 4;
+/// … of the rear axle's.
 pub const REAR: usize = 5;
+/// Logarithm of the friction.
 pub const FRICTION: usize = 6;
-/// Offsets: lateral acceleration m/s², yaw rate rad/s, road wheel angle rad.
+/// Offset of the lateral acceleration, m/s².
 pub const AY_OFFSET: usize = 7;
+/// Offset of the yaw rate, rad/s.
 pub const YAW_OFFSET: usize = 8;
+/// Offset of the road wheel angle, rad.
 pub const ANGLE_OFFSET: usize = 9;
 /// Gravity's part along the road's cross slope, m/s².
 pub const BANK: usize = 10;
@@ -65,9 +71,13 @@ impl Inputs {
 /// Force of an axle / its load, and its derivatives.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AxleForce {
+    /// Lateral force / load.
     pub lateral: f64,
+    /// By the slip angle, 1/rad.
     pub by_angle: f64,
+    /// By the logarithm of the stiffness.
     pub by_ln_stiffness: f64,
+    /// By the logarithm of the friction.
     pub by_ln_friction: f64,
 }
 
@@ -84,9 +94,11 @@ pub struct Rates {
     pub by_tires: SMatrix<f64, 2, 3>,
     /// Lateral acceleration, m/s².
     pub acceleration: f64,
-    /// Its derivatives by (v_y, r), the angle, and the tires.
+    /// Its derivatives by v_y and r.
     pub acceleration_by_motion: [f64; 2],
+    /// … by the road wheel angle.
     pub acceleration_by_angle: f64,
+    /// … by ln C_F, ln C_R, ln μ.
     pub acceleration_by_tires: [f64; 3],
 }
 
@@ -286,4 +298,96 @@ fn normal_probability(beta: f64, density: f64) -> f64 {
             + t * (-0.356_563_782 + t * (1.781_477_937 + t * (-1.821_255_978 + t * 1.330_274_429))));
     let tail = density * series;
     if beta > 0.0 { 1.0 - tail } else { tail }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Vehicle;
+    use crate::model::tire::{Brush, PiecewiseLinear};
+
+    fn model(tire: Tire) -> Model {
+        let mut vehicle = Vehicle::thesis();
+        vehicle.cg_to_front_m.value = 1.3;
+        Model::new(&Car::new(&vehicle), tire)
+    }
+
+    fn state(friction: f64) -> Row {
+        let mut x = Row::zeros();
+        (x[VY], x[YAW], x[ANGLE]) = (-0.4, 0.3, 0.08);
+        (x[FRONT], x[REAR], x[FRICTION]) = (11.0_f64.ln(), 13.0_f64.ln(), f64::ln(friction));
+        x
+    }
+
+    /// Rates and acceleration at `x`, its own motion and angle.
+    fn at(model: &Model, x: &Row, blur: f64) -> ([f64; 3], Rates) {
+        let inputs = Inputs { speed: 21.0, longitudinal: [0.15, 0.0] };
+        let rates = model.rates(x, Vector2::new(x[VY], x[YAW]), &inputs, x[ANGLE], [blur; 2]);
+        ([rates.rate[0], rates.rate[1], rates.acceleration], rates)
+    }
+
+    #[test]
+    fn the_derivatives_are_those_of_the_rates() {
+        let cases = [
+            (Tire::Brush(Brush), 0.9, 0.0),
+            (Tire::Brush(Brush), 0.4, 0.0),
+            (Tire::PiecewiseLinear(PiecewiseLinear), 0.9, 0.001),
+            // The front axle just at its limit: the kink's blur has its derivatives, too.
+            (Tire::PiecewiseLinear(PiecewiseLinear), 0.78, 0.1),
+        ];
+        for (tire, friction, blur) in cases {
+            let model = model(tire);
+            let x = state(friction);
+            let (_, rates) = at(&model, &x, blur);
+            for i in [VY, YAW, ANGLE, FRONT, REAR, FRICTION] {
+                let step = 1e-6;
+                let (mut above, mut below) = (x, x);
+                above[i] += step;
+                below[i] -= step;
+                let (above, below) = (at(&model, &above, blur).0, at(&model, &below, blur).0);
+                let column = match i {
+                    VY | YAW => {
+                        [rates.by_motion[(0, i)], rates.by_motion[(1, i)], rates.acceleration_by_motion[i]]
+                    }
+                    ANGLE => [rates.by_angle[0], rates.by_angle[1], rates.acceleration_by_angle],
+                    tire => {
+                        let j = tire - FRONT;
+                        [rates.by_tires[(0, j)], rates.by_tires[(1, j)], rates.acceleration_by_tires[j]]
+                    }
+                };
+                for k in 0..3 {
+                    let difference = (above[k] - below[k]) / (2.0 * step);
+                    assert!(
+                        (difference - column[k]).abs() < 1e-3 * (1.0 + difference.abs()),
+                        "{tire:?} {friction} state {i} row {k}: {difference} {}",
+                        column[k]
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_used_along_the_car_is_not_there_across_it() {
+        let tire = model(Tire::PiecewiseLinear(PiecewiseLinear));
+        let force = tire.axle(12.0, 0.5, 0.3, -0.2, 1e-3);
+        assert!((force.lateral + 0.4).abs() < 1e-12 && force.by_angle == 0.0);
+        // dy/dμ = μ/√(μ² − x²), by ln μ times μ.
+        assert!((force.by_ln_friction + 0.5 * 0.5 / 0.4).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_blurred_kink_is_the_mean_of_the_curve_over_what_is_not_known() {
+        let (stiffness, limit, alpha, blur) = (10.0, 0.5, 0.049, 0.02);
+        let (mean, _, _) = blurred(stiffness, limit, alpha, blur);
+        let n = 20_000;
+        let numeric: f64 = (0..n)
+            .map(|i| {
+                let z = -6.0 + 12.0 * (f64::from(i) + 0.5) / f64::from(n);
+                let density = (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
+                (stiffness * alpha + blur * z).min(limit) * density * 12.0 / f64::from(n)
+            })
+            .sum();
+        assert!((mean - numeric).abs() < 1e-6, "{mean} {numeric}");
+    }
 }

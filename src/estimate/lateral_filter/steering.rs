@@ -52,3 +52,30 @@ impl SteeringActivity {
         self.density
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn learned(amplitude: f64, frequency_hz: f64) -> f64 {
+        let mut activity = SteeringActivity::new(1e-6);
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut density = 0.0;
+        for i in 0..5000 {
+            let t = f64::from(i) * 0.01;
+            let noise: f64 = StandardNormal.sample(&mut rng);
+            density = activity
+                .step(amplitude * (std::f64::consts::TAU * frequency_hz * t).sin() + 1e-3 * noise, 0.01);
+        }
+        density
+    }
+
+    #[test]
+    fn livelier_hands_are_learned_as_such() {
+        let (still, calm, lively) = (learned(0.0, 0.5), learned(0.02, 0.5), learned(0.1, 1.0));
+        assert!(still < 0.2 * calm && calm < 0.1 * lively, "{still} {calm} {lively}");
+    }
+}

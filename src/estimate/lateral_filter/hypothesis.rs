@@ -303,9 +303,9 @@ mod tests {
     use crate::model::Vehicle;
     use crate::model::tire::{PiecewiseLinear, Tire};
 
-    /// Ten million readings are more than a day.
+    /// Half an hour at 100 Hz, six hours in the release profile.
     #[test]
-    fn the_covariance_stays_positive_through_two_million_samples() {
+    fn the_covariance_stays_positive_for_hours() {
         let car = Car::new(&Vehicle::thesis());
         let model = Model::new(&car, Tire::PiecewiseLinear(PiecewiseLinear));
         let noise = Noise::promised(&car, &Sensors::default(), &LateralFilterConfig::default());

@@ -22,6 +22,7 @@ pub mod estimates;
 pub mod explain;
 pub mod faults;
 pub mod filter;
+pub mod identify;
 pub mod model;
 pub mod new_file;
 pub mod report;

@@ -88,6 +88,40 @@ fn the_chosen_substeps_are_accurate_at_every_speed() {
     }
 }
 
+/// Torque steps excite every wheel's own fast motion at each speed. The tire is smooth, the steps fall on the
+/// ends of integration steps, and the reference is a hundred times finer.
+#[test]
+fn the_stated_step_converges_with_order_four_through_wheel_transients() {
+    let h = 1e-3;
+    for (axle, driven) in [(DrivenAxle::Front, 2.0), (DrivenAxle::Rear, 2.0), (DrivenAxle::All, 4.0)] {
+        let plant = Plant::new(&vehicle(TireKind::MagicFormula));
+        for speed in [2.0, 5.0, 10.0, 20.0, 40.0] {
+            let drive = |finer: u32| {
+                let mut state = State::rolling(&plant, speed);
+                for i in 0..300 {
+                    let torque = [800.0, -400.0, 0.0][i / 100] / driven;
+                    let controls = Controls {
+                        steer: 0.01,
+                        drive_torque: gripd::Wheel::ALL.map(|it| if axle.drives(it) { torque } else { 0.0 }),
+                        brake_torque: [0.0; 4],
+                    };
+                    let substeps = gripd::model::integrate::substeps(&plant, &state, &plant.nominal, h);
+                    state =
+                        advance_in(&plant, &state, &controls, &controls, &plant.nominal, h, finer * substeps);
+                }
+                state
+            };
+            let exact = drive(100);
+            let errors = [1, 2, 4].map(|finer| distance(&drive(finer), &exact));
+            assert!(errors[0] < 1e-4, "{axle:?} at {speed} m/s: {errors:?}");
+            for pair in errors.windows(2).filter(|pair| pair[1] > 1e-11) {
+                let order = (pair[0] / pair[1]).log2();
+                assert!((3.5..5.2).contains(&order), "{axle:?} at {speed} m/s: order {order}, {errors:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn drive_torque_accelerates_mass_and_wheels() {
     for (axle, driven) in [(DrivenAxle::Front, 2.0), (DrivenAxle::Rear, 2.0), (DrivenAxle::All, 4.0)] {

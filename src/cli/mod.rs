@@ -100,6 +100,8 @@ enum Command {
     Replay(replay::Replay),
     /// Simulate a scenario to a recording.
     Simulate(simulate::Simulate),
+    /// Carry out the thesis's experiments again and tell which claims hold.
+    Reproduce(reproduce::Reproduce),
     /// Check a configuration, and on recordings the measurement chain.
     Check(check::Check),
 }
@@ -114,6 +116,7 @@ pub fn main() -> ExitCode {
         Command::Run(command) => command.run(),
         Command::Replay(command) => command.run(),
         Command::Simulate(command) => command.run(),
+        Command::Reproduce(command) => command.run(),
         Command::Check(command) => command.run(),
     };
     let (reason, code) = match result {

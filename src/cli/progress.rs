@@ -18,6 +18,29 @@ impl Progress {
         Self::lines(&names.join(", "))
     }
 
+    /// Work of so many parts.
+    pub fn of_parts(total: usize) -> Self {
+        let bar = ProgressBar::new(total as u64);
+        if !std::io::stderr().is_terminal() {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
+        }
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len}, {elapsed}  {wide_msg}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self { bar }
+    }
+
+    /// A part has begun.
+    pub fn begin(&self, part: String) {
+        self.bar.set_message(part);
+    }
+
+    /// A part is done.
+    pub fn part_done(&self) {
+        self.bar.inc(1);
+    }
+
     fn lines(name: &str) -> Self {
         let bar = ProgressBar::new_spinner();
         if !std::io::stderr().is_terminal() {

@@ -12,8 +12,8 @@ pub enum Alarm {
 /// Accumulates what exceeds the drift, on both sides, until a threshold is passed.
 ///
 /// Fed with normalized innovations (unit variance while nothing changes), drift and threshold are in
-/// standard deviations: for white input the mean time between false alarms is about
-/// exp(2·drift·threshold) inputs.
+/// standard deviations: for white normal input there are about (exp(a) − 1 − a)/(4 drift²) inputs between
+/// two false alarms, both sides together, with a = 2 drift (threshold + 1.166) (Siegmund).
 #[derive(Clone, Copy, Debug)]
 pub struct Cusum {
     drift: f64,

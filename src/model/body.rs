@@ -64,6 +64,15 @@ pub struct External<T = f64> {
     pub moment: T,
 }
 
+impl<T: Real> External<T> {
+    /// Nothing but the tires.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = T::constant(0.0);
+        Self { fx: zero, fy: zero, moment: zero }
+    }
+}
+
 /// Accelerations of the body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Acceleration<T = f64> {

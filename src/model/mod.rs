@@ -8,7 +8,9 @@
 mod bicycle;
 pub mod body;
 mod dual;
+pub mod friction;
 pub mod integrate;
+mod one_wheel;
 pub mod plant;
 mod real;
 pub mod scenario;
@@ -19,6 +21,7 @@ pub mod wheel;
 
 pub use bicycle::Bicycle;
 pub use dual::Dual;
+pub use one_wheel::{OneWheel, OneWheelState};
 pub use plant::{Conditions, Controls, Plant, Response, State};
 pub use real::Real;
 pub use scenario::{Scenario, ScenarioError};

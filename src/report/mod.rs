@@ -10,4 +10,4 @@ mod plot;
 
 pub use color::Color;
 pub use page::{Page, escape, number};
-pub use plot::{Mark, Plot, PlotError, Segment, Span};
+pub use plot::{Mark, Marker, Plot, PlotError, Segment, Span, Stroke};

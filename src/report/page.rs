@@ -58,7 +58,16 @@ impl Page {
 
     /// A table: the first cell of a row is its name, the others are numbers.
     pub fn table(&mut self, columns: &[&str], rows: &[Vec<String>]) {
-        self.body += "<div class=\"scroll\"><table><thead><tr>";
+        self.rows("", columns, rows);
+    }
+
+    /// A table of words: cells wrap, and the last of a row is what the others amount to.
+    pub fn table_of_words(&mut self, columns: &[&str], rows: &[Vec<String>]) {
+        self.rows(" class=\"text\"", columns, rows);
+    }
+
+    fn rows(&mut self, class: &str, columns: &[&str], rows: &[Vec<String>]) {
+        self.body += &format!("<div class=\"scroll\"><table{class}><thead><tr>");
         for column in columns {
             self.body += &format!("<th scope=\"col\">{}</th>", escape(column));
         }

@@ -3,6 +3,7 @@
 //! Each section's file lists its [`Experiment`]s; adding one means one line in that list.
 
 mod brush;
+mod command;
 mod dahl;
 mod drive;
 mod experiment;
@@ -12,28 +13,43 @@ mod joint_filter;
 mod lateral;
 mod limits;
 mod mapping;
+mod numeric;
+mod page;
 pub mod sim2_grid;
 mod slip_slope;
 mod surface;
+mod table;
 mod tires;
 
+pub use command::Reproduce;
 pub use drive::{Drive, SIM1, SIM2, SIM3};
 pub use experiment::{Claim, Experiment, ExperimentError, Outcome, Picture, Verdict};
 
+/// A section of the thesis.
+#[derive(Clone, Copy)]
+pub struct Section {
+    /// What it is about.
+    pub title: &'static str,
+    /// Its experiments, in order.
+    pub experiments: &'static [Experiment],
+}
+
+/// In the order of the thesis.
+pub const SECTIONS: &[Section] = &[
+    Section { title: "Friction (chapter 3)", experiments: friction::EXPERIMENTS },
+    Section { title: "Tires (chapter 4)", experiments: tires::EXPERIMENTS },
+    Section { title: "Longitudinal stiffness (5.2.1)", experiments: slip_slope::EXPERIMENTS },
+    Section { title: "Lateral velocity and stiffness (5.2.2, 5.3.1)", experiments: lateral::EXPERIMENTS },
+    Section { title: "A joint filter that has the tire's limit", experiments: joint_filter::EXPERIMENTS },
+    Section { title: "Identification off line (5.3.2)", experiments: identification::EXPERIMENTS },
+    Section { title: "From stiffness to friction (chapter 6)", experiments: mapping::EXPERIMENTS },
+    Section { title: "The surface (chapter 7)", experiments: surface::EXPERIMENTS },
+    Section { title: "Friction by the brush model (8.1)", experiments: brush::EXPERIMENTS },
+    Section { title: "Friction by the Dahl model (8.2)", experiments: dahl::EXPERIMENTS },
+    Section { title: "Limits (chapter 9)", experiments: limits::EXPERIMENTS },
+];
+
 /// Every experiment, in the order of the thesis.
-pub fn experiments() -> Vec<Experiment> {
-    let chapters = [
-        friction::EXPERIMENTS,
-        tires::EXPERIMENTS,
-        slip_slope::EXPERIMENTS,
-        lateral::EXPERIMENTS,
-        joint_filter::EXPERIMENTS,
-        identification::EXPERIMENTS,
-        mapping::EXPERIMENTS,
-        surface::EXPERIMENTS,
-        brush::EXPERIMENTS,
-        dahl::EXPERIMENTS,
-        limits::EXPERIMENTS,
-    ];
-    chapters.concat()
+pub fn experiments() -> impl Iterator<Item = Experiment> {
+    SECTIONS.iter().flat_map(|section| section.experiments).copied()
 }

@@ -26,6 +26,10 @@ pub struct Stretch {
     /// Longitudinal stiffness against the vehicle's `longitudinal_stiffness`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub longitudinal_factor: Option<f64>,
+    /// Longitudinal stiffness of the road's surface / static load, per unit slip, in series with the
+    /// vehicle's, which is the tire's alone then (thesis 7.1).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface_stiffness: Option<f64>,
     /// Cornering stiffness of every wheel / its static load, 1/rad, absolutely.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cornering: Option<f64>,
@@ -53,6 +57,10 @@ pub struct Side {
     /// Longitudinal stiffness against the vehicle's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub longitudinal_factor: Option<f64>,
+    /// Longitudinal stiffness of the road's surface / static load, per unit slip, in series with the
+    /// vehicle's, which is the tire's alone then (thesis 7.1).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface_stiffness: Option<f64>,
     /// Cornering stiffness / static load, 1/rad.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cornering: Option<f64>,
@@ -67,6 +75,7 @@ impl Side {
             ("friction", self.friction, 3.0),
             ("slope", self.slope, 1000.0),
             ("longitudinal_factor", self.longitudinal_factor, 10.0),
+            ("surface_stiffness", self.surface_stiffness, 1e6),
             ("cornering", self.cornering, 100.0),
             ("lateral_factor", self.lateral_factor, 10.0),
         ];
@@ -89,6 +98,14 @@ impl Side {
                 format!("beside slope {twice}"),
             ));
         }
+        if let (Some(_), Some(stiffness)) = (self.slope.or(self.longitudinal_factor), self.surface_stiffness)
+        {
+            problems.push(Problem::new(
+                format!("{key}.surface_stiffness"),
+                stiffness,
+                format!("beside slope or longitudinal_factor {twice}"),
+            ));
+        }
         if let (Some(_), Some(factor)) = (self.cornering, self.lateral_factor) {
             problems.push(Problem::new(
                 format!("{key}.lateral_factor"),
@@ -103,20 +120,25 @@ impl Stretch {
     /// What lies under the wheels of one side.
     pub fn side(&self, left: bool) -> Side {
         let own = if left { self.left } else { self.right }.unwrap_or_default();
-        // An own factor replaces a common absolute value and the other way round.
-        let stiffness = |own: (Option<f64>, Option<f64>), both| {
-            if own.0.is_some() || own.1.is_some() { own } else { both }
-        };
-        let (slope, longitudinal_factor) =
-            stiffness((own.slope, own.longitudinal_factor), (self.slope, self.longitudinal_factor));
-        let (cornering, lateral_factor) =
-            stiffness((own.cornering, own.lateral_factor), (self.cornering, self.lateral_factor));
+        // One way to say the stiffness replaces every other one.
+        let longitudinal = |side: &Side| [side.slope, side.longitudinal_factor, side.surface_stiffness];
+        let lateral = |side: &Side| [side.cornering, side.lateral_factor];
+        let both = self.both_sides();
+        let [slope, longitudinal_factor, surface_stiffness] =
+            own_or_common(longitudinal(&own), longitudinal(&both));
+        let [cornering, lateral_factor] = own_or_common(lateral(&own), lateral(&both));
+        let friction = own.friction.or(self.friction);
+        Side { friction, slope, longitudinal_factor, surface_stiffness, cornering, lateral_factor }
+    }
+
+    fn both_sides(&self) -> Side {
         Side {
-            friction: own.friction.or(self.friction),
-            slope,
-            longitudinal_factor,
-            cornering,
-            lateral_factor,
+            friction: self.friction,
+            slope: self.slope,
+            longitudinal_factor: self.longitudinal_factor,
+            surface_stiffness: self.surface_stiffness,
+            cornering: self.cornering,
+            lateral_factor: self.lateral_factor,
         }
     }
 
@@ -126,20 +148,17 @@ impl Stretch {
             let key = format!("{key}.transition_s");
             problems.push(Problem::new(key, self.transition_s, "must be zero or positive"));
         }
-        let both = Side {
-            friction: self.friction,
-            slope: self.slope,
-            longitudinal_factor: self.longitudinal_factor,
-            cornering: self.cornering,
-            lateral_factor: self.lateral_factor,
-        };
-        both.validate(key, problems);
+        self.both_sides().validate(key, problems);
         for (name, side) in [("left", self.left), ("right", self.right)] {
             if let Some(side) = side {
                 side.validate(&format!("{key}.{name}"), problems);
             }
         }
     }
+}
+
+fn own_or_common<const N: usize>(own: [Option<f64>; N], common: [Option<f64>; N]) -> [Option<f64>; N] {
+    if own.iter().any(Option::is_some) { own } else { common }
 }
 
 #[cfg(test)]
@@ -159,5 +178,19 @@ mod tests {
         assert_eq!(stretch.side(false).friction, Some(0.1));
         assert_eq!(stretch.side(false).slope, None);
         assert_eq!(stretch.side(false).longitudinal_factor, Some(0.5));
+    }
+
+    #[test]
+    fn a_road_as_a_spring_is_one_way_to_say_the_stiffness() {
+        let soft = Side { surface_stiffness: Some(60.0), ..Side::default() };
+        let stretch = Stretch { slope: Some(95.0), left: Some(soft), ..Stretch::default() };
+        assert_eq!((stretch.side(true).slope, stretch.side(true).surface_stiffness), (None, Some(60.0)));
+        assert_eq!((stretch.side(false).slope, stretch.side(false).surface_stiffness), (Some(95.0), None));
+        let mut problems = vec![];
+        stretch.validate("road", &mut problems);
+        assert!(problems.is_empty());
+        let twice = Stretch { surface_stiffness: Some(60.0), ..stretch };
+        twice.validate("road", &mut problems);
+        assert_eq!(problems.len(), 1);
     }
 }

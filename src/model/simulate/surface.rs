@@ -29,8 +29,10 @@ impl Surface {
             let stiffness = |absolute: Option<f64>, factor: Option<f64>, own: f64| {
                 absolute.unwrap_or(own * factor.unwrap_or(1.0))
             };
+            let tire_and_road = |road: f64| Contact::in_series(own.stiffness_x, road);
+            let absolute = side.slope.or(side.surface_stiffness.map(tire_and_road));
             Contact {
-                stiffness_x: stiffness(side.slope, side.longitudinal_factor, own.stiffness_x),
+                stiffness_x: stiffness(absolute, side.longitudinal_factor, own.stiffness_x),
                 stiffness_y: stiffness(side.cornering, side.lateral_factor, own.stiffness_y),
                 friction_x: side.friction.unwrap_or(own.friction_x),
                 friction_y: side.friction.unwrap_or(own.friction_y),
@@ -88,5 +90,13 @@ mod tests {
         assert_eq!(friction, [1.0, 0.6, 0.2, 1.0]);
         assert_eq!(surface.at(25.0)[3].stiffness_x, 80.0);
         assert_eq!(surface.at(25.0)[3].stiffness_y, 11.5);
+    }
+
+    #[test]
+    fn a_soft_road_is_a_spring_in_series_with_the_tire() {
+        let road = [Stretch { surface_stiffness: Some(50.0), ..Stretch::default() }];
+        let contact = Surface::new(&Plant::new(&Vehicle::thesis()).nominal.contact, &road).at(0.0)[0];
+        // The thesis's tire alone has 50, too.
+        assert!((contact.stiffness_x - 25.0).abs() < 1e-9 && contact.stiffness_y == 11.5);
     }
 }

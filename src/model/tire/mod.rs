@@ -5,12 +5,14 @@
 //! changes them while one drives; what belongs to the tire alone (its shape) is in [`Tire`].
 
 mod brush;
+mod dahl;
 pub mod ellipse;
 mod linear;
 mod magic_formula;
 mod piecewise_linear;
 
 pub use brush::Brush;
+pub use dahl::DahlTire;
 pub use linear::Linear;
 pub use magic_formula::MagicFormula;
 pub use piecewise_linear::PiecewiseLinear;

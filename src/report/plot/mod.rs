@@ -1,15 +1,17 @@
-//! A plot over time, drawn with plotters as SVG.
+//! A plot, drawn with plotters as SVG.
+
+mod bars;
+mod chart;
+mod file;
 
 use std::ops::Range;
 
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
-use plotters::style::Color as _;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
 use thiserror::Error;
 
-use super::{Color, decimate, escape};
+use super::{Color, escape};
 
 /// A plot that could not be drawn; it tells what plotters says.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -52,11 +54,50 @@ pub struct Segment {
     pub color: Color,
 }
 
+/// How a line is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stroke {
+    /// Without a gap.
+    Solid,
+    /// In dashes.
+    Dashed,
+    /// In dots.
+    Dotted,
+}
+
+impl Stroke {
+    pub(super) const ALL: [Self; 3] = [Self::Solid, Self::Dashed, Self::Dotted];
+
+    pub(super) fn dashes(self) -> Option<&'static str> {
+        match self {
+            Self::Solid => None,
+            Self::Dashed => Some("12 8"),
+            Self::Dotted => Some("3 7"),
+        }
+    }
+
+    fn of(color: Color) -> Self {
+        if color == Color::OtherTruth { Self::Dashed } else { Self::Solid }
+    }
+}
+
+/// How a point is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marker {
+    /// A small disc.
+    Dot,
+    /// A ring.
+    Ring,
+    /// An x.
+    Cross,
+}
+
 /// A plot in the making. Series are drawn in the order in which they are added, and no peak of them
 /// gets lost. What is not finite is a gap; what is outside the y axis is drawn at its end.
 #[derive(Clone, Debug)]
 pub struct Plot {
     title: String,
+    x_label: String,
     y_label: String,
     x: Range<f64>,
     y: Range<f64>,
@@ -70,13 +111,18 @@ pub struct Plot {
 
 #[derive(Clone, Debug)]
 enum Series {
+    /// In order of x.
     Line(Color, Vec<(f64, f64)>),
+    /// In any order.
+    Curve(Color, Stroke, Vec<(f64, f64)>),
+    Points(Color, Marker, Vec<(f64, f64)>),
     Band(Color, Vec<(f64, f64, f64)>),
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Swatch {
-    Line,
+    Line(Stroke),
+    Points(Marker),
     Band,
     Block,
 }
@@ -97,6 +143,8 @@ impl Plot {
     const Y_LABELS: u32 = 66;
     const X_LABELS: u32 = 42;
     const MARGIN: u32 = 10;
+    /// Half of the last number below the x axis stands out there.
+    const RIGHT: u32 = 24;
     const BAR: f64 = 26.0;
     const SMALL: u32 = 15;
 
@@ -104,6 +152,7 @@ impl Plot {
     pub fn new(title: &str, y_label: &str, x: Range<f64>, y: Range<f64>) -> Self {
         Self {
             title: title.into(),
+            x_label: "time, s".into(),
             y_label: y_label.into(),
             x,
             y,
@@ -120,6 +169,13 @@ impl Plot {
     #[must_use]
     pub fn height(mut self, pixels: u32) -> Self {
         self.height = pixels.clamp(120, 2000);
+        self
+    }
+
+    /// The name of the x axis with its unit, where it is not the time.
+    #[must_use]
+    pub fn x_label(mut self, label: &str) -> Self {
+        self.x_label = label.into();
         self
     }
 
@@ -140,8 +196,36 @@ impl Plot {
     /// A line, points in order of x.
     #[must_use]
     pub fn line(mut self, name: &str, color: Color, points: impl Iterator<Item = (f64, f64)>) -> Self {
-        self.legend.push((name.into(), color, Swatch::Line));
+        self.legend.push((name.into(), color, Swatch::Line(Stroke::of(color))));
         self.series.push(Series::Line(color, points.collect()));
+        self
+    }
+
+    /// A line through points in any order, e.g. a loop. Outside the axes is a gap.
+    #[must_use]
+    pub fn curve(
+        mut self,
+        name: &str,
+        color: Color,
+        stroke: Stroke,
+        points: impl Iterator<Item = (f64, f64)>,
+    ) -> Self {
+        self.legend.push((name.into(), color, Swatch::Line(stroke)));
+        self.series.push(Series::Curve(color, stroke, points.collect()));
+        self
+    }
+
+    /// Points. Those outside the axes are not drawn.
+    #[must_use]
+    pub fn points(
+        mut self,
+        name: &str,
+        color: Color,
+        marker: Marker,
+        points: impl Iterator<Item = (f64, f64)>,
+    ) -> Self {
+        self.legend.push((name.into(), color, Swatch::Points(marker)));
+        self.series.push(Series::Points(color, marker, points.collect()));
         self
     }
 
@@ -172,8 +256,12 @@ impl Plot {
         let mut html = String::from("<ul class=\"legend\">");
         for (name, color, swatch) in &self.legend {
             let kind = match swatch {
-                Swatch::Line if *color == Color::OtherTruth => "dashes",
-                Swatch::Line => "line",
+                Swatch::Line(Stroke::Dashed) => "dashes",
+                Swatch::Line(Stroke::Dotted) => "dots",
+                Swatch::Line(Stroke::Solid) => "line",
+                Swatch::Points(Marker::Dot) => "dot",
+                Swatch::Points(Marker::Ring) => "dot ring",
+                Swatch::Points(Marker::Cross) => "cross",
                 Swatch::Band => "band",
                 Swatch::Block => "band block",
             };
@@ -218,145 +306,6 @@ impl Plot {
             Color::substitute(body)
         ))
     }
-
-    fn text(color: Color) -> TextStyle<'static> {
-        ("sans-serif", Self::FINE * Self::SMALL).into_font().color(&color.placeholder())
-    }
-
-    /// Of one pixel column, in x.
-    fn column(&self) -> f64 {
-        (self.x.end - self.x.start) / f64::from(Self::WIDTH - Self::Y_LABELS - 2 * Self::MARGIN)
-    }
-
-    fn draw_chart(&self, area: &Area) -> Drawn {
-        let mut chart = ChartBuilder::on(area)
-            .margin(Self::FINE * Self::MARGIN)
-            .set_label_area_size(LabelAreaPosition::Left, Self::FINE * Self::Y_LABELS)
-            .set_label_area_size(LabelAreaPosition::Bottom, Self::FINE * Self::X_LABELS)
-            .build_cartesian_2d(self.x.clone(), self.y.clone())
-            .map_err(said)?;
-        self.draw_spans(&mut chart)?;
-        self.draw_mesh(&mut chart)?;
-        for series in &self.series {
-            self.draw_series(&mut chart, series)?;
-        }
-        self.draw_labels(&mut chart)
-    }
-
-    fn draw_mesh(&self, chart: &mut Chart) -> Drawn {
-        let decimals = decimals(self.y.end - self.y.start);
-        let (label, description) = (Self::text(Color::Muted), Self::text(Color::Ink));
-        chart
-            .configure_mesh()
-            .disable_x_mesh()
-            .bold_line_style(Color::Grid.placeholder().stroke_width(Self::FINE))
-            .light_line_style(TRANSPARENT)
-            .axis_style(Color::Muted.placeholder().stroke_width(Self::FINE))
-            .x_labels(13)
-            .y_labels((self.height / 42).clamp(3, 9) as usize)
-            .x_label_formatter(&|x| format!("{x:.0}"))
-            .y_label_formatter(&|y| format!("{:.*}", decimals, if y.abs() < 1e-9 { 0.0 } else { *y }))
-            .label_style(label)
-            .axis_desc_style(description)
-            .x_desc("time, s")
-            .y_desc(self.y_label.as_str())
-            .draw()
-            .map_err(said)
-    }
-
-    fn draw_spans(&self, chart: &mut Chart) -> Drawn {
-        let bands = self.spans.iter().map(|span| {
-            let corners = [(self.clip_x(span.x.start), self.y.start), (self.clip_x(span.x.end), self.y.end)];
-            Rectangle::new(corners, span.color.placeholder().filled())
-        });
-        chart.draw_series(bands).map_err(said)?;
-        Ok(())
-    }
-
-    fn draw_series(&self, chart: &mut Chart, series: &Series) -> Drawn {
-        let clip = |y: f64| y.clamp(self.y.start, self.y.end);
-        match series {
-            Series::Line(color, points) => {
-                let inside = points.iter().filter(|point| self.x.contains(&point.0)).copied();
-                let style = color.placeholder().stroke_width(if *color == Color::OtherTruth { 2 } else { 3 });
-                for piece in decimate::lines(inside, self.column()) {
-                    let piece = piece.into_iter().map(|(x, y)| (x, clip(y)));
-                    chart.draw_series(LineSeries::new(piece, style)).map_err(said)?;
-                }
-            }
-            Series::Band(color, rows) => {
-                let inside = rows.iter().filter(|row| self.x.contains(&row.0)).copied();
-                for piece in decimate::bands(inside, 2.0 * self.column()) {
-                    let there = piece.iter().map(|(x, low, _)| (*x, clip(*low)));
-                    let back = piece.iter().rev().map(|(x, _, high)| (*x, clip(*high)));
-                    let outline: Vec<_> = there.chain(back).collect();
-                    chart
-                        .draw_series([Polygon::new(outline, color.placeholder().mix(0.25).filled())])
-                        .map_err(said)?;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// The spans' names above everything, the marks' below them.
-    fn draw_labels(&self, chart: &mut Chart) -> Drawn {
-        let per_pixel =
-            (self.y.end - self.y.start) / f64::from(self.height - Self::X_LABELS - 2 * Self::MARGIN);
-        let right_of = 5.0 * self.column();
-        let style = |color: Color| Self::text(color).pos(Pos::new(HPos::Left, VPos::Top));
-        for span in self.spans.iter().filter(|span| self.x.contains(&span.x.start)) {
-            let place = (span.x.start + right_of, self.y.end - 4.0 * per_pixel);
-            chart.draw_series([Text::new(span.label.clone(), place, style(Color::Ink))]).map_err(said)?;
-        }
-        let line = Color::Notice.placeholder().stroke_width(3);
-        for mark in self.marks.iter().filter(|mark| self.x.contains(&mark.x)) {
-            let ends = vec![(mark.x, self.y.start), (mark.x, self.y.end - 20.0 * per_pixel)];
-            chart.draw_series([PathElement::new(ends, line)]).map_err(said)?;
-            let place = (mark.x + right_of, self.y.end - 22.0 * per_pixel);
-            chart.draw_series([Text::new(mark.label.clone(), place, style(Color::Notice))]).map_err(said)?;
-        }
-        Ok(())
-    }
-
-    fn draw_bars(&self, area: &Area) -> Drawn {
-        let fine = f64::from(Self::FINE);
-        let left = fine * f64::from(Self::MARGIN + Self::Y_LABELS);
-        let right = fine * f64::from(Self::WIDTH - Self::MARGIN);
-        let at = |x: f64| {
-            let share = (self.clip_x(x) - self.x.start) / (self.x.end - self.x.start);
-            (left + share * (right - left)).round() as i32
-        };
-        let text = Self::text(Color::Ink).pos(Pos::new(HPos::Right, VPos::Center));
-        for (row, (name, segments)) in self.bars.iter().enumerate() {
-            let top = fine * Self::BAR * row as f64;
-            let (from, to) = ((top + 4.0 * fine) as i32, (top + fine * (Self::BAR - 6.0)) as i32);
-            let frame =
-                Rectangle::new([(at(self.x.start), from), (at(self.x.end), to)], Color::Grid.placeholder());
-            area.draw(&frame).map_err(said)?;
-            for segment in segments {
-                let corners = [(at(segment.from), from), (at(segment.to), to)];
-                area.draw(&Rectangle::new(corners, segment.color.placeholder().filled())).map_err(said)?;
-            }
-            let place = (left as i32 - 6 * Self::FINE as i32, (from + to) / 2);
-            area.draw(&Text::new(name.clone(), place, text.clone())).map_err(said)?;
-        }
-        Ok(())
-    }
-
-    fn clip_x(&self, x: f64) -> f64 {
-        x.clamp(self.x.start, self.x.end)
-    }
-}
-
-/// Decimals that tell the labels of an axis of this length apart.
-fn decimals(length: f64) -> usize {
-    match length {
-        length if length > 8.0 => 0,
-        length if length > 0.8 => 1,
-        length if length > 0.08 => 2,
-        _ => 3,
-    }
 }
 
 #[cfg(test)]
@@ -371,6 +320,8 @@ mod tests {
             .band("interval", Color::First, (0..100).map(|i| (f64::from(i) * 0.1, 5.0, 8.0)))
             .line("truth", Color::OtherTruth, (0..100).map(|i| (f64::from(i) * 0.1, f64::NAN)))
             .line("estimate", Color::First, (0..100).map(|i| (f64::from(i) * 0.1, 1e6)))
+            .curve("loop", Color::Second, Stroke::Dotted, [(5.0, 1.0), (2.0, 2.0), (5.0, 3.0)].into_iter())
+            .points("measured", Color::Notice, Marker::Cross, [(5.0, 1.0), (50.0, 2.0)].into_iter())
             .bar("source", vec![Segment { from: 2.0, to: 99.0, color: Color::Third }])
     }
 
@@ -382,10 +333,21 @@ mod tests {
         {
             assert!(svg.contains(part), "{part} is missing in {svg}");
         }
-        assert!(!svg.contains("#C010"), "a placeholder is left");
+        assert!(!svg.contains("#C01"), "a placeholder is left");
+        assert!(svg.contains("stroke=\"var(--second)\" stroke-dasharray=\"3 7\""), "{svg}");
         assert!(svg.ends_with("</svg>\n") || svg.ends_with("</svg>"), "{}", &svg[svg.len() - 20..]);
         let legend = plot().legend();
         assert!(legend.contains("dashes") && legend.contains("var(--first)"), "{legend}");
+    }
+
+    #[test]
+    fn as_a_file_it_needs_no_page() {
+        let svg = plot().x_label("slip, %").svg_file().unwrap();
+        assert!(svg.starts_with("<?xml") && svg.ends_with("</svg>\n"), "{svg}");
+        assert!(!svg.contains("var(--"), "a colour needs the page");
+        for part in ["slip, %", "Speed &amp; more", ">interval<", ">measured<", "#0b62b8"] {
+            assert!(svg.contains(part), "{part} is missing in {svg}");
+        }
     }
 
     #[test]

@@ -1,0 +1,212 @@
+//! The search: Levenberg–Marquardt, from segments on their own to segments that are tied.
+//!
+//! On its own, a segment of two seconds forgets what a wrong parameter did before, so that its residuals
+//! stay small and nearly linear in the parameters: the search comes home from far away. Then the noise of
+//! each channel is known from what is left, the jumps between segments tell how much the equations lose
+//! in a segment (process noise), and the segments are tied as tightly as that allows: nothing that the
+//! recording says is given away, and nothing is asked of a simulation over 200 s that slides.
+
+use nalgebra::{DVector, Vector3};
+
+use super::car::Drive;
+use super::motion::Channel;
+use super::parameter::Values;
+use super::segment::Segment;
+use super::shooting::{Free, Linearized, Point, Problem, Tie};
+use crate::model::Vehicle;
+
+/// How segments are tied in the end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// As the jumps between them say.
+    #[default]
+    Auto,
+    /// As one simulation without feedback (output error).
+    FreeRun,
+    /// Not at all (multiple shooting).
+    Segments,
+}
+
+/// Standard deviation of the noise of each channel.
+pub(super) type Noise = [f64; Channel::COUNT];
+
+/// Where a search came to its end.
+#[derive(Clone, Debug)]
+pub(super) struct Fit {
+    pub(super) point: Point,
+    pub(super) all: Linearized,
+    pub(super) noise: Noise,
+    pub(super) tie: Tie,
+    pub(super) iterations: u32,
+    pub(super) converged: bool,
+}
+
+/// What is searched, and how.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Search<'a> {
+    pub(super) vehicle: &'a Vehicle,
+    pub(super) values: &'a Values,
+    pub(super) free: &'a [Free],
+    pub(super) segments: &'a [Segment],
+    pub(super) drive: Drive,
+    pub(super) method: Method,
+}
+
+/// The cost is in units of the noise: a step that gains less than this moves no parameter by more than a
+/// thirtieth of its standard deviation.
+const ENOUGH: f64 = 1e-3;
+const MOST_ITERATIONS: u32 = 60;
+/// Noise below this share of the usual one is that of arithmetic.
+const LEAST_NOISE: f64 = 1e-5;
+
+impl<'a> Search<'a> {
+    fn problem(&self, noise: &Noise, tie: Tie) -> Problem<'a> {
+        let mut weight = noise.map(|std| 1.0 / (std * std));
+        if self.drive == Drive::WheelSpeeds {
+            // The noise of a driven wheel's speed is at once in the simulated acceleration and in its
+            // derivative by the stiffness: fitting it would make every tire too soft.
+            weight[Channel::LongitudinalAcceleration as usize] = 0.0;
+        }
+        let Search { vehicle, values, free, segments, drive, .. } = *self;
+        Problem { vehicle, values, free, segments, drive, weight, tie }
+    }
+
+    /// From the coordinates of a start to the end; `noise` is a first guess. `None` if nothing could be
+    /// simulated from there.
+    pub(super) fn run(&self, theta: DVector<f64>, noise: &Noise) -> Option<Fit> {
+        let starts = self.segments.iter().map(|segment| Vector3::from(segment.start)).collect();
+        let usual = *noise;
+        let mut fit = self.descend(Point { theta, starts }, noise, Tie::NONE)?;
+        for _ in 0..2 {
+            let noise = self.noise(&fit.all, &usual);
+            fit = self.go_on(fit, &noise, Tie::NONE)?;
+        }
+        let tie = match self.method {
+            Method::Segments => return Some(fit),
+            Method::FreeRun => Tie::TIGHT,
+            Method::Auto => tie(&fit.all),
+        };
+        for _ in 0..2 {
+            let noise = self.noise(&fit.all, &usual);
+            fit = self.go_on(fit, &noise, tie)?;
+        }
+        Some(fit)
+    }
+
+    /// The values of all parameters at a point.
+    pub(super) fn values_at(&self, theta: &DVector<f64>) -> Values {
+        self.problem(&[1.0; Channel::COUNT], Tie::NONE).values_at(theta)
+    }
+
+    /// The lowest cost with this noise and tie, beginning at another search's end, one of whose
+    /// parameters (at `without`) is not free here.
+    pub(super) fn lowest_cost(&self, end: &Fit, without: usize) -> Option<f64> {
+        let point = Point { theta: end.point.theta.clone().remove_row(without), ..end.point.clone() };
+        Some(self.descend(point, &end.noise, end.tie)?.all.cost)
+    }
+
+    fn go_on(&self, fit: Fit, noise: &Noise, tie: Tie) -> Option<Fit> {
+        let before = fit.iterations;
+        let mut fit = self.descend(fit.point, noise, tie)?;
+        fit.iterations += before;
+        Some(fit)
+    }
+
+    /// The noise that is left.
+    fn noise(&self, all: &Linearized, usual: &Noise) -> Noise {
+        let mut counts = [0.0; Channel::COUNT];
+        for segment in self.segments {
+            for row in &segment.measured[..segment.len()] {
+                for (count, value) in counts.iter_mut().zip(row) {
+                    *count += f64::from(u8::from(!value.is_nan()));
+                }
+            }
+        }
+        let total: f64 = counts.iter().sum();
+        let spent = (3 * self.segments.len() + self.free.len()) as f64;
+        let left = (1.0 - spent / total).max(0.1);
+        let mut noise = *usual;
+        for (channel, std) in noise.iter_mut().enumerate() {
+            if counts[channel] > 0.0 {
+                *std = (all.squares[channel] / (counts[channel] * left)).sqrt().max(LEAST_NOISE * *std);
+            }
+        }
+        noise
+    }
+
+    /// Levenberg–Marquardt.
+    fn descend(&self, mut point: Point, noise: &Noise, tie: Tie) -> Option<Fit> {
+        let problem = self.problem(noise, tie);
+        let mut all = problem.linearize(&point);
+        if !all.cost.is_finite() {
+            return None;
+        }
+        let mut damping = 1e-3;
+        let mut iterations = 0;
+        let mut converged = false;
+        let mut idle = 0;
+        while iterations < MOST_ITERATIONS && !converged {
+            iterations += 1;
+            let Some((step, gain)) = all.eliminate(damping).and_then(|chain| chain.step()) else {
+                damping = (damping * 10.0).max(1e-9);
+                if damping > 1e9 {
+                    break;
+                }
+                continue;
+            };
+            converged = gain < ENOUGH.max(1e-9 * all.cost);
+            let trial = self.moved(&point, &step);
+            let next = problem.linearize(&trial);
+            if next.cost.is_finite() && next.cost <= all.cost {
+                let gained = all.cost - next.cost;
+                let good = gained > 0.7 * gain;
+                // At kinks of the tire a step may promise for ever what it does not keep.
+                idle = if gained < ENOUGH { idle + 1 } else { 0 };
+                converged |= idle > 1;
+                (point, all) = (trial, next);
+                damping *= if good { 0.1 } else { 0.5 };
+            } else if !converged {
+                damping = (damping * 6.0).max(1e-7);
+                if damping > 1e9 {
+                    break;
+                }
+            }
+        }
+        Some(Fit { point, all, noise: *noise, tie, iterations, converged })
+    }
+
+    /// A step, shortened where it would change a parameter more than threefold, within the bounds.
+    fn moved(&self, point: &Point, step: &Point) -> Point {
+        let longest = step.theta.amax();
+        let share = if longest > 1.1 { 1.1 / longest } else { 1.0 };
+        let mut theta = &point.theta + share * &step.theta;
+        for (coordinate, free) in theta.iter_mut().zip(self.free) {
+            let (low, high) = free.parameters.first().bounds();
+            let low = free.parameters.coordinate(low.max(f64::MIN_POSITIVE).max(low));
+            let high = free.parameters.coordinate(high);
+            *coordinate = coordinate.clamp(low.min(high), high.max(low));
+        }
+        let starts = point.starts.iter().zip(&step.starts).map(|(at, by)| at + share * by).collect();
+        Point { theta, starts }
+    }
+}
+
+/// How much comes in between segments, beyond what their noise lets one know: by moments.
+fn tie(all: &Linearized) -> Tie {
+    let mut std = [0.0; 3];
+    for (i, std) in std.iter_mut().enumerate() {
+        let jumps = all.jumps.iter().zip(&all.jump_covariance);
+        let known = jumps.filter_map(|(jump, covariance)| Some((jump[i], covariance.as_ref()?[(i, i)])));
+        let mut excess: Vec<f64> = known.map(|(jump, variance)| jump * jump - variance).collect();
+        // A single wheel over a kerb must not loosen everything: the largest tenth does not count.
+        excess.sort_by(f64::total_cmp);
+        excess.truncate(excess.len() - excess.len() / 10);
+        let mean = excess.iter().sum::<f64>() / excess.len().max(1) as f64;
+        *std = mean.max(0.0).sqrt().max(LEAST_JUMP[i]);
+    }
+    Tie(std)
+}
+
+/// Jumps that do no harm, m/s, m/s, rad/s: below them a tie is as good as tight.
+const LEAST_JUMP: [f64; 3] = [1e-3, 1e-3, 1e-4];

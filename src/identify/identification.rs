@@ -1,0 +1,487 @@
+//! The whole job: from records and a vehicle to parameters with their uncertainty.
+
+use std::fmt;
+
+use nalgebra::DVector;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::car::Drive;
+use super::fit::{Fit, Method, Noise, Search};
+use super::free_run::{self, Fits};
+use super::motion::Channel;
+use super::parameter::{Parameter, Values};
+use super::prepare;
+use super::record::Record;
+use super::segment::Segment;
+use super::shooting::{Free, Tied};
+use super::uncertainty::{self, Uncertainty};
+use crate::model::Vehicle;
+use crate::{Quantity, Wheel};
+
+/// The `[identify]` table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct IdentifyConfig {
+    /// What is free, by name; `lateral_stiffness` means both axles' as one. Empty: all that the vehicle's
+    /// table calls uncertain, and the sensors' offsets.
+    pub parameters: Vec<String>,
+    /// How longitudinal forces get into the equations; left out: by torque where the bus has it.
+    pub drive: Option<Drive>,
+    /// How segments are tied.
+    pub method: Method,
+    /// Length of a segment, s.
+    pub segment_s: f64,
+    /// Searches from so many starts; the first one is the vehicle's table, the others are drawn around it.
+    pub starts: usize,
+    /// Seed of the starts.
+    pub seed: u64,
+    /// Profile the likelihood of each parameter: shows what a standard deviation hides.
+    pub profile: bool,
+}
+
+impl Default for IdentifyConfig {
+    fn default() -> Self {
+        Self {
+            parameters: Vec::new(),
+            drive: None,
+            method: Method::Auto,
+            segment_s: 2.0,
+            starts: 6,
+            seed: 1,
+            profile: true,
+        }
+    }
+}
+
+/// Why nothing could be identified.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum IdentifyError {
+    /// A name in the list is none.
+    #[error("identify.parameters: `{0}` is no parameter; there are lateral_stiffness and {all}", all = names())]
+    Unknown(String),
+    /// A parameter that the equations or the vehicle's table do not have.
+    #[error("identify.parameters: `{name}`: {reason}")]
+    Unusable {
+        /// Which.
+        name: String,
+        /// Why.
+        reason: String,
+    },
+    /// A setting that cannot be.
+    #[error("identify.{key} = {value}: {reason}")]
+    Setting {
+        /// Which.
+        key: &'static str,
+        /// Its value.
+        value: String,
+        /// What would do.
+        reason: &'static str,
+    },
+    /// Nothing to learn from.
+    #[error(
+        "no stretch of {least_s} s or more with wheel speeds above 3 m/s, steering and yaw rate or lateral \
+         acceleration (braking {braking}) in {records}: record a longer drive, or see `gripd check`"
+    )]
+    NothingUsable {
+        /// Least length.
+        least_s: f64,
+        /// Whether braking counts.
+        braking: &'static str,
+        /// The records.
+        records: String,
+    },
+    /// No start led anywhere.
+    #[error("the search did not come to an end from any of {starts} starts: {reason}")]
+    NoEnd {
+        /// How many.
+        starts: usize,
+        /// What happened.
+        reason: &'static str,
+    },
+}
+
+fn names() -> String {
+    Parameter::ALL.map(Parameter::name).join(", ")
+}
+
+/// One parameter as it came out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identified {
+    /// Its name.
+    pub name: &'static str,
+    /// Its value, in its unit.
+    pub value: f64,
+    /// Standard deviation, in its unit.
+    pub std: f64,
+    /// 95 % interval.
+    pub ci95: (f64, f64),
+    /// Does the recording say something about it?
+    pub identifiable: bool,
+    /// If not, why not; else empty or what else is to be known.
+    pub reason: String,
+    /// The vehicle's table's value and standard deviation.
+    pub prior: (f64, f64),
+    /// 2 ln(likelihood ratio) to the optimum at values of it, all others refitted.
+    pub profile: Vec<(f64, f64)>,
+}
+
+/// A search, from and to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Path {
+    /// Where it began, in the order of the parameters.
+    pub from: Vec<f64>,
+    /// Where it ended.
+    pub to: Vec<f64>,
+    /// The cost there; infinite if it came to no end.
+    pub cost: f64,
+    /// Simulations of everything.
+    pub iterations: u32,
+}
+
+/// What came out.
+#[derive(Clone, Debug)]
+pub struct Identification {
+    /// The free parameters.
+    pub parameters: Vec<Identified>,
+    /// Correlation of their errors.
+    pub correlation: Vec<Vec<f64>>,
+    /// The searches.
+    pub paths: Vec<Path>,
+    /// All numbers at the optimum.
+    pub values: Values,
+    /// How the forces came in.
+    pub drive: Drive,
+    /// Seconds that were used.
+    pub seconds: f64,
+    /// Segments.
+    pub segments: usize,
+    /// Noise that is left, by channel; not-a-number where there is none.
+    pub noise: Vec<(Channel, f64)>,
+    /// What comes between two segments beyond the equations: m/s, m/s, rad/s; infinite if not tied.
+    pub between: [f64; 3],
+    /// Fits of a free run restarted each 20 s, before and after.
+    pub before: Fits,
+    /// After.
+    pub after: Fits,
+}
+
+/// Records, prepared for searching.
+#[derive(Clone, Debug)]
+pub struct Identifier<'a> {
+    vehicle: &'a Vehicle,
+    config: &'a IdentifyConfig,
+    records: &'a [Record],
+    values: Values,
+    free: Vec<Free>,
+    segments: Vec<Segment>,
+    drive: Drive,
+    noise: Noise,
+}
+
+impl<'a> Identifier<'a> {
+    /// Prepares records.
+    ///
+    /// # Errors
+    /// What is wrong with the settings, or why there is nothing to learn from.
+    pub fn new(
+        records: &'a [Record],
+        vehicle: &'a Vehicle,
+        config: &'a IdentifyConfig,
+    ) -> Result<Self, IdentifyError> {
+        if !(0.1..=60.0).contains(&config.segment_s) {
+            let value = config.segment_s.to_string();
+            return Err(IdentifyError::Setting { key: "segment_s", value, reason: "must be 0.1 to 60" });
+        }
+        let has = |quantity| records.iter().any(|record| record.sensors.has(quantity));
+        let drive = config.drive.unwrap_or_else(|| Drive::usual(has));
+        let values = Values::of(vehicle);
+        let free = free(vehicle, config, has, drive)?;
+        let segments = prepare::segments(records, vehicle, &values, drive, config.segment_s);
+        if segments.is_empty() {
+            let records = records.iter().map(|record| record.name.clone()).collect::<Vec<_>>().join(", ");
+            let braking =
+                if drive == Drive::Torque { "only where its pressure is known" } else { "left out" };
+            return Err(IdentifyError::NothingUsable { least_s: 0.5 * config.segment_s, braking, records });
+        }
+        let noise = first_noise(records);
+        Ok(Self { vehicle, config, records, values, free, segments, drive, noise })
+    }
+
+    /// Names of the free parameters.
+    pub fn names(&self) -> Vec<&'static str> {
+        self.free.iter().map(|free| free.parameters.name()).collect()
+    }
+
+    /// Searches from one start, in the parameters' units; no uncertainty. `None` if it comes to no end.
+    pub fn search(&self, from: &[f64]) -> Option<Path> {
+        let fit = self.fit(from)?;
+        Some(self.path(from, &fit))
+    }
+
+    fn search_in(&self) -> Search<'_> {
+        Search {
+            vehicle: self.vehicle,
+            values: &self.values,
+            free: &self.free,
+            segments: &self.segments,
+            drive: self.drive,
+            method: self.config.method,
+        }
+    }
+
+    fn fit(&self, from: &[f64]) -> Option<Fit> {
+        let coordinates = self.free.iter().zip(from).map(|(free, value)| free.parameters.coordinate(*value));
+        let theta = DVector::from_iterator(self.free.len(), coordinates);
+        if theta.iter().any(|coordinate| !coordinate.is_finite()) {
+            return None;
+        }
+        self.search_in().run(theta, &self.noise)
+    }
+
+    fn path(&self, from: &[f64], fit: &Fit) -> Path {
+        let ends = self.free.iter().zip(fit.point.theta.iter());
+        Path {
+            from: from.to_vec(),
+            to: ends.map(|(free, theta)| free.parameters.value(*theta)).collect(),
+            // Each end has its own noise: a likelihood makes them comparable.
+            cost: self.minus_two_log_likelihood(fit),
+            iterations: fit.iterations,
+        }
+    }
+
+    /// −2 ln likelihood, up to a constant.
+    fn minus_two_log_likelihood(&self, fit: &Fit) -> f64 {
+        let mut sum = fit.all.cost;
+        for segment in &self.segments {
+            for row in &segment.measured[..segment.len()] {
+                let there = row.iter().zip(&fit.noise).filter(|(value, _)| !value.is_nan());
+                sum += there.map(|(_, std)| 2.0 * std.ln()).sum::<f64>();
+            }
+        }
+        sum
+    }
+
+    /// The whole job. `progress` is told what is done, and how far it is (0–1).
+    ///
+    /// # Errors
+    /// If no search comes to an end.
+    pub fn run(&self, mut progress: impl FnMut(&str, f64)) -> Result<Identification, IdentifyError> {
+        let count = self.config.starts.max(1);
+        let mut best: Option<Fit> = None;
+        let mut lowest = f64::INFINITY;
+        let mut paths = Vec::new();
+        for number in 0..count {
+            progress("searching", number as f64 / count as f64);
+            let from = self.start(number);
+            let Some(fit) = self.fit(&from) else {
+                let to = vec![f64::NAN; from.len()];
+                paths.push(Path { from, to, cost: f64::INFINITY, iterations: 0 });
+                continue;
+            };
+            let path = self.path(&from, &fit);
+            if path.cost < lowest {
+                lowest = path.cost;
+                best = Some(fit);
+            }
+            paths.push(path);
+        }
+        let reason = "nothing could be simulated with those values; check the vehicle's table";
+        let fit = best.ok_or(IdentifyError::NoEnd { starts: count, reason })?;
+        let reason = "the parameters are not determined; give them a std in the vehicle's table";
+        let sure = uncertainty::of(&fit, &self.free).ok_or(IdentifyError::NoEnd { starts: count, reason })?;
+        let mut parameters = Vec::new();
+        for place in 0..self.free.len() {
+            progress("profiling", place as f64 / self.free.len() as f64);
+            parameters.push(self.identified(place, &fit, &sure));
+        }
+        progress("free run", 0.0);
+        let values = self.search_in_problem_values(&fit);
+        let correlation = sure.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
+        let there = Channel::ALL.into_iter().zip(fit.noise).filter(|(channel, _)| self.is_measured(*channel));
+        Ok(Identification {
+            parameters,
+            correlation,
+            paths,
+            before: free_run::fits(self.records, self.vehicle, &self.values, self.drive),
+            after: free_run::fits(self.records, self.vehicle, &values, self.drive),
+            values,
+            drive: self.drive,
+            seconds: self.segments.iter().map(|segment| segment.len() as f64 * segment.period_s).sum(),
+            segments: self.segments.len(),
+            noise: there.collect(),
+            between: fit.tie.0,
+        })
+    }
+
+    fn is_measured(&self, channel: Channel) -> bool {
+        let mut rows = self.segments.iter().flat_map(|segment| &segment.measured);
+        rows.any(|row| !row[channel as usize].is_nan())
+    }
+
+    fn search_in_problem_values(&self, fit: &Fit) -> Values {
+        self.search_in().values_at(&fit.point.theta)
+    }
+
+    /// The first start is the table; the others lie around it, farther than its standard deviations.
+    fn start(&self, number: usize) -> Vec<f64> {
+        let mut random = ChaCha8Rng::seed_from_u64(self.config.seed);
+        random.set_stream(number as u64);
+        let around = |free: &Free, random: &mut ChaCha8Rng| {
+            let by: f64 = random.sample(StandardNormal);
+            let std = if free.std.is_finite() { 2.0 * free.std } else { 0.7 };
+            let (low, high) = free.parameters.first().bounds();
+            free.parameters.value(free.mean + by * std).clamp(low, high)
+        };
+        let starts = self.free.iter();
+        match number {
+            0 => starts.map(|free| free.parameters.value(free.mean)).collect(),
+            _ => starts.map(|free| around(free, &mut random)).collect(),
+        }
+    }
+
+    fn identified(&self, place: usize, fit: &Fit, sure: &Uncertainty) -> Identified {
+        let free = &self.free[place];
+        let at = fit.point.theta[place];
+        let half = sure.factor * sure.std[place];
+        let ends = (free.parameters.value(at - half), free.parameters.value(at + half));
+        let (identifiable, reason) = self.verdict(place, fit, sure);
+        let profile =
+            if self.config.profile { self.profile(place, fit, sure.std[place]) } else { Vec::new() };
+        let prior = free.parameters.first().prior(self.vehicle);
+        Identified {
+            name: free.parameters.name(),
+            value: free.parameters.value(at),
+            std: sure.std[place] * free.parameters.value_by_coordinate(at),
+            ci95: ends,
+            identifiable,
+            reason,
+            prior: (prior.value, prior.std),
+            profile,
+        }
+    }
+
+    /// Does the recording say something of a parameter, and if not, why not?
+    fn verdict(&self, place: usize, fit: &Fit, sure: &Uncertainty) -> (bool, String) {
+        let free = &self.free[place];
+        let (low, high) = free.parameters.first().bounds();
+        let value = free.parameters.value(fit.point.theta[place]);
+        let at_bound = (value - low).abs() < 1e-6 * low.abs() || (value - high).abs() < 1e-6 * high.abs();
+        if at_bound {
+            return (false, format!("the search ends at the bound {value}: the equations do not fit here"));
+        }
+        let by_data = sure.by_data[place];
+        let logarithmic = free.parameters.first().is_logarithmic();
+        let vague = if logarithmic { by_data > 0.5 } else { by_data > 50.0 };
+        let partner = (0..self.free.len())
+            .filter(|other| *other != place)
+            .max_by(|a, b| {
+                sure.correlation[(place, *a)].abs().total_cmp(&sure.correlation[(place, *b)].abs())
+            })
+            .filter(|other| sure.correlation[(place, *other)].abs() > 0.9)
+            .map(|other| self.free[other].parameters.name());
+        let with = partner.map_or(String::new(), |name| format!("; it goes with {name}"));
+        if free.std.is_finite() && by_data > 1.5 * free.std {
+            return (false, format!("the recording says less of it than the vehicle's table{with}"));
+        }
+        if vague {
+            return (false, format!("the recording leaves it open by more than half of its value{with}"));
+        }
+        if !fit.converged {
+            return (true, "the search stopped before it had come to rest".into());
+        }
+        (true, partner.map_or(String::new(), |name| format!("its error goes with that of {name}")))
+    }
+
+    /// 2 ln(likelihood ratio) around the optimum, the other parameters refitted at each value.
+    fn profile(&self, place: usize, fit: &Fit, std: f64) -> Vec<(f64, f64)> {
+        let mut others = self.free.clone();
+        let fixed = others.remove(place);
+        let mut points = Vec::new();
+        for by in [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0] {
+            let coordinate = fit.point.theta[place] + by * std;
+            let mut values = self.search_in().values_at(&fit.point.theta);
+            fixed.parameters.put(&mut values, fixed.parameters.value(coordinate));
+            let search = Search { values: &values, free: &others, ..self.search_in() };
+            let off = (coordinate - fixed.mean) / fixed.std;
+            let prior = if fixed.std.is_finite() { off * off } else { 0.0 };
+            if let Some(cost) = search.lowest_cost(fit, place) {
+                points.push((fixed.parameters.value(coordinate), cost + prior - fit.all.cost));
+            }
+        }
+        points
+    }
+}
+
+/// What is free.
+fn free(
+    vehicle: &Vehicle,
+    config: &IdentifyConfig,
+    has: impl Fn(Quantity) -> bool,
+    drive: Drive,
+) -> Result<Vec<Free>, IdentifyError> {
+    let named = |name: &String| match name.as_str() {
+        "lateral_stiffness" => Ok(Tied::BothLateral),
+        other => Parameter::named(other).map(Tied::One).ok_or_else(|| IdentifyError::Unknown(name.clone())),
+    };
+    let chosen: Vec<Tied> = if config.parameters.is_empty() {
+        Parameter::usual(vehicle, &has).into_iter().map(Tied::One).collect()
+    } else {
+        config.parameters.iter().map(named).collect::<Result<_, _>>()?
+    };
+    let mut free: Vec<Free> = Vec::new();
+    for parameters in chosen {
+        let unusable =
+            |reason: &str| IdentifyError::Unusable { name: parameters.name().into(), reason: reason.into() };
+        let first = parameters.first();
+        if free.iter().any(|other| other.parameters.overlaps(parameters)) {
+            return Err(unusable("it is named twice"));
+        }
+        let prior = first.prior(vehicle);
+        if !prior.value.is_finite() {
+            return Err(unusable("the vehicle's table has no value to start from"));
+        }
+        if first == Parameter::DriveTorqueRatio && drive != Drive::Torque {
+            return Err(unusable("no drive torque goes into the equations"));
+        }
+        let mean = parameters.coordinate(prior.value);
+        let std = match prior.std {
+            0.0 => f64::INFINITY,
+            std if first.is_logarithmic() => std / prior.value,
+            std => std / first.scale(),
+        };
+        free.push(Free { parameters, mean, std });
+    }
+    if free.len() > 29 {
+        let value = free.len().to_string();
+        return Err(IdentifyError::Setting { key: "parameters", value, reason: "at most 29 at once" });
+    }
+    Ok(free)
+}
+
+/// What the sensors' data sheets say of their noise.
+fn first_noise(records: &[Record]) -> Noise {
+    let std = |quantity: Quantity| {
+        records.iter().map(|record| record.sensors.noise_std(quantity)).fold(0.0, f64::max).max(1e-6)
+    };
+    let wheel = |wheel: Wheel| std(Quantity::wheel_speed(wheel));
+    [
+        wheel(Wheel::Fl),
+        wheel(Wheel::Fr),
+        wheel(Wheel::Rl),
+        wheel(Wheel::Rr),
+        std(Quantity::YawRate),
+        std(Quantity::LateralAcceleration),
+        std(Quantity::LongitudinalAcceleration),
+        0.3 * wheel(Wheel::Rl).max(wheel(Wheel::Fl)),
+    ]
+}
+
+impl fmt::Display for Identified {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} = {:.5} ± {:.2}", self.name, self.value, self.std)
+    }
+}

@@ -1,0 +1,29 @@
+//! Identification of the vehicle's parameters from recordings (thesis 5.3.2, methods.md §7).
+//!
+//! ```text
+//! Samples ─► Record ─► segments ─► search (Levenberg–Marquardt) ─► uncertainty ─► Identification
+//!                         └ simulated with exact derivatives (Dual), all of them side by side
+//! ```
+//!
+//! Noise of each channel and how much the equations lose between segments come out of the data, so the
+//! same search is output error where the equations hold, and a prediction-error method where they do not.
+
+mod car;
+mod fit;
+mod free_run;
+mod identification;
+mod motion;
+mod parameter;
+mod prepare;
+mod record;
+mod segment;
+mod shooting;
+mod uncertainty;
+
+pub use car::Drive;
+pub use fit::Method;
+pub use free_run::{BLOCK_S, FitRow, Fits};
+pub use identification::{Identification, Identified, Identifier, IdentifyConfig, IdentifyError, Path};
+pub use motion::Channel;
+pub use parameter::{Parameter, Values};
+pub use record::{Record, Row};

@@ -1,0 +1,95 @@
+//! How sure the parameters are, and which of them the recording says anything about.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::fit::Fit;
+use super::shooting::Free;
+
+/// Covariance of the search's coordinates at its end.
+#[derive(Clone, Debug)]
+pub(super) struct Uncertainty {
+    /// Standard deviations.
+    pub(super) std: DVector<f64>,
+    /// Correlations.
+    pub(super) correlation: DMatrix<f64>,
+    /// What the recording alone would leave, the priors taken away; infinite where it says nothing.
+    pub(super) by_data: DVector<f64>,
+    /// Half of the 95 % interval / standard deviation.
+    pub(super) factor: f64,
+}
+
+/// From curvature and from scatter: residuals that are no white noise (a model that is not quite right, noise
+/// of the inputs) make segments differ more than their own noise explains, and the sum of the segments'
+/// squared scores says by how much ("sandwich", Huber 1967, with segments as clusters). Of both the larger
+/// counts. `None` if the parameters are not determined.
+pub(super) fn of(fit: &Fit, free: &[Free]) -> Option<Uncertainty> {
+    let chain = fit.all.eliminate(0.0)?;
+    let information = chain.information.clone();
+    let inverse = information.clone().cholesky()?.inverse();
+    let scores = chain.scores();
+    let (count, of) = (scores.len() as f64, free.len() as f64);
+    let mut scatter = DMatrix::zeros(free.len(), free.len());
+    for score in &scores {
+        scatter += score * score.transpose();
+    }
+    let dof = (count - of).max(1.0);
+    scatter *= count / dof;
+    let mut prior = DMatrix::zeros(free.len(), free.len());
+    for (i, free) in free.iter().enumerate() {
+        if free.std.is_finite() {
+            prior[(i, i)] = 1.0 / (free.std * free.std);
+        }
+    }
+    let robust = &inverse * (&scatter + &prior) * &inverse;
+    // Too few segments scatter too little: then the curvature alone has to do.
+    let enough = count > 3.0 * of + 10.0;
+    let covariance = if enough { robust } else { inverse.clone() };
+    let variance =
+        DVector::from_fn(free.len(), |i, _| covariance[(i, i)].max(inverse[(i, i)]).max(f64::MIN_POSITIVE));
+    let std = variance.map(f64::sqrt);
+    let own = covariance.diagonal().map(|v| v.max(f64::MIN_POSITIVE).sqrt());
+    let correlation = DMatrix::from_fn(free.len(), free.len(), |i, j| covariance[(i, j)] / (own[i] * own[j]));
+    let by_data = alone(&(&information - &prior), &std, &inverse);
+    Some(Uncertainty { std, correlation, by_data, factor: student(dof) })
+}
+
+/// Standard deviations without the priors, scaled by what scatter adds to curvature.
+fn alone(data: &DMatrix<f64>, std: &DVector<f64>, inverse: &DMatrix<f64>) -> DVector<f64> {
+    let eigen = data.clone().symmetric_eigen();
+    let largest = eigen.eigenvalues.amax();
+    DVector::from_fn(data.nrows(), |i, _| {
+        let mut variance = 0.0;
+        for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+            // A direction the data do not know at all, to rounding.
+            if *value <= 1e-12 * largest {
+                if vector[i].abs() > 1e-3 {
+                    return f64::INFINITY;
+                }
+                continue;
+            }
+            variance += vector[i] * vector[i] / value;
+        }
+        variance.sqrt() * (std[i] / inverse[(i, i)].sqrt())
+    })
+}
+
+/// The 97.5 % quantile of Student's distribution (Hill's expansion about the normal one; exact to 1 %
+/// from 3 degrees of freedom).
+fn student(dof: f64) -> f64 {
+    let z = 1.959_964_f64;
+    let n = dof.max(3.0);
+    let (z3, z5) = (z.powi(3), z.powi(5));
+    z + (z3 + z) / (4.0 * n) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_those_of_the_tables() {
+        for (dof, quantile) in [(5.0, 2.571), (10.0, 2.228), (30.0, 2.042), (1e6, 1.960)] {
+            assert!((student(dof) / quantile - 1.0).abs() < 5e-3, "{dof}: {}", student(dof));
+        }
+    }
+}

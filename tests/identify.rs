@@ -1,0 +1,63 @@
+//! Identification of the thesis's test case Sim1 (App. B, 5.3.2).
+#![allow(clippy::unwrap_used, clippy::expect_used)] // Tests.
+
+use gripd::cli::reproduce::{Drive as Driven, SIM1};
+use gripd::identify::{Drive, Identifier, IdentifyConfig, Record};
+use gripd::model::{Scenario, Vehicle};
+
+/// Sim1 with this steering amplitude, with or without noise.
+fn sim1(amplitude: f64, noisy: bool, seed: u64) -> (Record, Vehicle) {
+    let text = SIM1.replace("amplitude = 0.1", &format!("amplitude = {amplitude}"));
+    let mut scenario = Scenario::parse(&text).unwrap();
+    if !noisy {
+        for sensor in scenario.sensors.by_name.values_mut() {
+            sensor.noise_std = 0.0;
+        }
+    }
+    let driven = Driven::simulate(&scenario, seed).unwrap();
+    (Record::new("sim1", &driven.samples, &driven.sensors), scenario.vehicle)
+}
+
+fn config(drive: Drive) -> IdentifyConfig {
+    IdentifyConfig {
+        parameters: vec!["longitudinal_stiffness".into(), "lateral_stiffness".into()],
+        drive: Some(drive),
+        starts: 1,
+        profile: false,
+        ..IdentifyConfig::default()
+    }
+}
+
+/// The corners of the thesis's grid (C_x 1e5 to 1e6, C_y 1e4 to 1e5 N), normalized.
+const CORNERS: [[f64; 2]; 4] = [[24.0, 2.4], [240.0, 2.4], [24.0, 24.0], [240.0, 24.0]];
+
+#[test]
+fn every_corner_leads_home_without_noise() {
+    for (drive, amplitude) in [(Drive::WheelSpeeds, 0.01), (Drive::WheelSpeeds, 0.1), (Drive::Torque, 0.01)] {
+        let (record, vehicle) = sim1(amplitude, false, 1);
+        let (records, config) = ([record], config(drive));
+        let identifier = Identifier::new(&records, &vehicle, &config).unwrap();
+        for from in CORNERS {
+            let path = identifier.search(&from).unwrap();
+            for (value, truth) in path.to.iter().zip([50.0, 11.5]) {
+                assert!((value / truth - 1.0).abs() < 5e-3, "{drive:?} {amplitude} {from:?}: {:?}", path.to);
+            }
+        }
+    }
+}
+
+#[test]
+fn with_noise_the_interval_holds_the_truth() {
+    for amplitude in [0.01, 0.1] {
+        let (record, vehicle) = sim1(amplitude, true, 3);
+        let (records, config) = ([record], config(Drive::WheelSpeeds));
+        let result = Identifier::new(&records, &vehicle, &config).unwrap().run(|_, _| ()).unwrap();
+        for (parameter, truth) in result.parameters.iter().zip([50.0, 11.5]) {
+            let (low, high) = parameter.ci95;
+            // Three standard deviations: one seed must not decide.
+            let (low, high) = (low - 0.5 * (high - low) / 2.0, high + 0.5 * (high - low) / 2.0);
+            assert!((low..high).contains(&truth), "{amplitude} {parameter}");
+            assert!(parameter.identifiable && parameter.std < 0.03 * truth, "{amplitude} {parameter}");
+        }
+    }
+}

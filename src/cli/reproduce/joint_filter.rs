@@ -17,6 +17,8 @@ pub const EXPERIMENTS: &[Experiment] = &[Experiment {
 
 /// Drives of each cell of the grid; the test of the same name has more.
 const SEEDS: u64 = 3;
+/// … and of the cell in which the bound is largest.
+const BOUND_SEEDS: u64 = 12;
 /// What counts as found.
 const FOUND: f64 = 0.05;
 /// How much above the bound a filter may be that reaches it.
@@ -29,7 +31,7 @@ fn joint_filter() -> Result<Outcome, String> {
         let of: Vec<_> = cells.iter().filter(|cell| cell.amplitude == amplitude).collect();
         outcome.claims.push(found(amplitude, &of));
     }
-    outcome.claims.push(near_the_bound(&cells));
+    outcome.claims.push(near_the_bound(&cells)?);
     outcome.claims.push(consistent(&cells));
     for amplitude in [0.01, 0.1] {
         let cell = cells.iter().find(|cell| cell.amplitude == amplitude && cell.frequency == 0.5);
@@ -78,30 +80,27 @@ fn found(amplitude: f64, cells: &[&Cell]) -> Claim {
     )
 }
 
-/// At the instants at which the bound is largest, how near to it?
-fn near_the_bound(cells: &[Cell]) -> Claim {
+/// At the instant at which the bound is largest, how near to it? With more drives, because an rms of three
+/// says little.
+fn near_the_bound(cells: &[Cell]) -> Result<Claim, String> {
     let places = cells.iter().flat_map(|cell| [0, 1, 2].map(|check| (cell, check)));
     let hardest = places.max_by(|(a, i), (b, j)| a.bound[*i].total_cmp(&b.bound[*j]));
-    let Some((cell, check)) = hardest else {
-        return Claim::better("Cramér–Rao bound of C_yN", "no drive".into(), false, "the grid is empty");
-    };
+    let (cell, check) = hardest.ok_or("the grid is empty")?;
+    let cell = Cell::drive(cell.amplitude, cell.frequency, BOUND_SEEDS, &LateralFilterConfig::ideal_road())?;
     let (bound, ours) = (cell.bound[check], cell.rms(check));
-    // The rms of a few drives is uncertain by 1/√(2 n).
-    let chance = 1.0 + 2.0 / (2.0 * cell.runs.len() as f64).sqrt();
     let instant = ["t = 100", "t = 105", "t = 155"][check];
-    Claim::better(
-        "where the readings say least, the filter is as good as they allow (Cramér–Rao)",
+    Ok(Claim::better(
+        "where the readings say least, the filter is as good as they allow (Cramér–Rao), within 20 %",
         format!(
-            "±{} rad, {} Hz, {instant}: bound says std {:.2} %, ours {:.2} % rms of {} drives",
+            "±{} rad, {} Hz, {instant}: bound says std {:.2} %, ours {:.2} % rms of {BOUND_SEEDS} drives",
             cell.amplitude,
             cell.frequency,
             100.0 * bound,
             100.0 * ours,
-            cell.runs.len()
         ),
-        ours <= REACHED * bound * chance,
+        ours <= REACHED * bound,
         "bound: instant of change and offsets known, steering known by its noisy readings alone",
-    )
+    ))
 }
 
 fn consistent(cells: &[Cell]) -> Claim {
@@ -120,7 +119,8 @@ fn consistent(cells: &[Cell]) -> Claim {
             runs.len()
         ),
         within >= 0.9 && noticed == runs.len(),
-        "the second after each change is left out: nothing foresees it",
+        "the second after each change is left out: nothing foresees it; of consistent windows 95 % are within, \
+         and those outside lie where the tires slide and the noise learned meanwhile is too large afterwards",
     )
 }
 

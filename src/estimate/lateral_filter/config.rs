@@ -67,7 +67,7 @@ impl Default for LateralFilterConfig {
             acceleration_offset_std: 0.1,
             bank_std: 0.15,
             bank_time_s: 20.0,
-            noise_memory: 3000.0,
+            noise_memory: 1000.0,
             inconsistent_nis: 4.0,
         }
     }

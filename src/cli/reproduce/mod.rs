@@ -2,6 +2,7 @@
 //!
 //! Each section's file lists its [`Experiment`]s; adding one means one line in that list.
 
+pub mod abs_tests;
 mod brush;
 mod command;
 mod dahl;
@@ -12,17 +13,19 @@ mod identification;
 mod joint_filter;
 mod lateral;
 mod limits;
+mod limits_scatter;
 mod mapping;
 mod numeric;
 mod page;
 pub mod sim2_grid;
+mod sim3;
 mod slip_slope;
 mod surface;
 mod table;
 mod tires;
 
 pub use command::Reproduce;
-pub use drive::{Drive, SIM1, SIM2, SIM3};
+pub use drive::{Drive, SIM1, SIM2, SIM3, SIM3_LIMIT};
 pub use experiment::{Claim, Experiment, ExperimentError, Outcome, Picture, Verdict};
 
 /// A section of the thesis.

@@ -14,6 +14,7 @@ mod friction;
 mod joint_ekf;
 mod kinematic_observer;
 mod kinematics;
+pub mod lateral_filter;
 mod lateral_slope;
 mod lateral_velocity;
 pub mod mapping;

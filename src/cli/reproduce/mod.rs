@@ -10,12 +10,14 @@ mod drive;
 mod experiment;
 mod friction;
 mod identification;
+mod joint_filter;
 mod lateral;
 mod limits;
 mod limits_scatter;
 mod mapping;
 mod numeric;
 mod page;
+pub mod sim2_grid;
 mod sim3;
 mod slip_slope;
 mod surface;
@@ -41,6 +43,7 @@ pub const SECTIONS: &[Section] = &[
     Section { title: "Tires (chapter 4)", experiments: tires::EXPERIMENTS },
     Section { title: "Longitudinal stiffness (5.2.1)", experiments: slip_slope::EXPERIMENTS },
     Section { title: "Lateral velocity and stiffness (5.2.2, 5.3.1)", experiments: lateral::EXPERIMENTS },
+    Section { title: "A joint filter that has the tire's limit", experiments: joint_filter::EXPERIMENTS },
     Section { title: "Identification off line (5.3.2)", experiments: identification::EXPERIMENTS },
     Section { title: "From stiffness to friction (chapter 6)", experiments: mapping::EXPERIMENTS },
     Section { title: "The surface (chapter 7)", experiments: surface::EXPERIMENTS },

@@ -19,12 +19,19 @@ pub(super) struct Car<T> {
     pub(super) radius: [T; 4],
     /// Wheel inertia / radius², kg.
     pub(super) wheel_mass: T,
+    /// Half of each axle's track, m.
+    pub(super) half_track: [T; 2],
+    /// Is the force at an axle's wheels the same and from outside: torque, or none at all?
+    pub(super) from_outside: [bool; 2],
+    /// What wheels whose force comes from outside add to the mass, kg: all of them, those in front.
+    pub(super) added_mass: [T; 2],
+    /// Yaw inertia / (yaw inertia with that of these wheels at half a track from the middle).
+    pub(super) yaw_share: T,
     pub(super) steering_ratio: T,
-    /// Torque at each wheel per unit of drive torque.
-    pub(super) drive_share: [T; 4],
-    /// Brake torque at each wheel per bar.
-    pub(super) brake_per_bar: [T; 4],
-    pub(super) driven: [bool; 4],
+    /// Force / load of each axle's wheels per unit of drive torque.
+    pub(super) drive_share: [T; 2],
+    /// And per bar of brake pressure.
+    pub(super) brake_share: [T; 2],
     pub(super) yaw_rate_offset: T,
     pub(super) lateral_offset: T,
     pub(super) longitudinal_offset: T,
@@ -33,7 +40,8 @@ pub(super) struct Car<T> {
 
 impl<T: Real> Car<T> {
     /// From a number for each parameter; what is no number (driven axle, kind of tire) is the vehicle's.
-    pub(super) fn new(vehicle: &Vehicle, number: impl Fn(Parameter) -> T) -> Self {
+    pub(super) fn new(vehicle: &Vehicle, drive: Drive, number: impl Fn(Parameter) -> T) -> Self {
+        let zero = T::constant(0.0);
         let mass = number(Parameter::Mass);
         let wheelbase = number(Parameter::Wheelbase);
         let a = number(Parameter::CgToFront);
@@ -50,18 +58,39 @@ impl<T: Real> Car<T> {
         let nominal = number(Parameter::WheelRadius);
         // A wheel that turns faster than it should seems to slip: its radius is smaller.
         let radius = Wheel::ALL.map(|wheel| nominal / (number(Parameter::slip_offset(wheel)) + 1.0));
-        let driven = Wheel::ALL.map(|wheel| vehicle.driven_axle.drives(wheel));
-        let count = driven.iter().filter(|driven| **driven).count() as f64;
-        let ratio = number(Parameter::DriveTorqueRatio);
-        let or_none = |value: T| if value.value().is_nan() { T::constant(0.0) } else { value };
+        let driven = [Wheel::Fl, Wheel::Rl].map(|wheel| vehicle.driven_axle.drives(wheel));
+        let count = if driven == [true; 2] { 4.0 } else { 2.0 };
+        let or_none = |value: T| if value.value().is_nan() { zero } else { value };
+        let per_bar = [Parameter::BrakePerBarFront, Parameter::BrakePerBarRear];
+        let share = |axle: usize, torque: T| torque / (nominal * load[axle]);
+        let torque = number(Parameter::DriveTorqueRatio) / count;
+        let from_outside = driven.map(|driven| match drive {
+            Drive::Torque => true,
+            Drive::WheelSpeeds => !driven,
+            Drive::Slips => false,
+        });
+        let half_track = [number(Parameter::TrackFront) / 2.0, number(Parameter::TrackRear) / 2.0];
+        let wheel_mass = number(Parameter::WheelInertia) / (nominal * nominal);
+        let mut added_mass = [zero; 2];
+        let mut added_inertia = zero;
+        for axle in [0, 1] {
+            if from_outside[axle] {
+                added_mass[0] += wheel_mass * 2.0;
+                added_inertia += wheel_mass * half_track[axle] * half_track[axle] * 2.0;
+            }
+        }
+        if from_outside[0] {
+            added_mass[1] = wheel_mass * 2.0;
+        }
+        let yaw_inertia = number(Parameter::YawInertia);
         Self {
             body: Body {
                 mass,
-                yaw_inertia: number(Parameter::YawInertia),
+                yaw_inertia,
                 a,
                 b,
-                half_track_front: number(Parameter::TrackFront) / 2.0,
-                half_track_rear: number(Parameter::TrackRear) / 2.0,
+                half_track_front: half_track[0],
+                half_track_rear: half_track[1],
                 drag: number(Parameter::Drag),
                 rolling_resistance: number(Parameter::RollingResistance),
             },
@@ -77,14 +106,14 @@ impl<T: Real> Car<T> {
             contact: [contact(Parameter::LateralFront, load[0]), contact(Parameter::LateralRear, load[1])],
             load,
             radius,
-            wheel_mass: number(Parameter::WheelInertia) / (nominal * nominal),
+            wheel_mass,
+            half_track,
+            from_outside,
+            added_mass,
+            yaw_share: yaw_inertia / (yaw_inertia + added_inertia),
             steering_ratio: number(Parameter::SteeringRatio),
-            drive_share: driven.map(|driven| if driven { ratio / count } else { T::constant(0.0) }),
-            brake_per_bar: Wheel::ALL.map(|wheel| {
-                let front = wheel.is_front();
-                or_none(number(if front { Parameter::BrakePerBarFront } else { Parameter::BrakePerBarRear }))
-            }),
-            driven,
+            drive_share: [0, 1].map(|axle| if driven[axle] { share(axle, torque) } else { zero }),
+            brake_share: [0, 1].map(|axle| share(axle, or_none(number(per_bar[axle])))),
             yaw_rate_offset: number(Parameter::YawRateOffset),
             lateral_offset: number(Parameter::LateralAccelerationOffset),
             longitudinal_offset: number(Parameter::LongitudinalAccelerationOffset),
@@ -95,8 +124,8 @@ impl<T: Real> Car<T> {
 
 impl Car<f64> {
     /// Without derivatives.
-    pub(super) fn plain(vehicle: &Vehicle, values: &Values) -> Self {
-        Self::new(vehicle, |parameter| values.get(parameter))
+    pub(super) fn plain(vehicle: &Vehicle, drive: Drive, values: &Values) -> Self {
+        Self::new(vehicle, drive, |parameter| values.get(parameter))
     }
 
     /// An upper bound of the fastest rate in the plane at a speed, 1/s: sideslip and yaw on their tires,

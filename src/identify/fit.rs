@@ -9,10 +9,12 @@
 use nalgebra::{DVector, Vector3};
 
 use super::car::Drive;
+use super::chain::{Linearized, Point};
+use super::free::Free;
 use super::motion::Channel;
 use super::parameter::Values;
 use super::segment::Segment;
-use super::shooting::{Free, Linearized, Point, Problem, Tie};
+use super::shooting::{Problem, Tie};
 use crate::model::Vehicle;
 
 /// How segments are tied in the end.
@@ -166,7 +168,7 @@ impl<'a> Search<'a> {
         enough: f64,
     ) -> Option<Fit> {
         let mut all = match known {
-            Some(known) => problem.tie_anew(&point, known),
+            Some(known) => problem.weigh_anew(&point, known),
             None => problem.linearize(&point),
         };
         if !all.cost.is_finite() {
@@ -188,7 +190,7 @@ impl<'a> Search<'a> {
                 }
                 noise = learned;
                 problem = self.problem(&noise, problem.tie);
-                all = problem.linearize(&point);
+                all = problem.weigh_anew(&point, all);
                 continue;
             }
             let trial = self.moved(&point, &step);
@@ -204,9 +206,8 @@ impl<'a> Search<'a> {
             let is_steady = steady(&learned, &noise);
             if !is_steady {
                 noise = learned;
-                let before = problem.weight;
                 problem = self.problem(&noise, problem.tie);
-                all.reweigh(&before, &problem.weight);
+                all = problem.weigh_anew(&point, all);
             }
             // At kinks of the tire a step may promise for ever what it does not keep.
             idle = if gained < enough && is_steady { idle + 1 } else { 0 };

@@ -42,7 +42,7 @@ pub fn free_run(records: &[Record], vehicle: &Vehicle, drive: Drive) -> Fits {
 
 /// Runs freely through all records.
 pub(super) fn fits(records: &[Record], vehicle: &Vehicle, values: &Values, drive: Drive) -> Fits {
-    let car = Car::plain(vehicle, values);
+    let car = Car::plain(vehicle, drive, values);
     let mut rows = Vec::new();
     for segment in prepare::segments(records, vehicle, values, drive, BLOCK_S) {
         let outputs = segment.outputs(&car, drive, segment.start);

@@ -11,13 +11,13 @@ use thiserror::Error;
 
 use super::car::Drive;
 use super::fit::{Fit, Method, Noise, Search};
+use super::free::{Free, Tied};
 use super::free_run::{self, Fits};
 use super::motion::Channel;
 use super::parameter::{Parameter, Values};
 use super::prepare;
 use super::record::Record;
 use super::segment::Segment;
-use super::shooting::{Free, Tied};
 use super::uncertainty::{self, Uncertainty};
 use crate::model::Vehicle;
 use crate::{Quantity, Wheel};

@@ -9,7 +9,9 @@
 //! same search is output error where the equations hold, and a prediction-error method where they do not.
 
 mod car;
+mod chain;
 mod fit;
+mod free;
 mod free_run;
 mod identification;
 mod motion;

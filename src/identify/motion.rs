@@ -116,11 +116,14 @@ pub(super) type State<T> = [T; 3];
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Instant<T> {
     pub(super) rate: State<T>,
-    /// Force along each wheel / its load, where no measured speed stands for it.
-    share: [T; 4],
-    /// Slip that goes with it is wanted at these angles (front, rear).
+    /// Force along each axle's wheels / load, where it comes from outside.
+    share: [T; 2],
+    /// Slip angles, front and rear.
     slip_angle: [T; 2],
+    /// Speed of each contact point along its wheel.
     along: [T; 4],
+    /// How fast the front wheels' speed grows for their turning into the axle's motion across.
+    turning: T,
     ax: T,
     ay: T,
 }
@@ -139,70 +142,70 @@ impl<T: Real> Car<T> {
         let slip_angle =
             [wheel::slip_angle(front_along, front_across), wheel::slip_angle(rear_along, rear_across)];
         let zero = T::constant(0.0);
-        let (mut fx, mut fy, mut share) = ([zero; 4], [zero; 4], [zero; 4]);
-        let (mut added_mass, mut added_inertia, mut front_mass) = (zero, zero, zero);
-        let half_track = [body.half_track_front, body.half_track_rear];
-        for i in 0..4 {
-            let axle = i / 2;
+        let (mut fx, mut fy, mut share) = ([zero; 4], [zero; 4], [zero; 2]);
+        for axle in 0..2 {
             let (contact, load, angle) = (&self.contact[axle], self.load[axle], slip_angle[axle]);
-            let by_speed = drive == Drive::WheelSpeeds && self.driven[i] && input.wheel[i].is_finite();
-            let [x, y] = if by_speed {
-                let slip = wheel::slip(self.radius[i] * input.wheel[i], along[i]);
-                self.tire.combined(contact, slip, angle)
-            } else if drive == Drive::Slips {
-                self.tire.combined(contact, T::constant(input.wheel[i]), angle)
-            } else {
-                let torque =
-                    self.drive_share[i] * input.drive_torque - self.brake_per_bar[i] * input.brake_pressure;
-                let x = if drive == Drive::Torque { torque / (self.radius[i] * load) } else { zero };
-                let most = contact.friction_x * 0.99;
-                let x = x.at_most(most).at_least(-most);
-                added_mass += self.wheel_mass;
-                added_inertia += self.wheel_mass * half_track[axle] * half_track[axle];
-                if axle == 0 {
-                    front_mass += self.wheel_mass;
+            if self.from_outside[axle] {
+                let mut x = zero;
+                if drive == Drive::Torque {
+                    let most = contact.friction_x * 0.99;
+                    let torques = self.drive_share[axle] * input.drive_torque
+                        - self.brake_share[axle] * input.brake_pressure;
+                    x = torques.at_most(most).at_least(-most);
                 }
-                share[i] = x;
-                [x, self.across(axle, x, angle)]
-            };
-            fx[i] = x * load;
-            fy[i] = y * load;
+                share[axle] = x;
+                let y = self.across(axle, x, angle) * load;
+                let x = x * load;
+                (fx[2 * axle], fx[2 * axle + 1]) = (x, x);
+                (fy[2 * axle], fy[2 * axle + 1]) = (y, y);
+                continue;
+            }
+            for i in [2 * axle, 2 * axle + 1] {
+                let slip = match drive {
+                    Drive::Slips => T::constant(input.wheel[i]),
+                    _ => wheel::slip(self.radius[i] * input.wheel[i], along[i]),
+                };
+                let [x, y] = self.tire.combined(contact, slip, angle);
+                fx[i] = x * load;
+                fy[i] = y * load;
+            }
         }
         let bare = body.accelerate(&velocity, steer, &fx, &fy, &External::none());
         // A steered wheel's own direction turns, and has the front axle's motion across in it.
         let turning = (bare.vy_rate + body.a * bare.yaw) * steer.sin
             + front_across * (T::constant(input.steering_rate) / self.steering_ratio);
-        let ax = (bare.ax * body.mass - added_mass * (vy * yaw_rate) - front_mass * turning)
-            / (body.mass + added_mass);
+        let [all, front] = self.added_mass;
+        let ax = (bare.ax * body.mass - all * (vy * yaw_rate) - front * turning) / (body.mass + all);
         let vx_rate = ax + vy * yaw_rate;
-        let yaw = bare.yaw * body.yaw_inertia / (body.yaw_inertia + added_inertia);
-        for (i, share) in share.iter_mut().enumerate() {
-            let axle = i / 2;
-            let side = if i % 2 == 0 { -half_track[axle] } else { half_track[axle] };
-            let mut rate = vx_rate + side * yaw;
-            if axle == 0 {
-                rate += turning;
-            }
-            *share = *share - self.wheel_mass * rate / self.load[axle];
-        }
-        Instant { rate: [vx_rate, bare.vy_rate, yaw], share, slip_angle, along, ax, ay: bare.ay }
+        let yaw = bare.yaw * self.yaw_share;
+        Instant { rate: [vx_rate, bare.vy_rate, yaw], share, slip_angle, along, turning, ax, ay: bare.ay }
     }
 
     /// What the sensors would say.
     #[inline(always)]
     pub(super) fn outputs(&self, state: &State<T>, now: &Instant<T>) -> Outputs<T> {
+        let zero = T::constant(0.0);
         let mut outputs = [
-            T::constant(0.0),
-            T::constant(0.0),
-            T::constant(0.0),
-            T::constant(0.0),
+            zero,
+            zero,
+            zero,
+            zero,
             state[2] + self.yaw_rate_offset,
             now.ay + self.lateral_offset,
             now.ax + self.longitudinal_offset,
             state[0],
         ];
         for (i, output) in outputs.iter_mut().take(4).enumerate() {
-            let slip = self.slip_of(i / 2, now.share[i], now.slip_angle[i / 2]);
+            let axle = i / 2;
+            if !self.from_outside[axle] {
+                continue;
+            }
+            // A part of the torque turns the wheel itself.
+            let side = if i % 2 == 0 { -self.half_track[axle] } else { self.half_track[axle] };
+            let turning = if axle == 0 { now.turning } else { zero };
+            let faster = now.rate[0] + side * now.rate[2] + turning;
+            let share = now.share[axle] - self.wheel_mass * faster / self.load[axle];
+            let slip = self.slip_of(axle, share, now.slip_angle[axle]);
             *output = now.along[i] * (slip + 1.0) / self.radius[i];
         }
         outputs

@@ -1,7 +1,9 @@
 //! One segment: simulated from a start of its own, beside what was measured.
 
+use multiversion::multiversion;
+
 use super::car::{Car, Drive};
-use super::motion::{Channel, Input, Outputs, State};
+use super::motion::{Input, Outputs, State};
 use super::record::Row;
 use crate::Wheel;
 use crate::model::{Dual, GRAVITY, Real, TireKind, Vehicle};
@@ -61,19 +63,19 @@ pub(super) fn measured(row: &Row, drive: Drive, vehicle: &Vehicle) -> Measured {
     [fl, fr, rl, rr, r, ay, ax, speed]
 }
 
-/// What a segment says: normal equations of the residuals by parameters and start.
+/// Derivatives are carried eight at a time: what the widest registers hold, and few enough that the
+/// equations are compiled once.
+pub(super) const LANES: usize = 8;
+
+/// One simulation with derivatives by eight things.
 #[derive(Clone, Debug)]
-pub(super) struct Evidence<const N: usize> {
-    /// Σ (residual / noise)².
-    pub(super) cost: f64,
-    /// Σ residual × derivative / noise².
-    pub(super) gradient: [f64; N],
-    /// Σ derivative × derivativeᵀ / noise².
-    pub(super) information: [[f64; N]; N],
+pub(super) struct Trace {
+    /// Of each channel that counts: simulated less measured (zero where nothing was measured), by row.
+    pub(super) residuals: Vec<Vec<f64>>,
+    /// And its derivatives.
+    pub(super) by: Vec<Vec<[f64; LANES]>>,
     /// The state at its end.
-    pub(super) end: State<Dual<N>>,
-    /// Σ residual², by channel.
-    pub(super) squares: [f64; Channel::COUNT],
+    pub(super) end: State<Dual<LANES>>,
 }
 
 impl Segment {
@@ -126,51 +128,42 @@ impl Segment {
         self.simulate(car, drive, start, |_, outputs| rows.push(*outputs));
         rows
     }
-
-    /// Simulated beside measured. `car` has derivatives by the parameters, `start` by itself in the
-    /// places after them. `weight` is 1 / noise², by channel.
-    #[inline(always)]
-    pub(super) fn evidence<const N: usize>(
-        &self,
-        car: &Car<Dual<N>>,
-        drive: Drive,
-        start: State<Dual<N>>,
-        weight: &[f64; Channel::COUNT],
-    ) -> Evidence<N> {
-        let zero = Dual::constant(0.0);
-        let mut evidence = Evidence {
-            cost: 0.0,
-            gradient: [0.0; N],
-            information: [[0.0; N]; N],
-            end: [zero; 3],
-            squares: [0.0; Channel::COUNT],
-        };
-        evidence.end = self.simulate(car, drive, start, |place, outputs| {
-            for channel in 0..Channel::COUNT {
-                let measured = self.measured[place][channel];
-                if !measured.is_nan() && weight[channel] > 0.0 {
-                    evidence.take(channel, measured, &outputs[channel], weight[channel]);
-                }
-            }
-        });
-        evidence
-    }
 }
 
-impl<const N: usize> Evidence<N> {
-    #[inline(always)]
-    fn take(&mut self, channel: usize, measured: f64, output: &Dual<N>, weight: f64) {
-        let residual = output.value - measured;
-        self.squares[channel] += residual * residual;
-        self.cost += weight * residual * residual;
-        for (row, by) in self.information.iter_mut().zip(&output.by) {
-            let scaled = weight * by;
-            for (place, other) in row.iter_mut().zip(&output.by) {
-                *place += scaled * other;
+/// Simulated beside measured, in the channels that count. The same on machines with wider registers.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
+pub(super) fn trace(
+    segment: &Segment,
+    car: &Car<Dual<LANES>>,
+    drive: Drive,
+    start: State<Dual<LANES>>,
+    channels: &[usize],
+) -> Trace {
+    let rows = segment.len();
+    let mut residuals = vec![vec![0.0; rows]; channels.len()];
+    let mut by = vec![vec![[0.0; LANES]; rows]; channels.len()];
+    let end = segment.simulate(car, drive, start, |place, outputs| {
+        for (number, channel) in channels.iter().enumerate() {
+            let measured = segment.measured[place][*channel];
+            if !measured.is_nan() {
+                residuals[number][place] = outputs[*channel].value - measured;
+                by[number][place] = outputs[*channel].by;
             }
         }
-        for (place, by) in self.gradient.iter_mut().zip(&output.by) {
-            *place += weight * residual * by;
+    });
+    Trace { residuals, by, end }
+}
+
+/// Σ a bᵀ over rows.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
+pub(super) fn products(a: &[[f64; LANES]], b: &[[f64; LANES]]) -> [[f64; LANES]; LANES] {
+    let mut sum = [[0.0; LANES]; LANES];
+    for (a, b) in a.iter().zip(b) {
+        for (row, a) in sum.iter_mut().zip(a) {
+            for (place, b) in row.iter_mut().zip(b) {
+                *place += a * b;
+            }
         }
     }
+    sum
 }

@@ -13,17 +13,16 @@
 //! it is eliminated from the first segment to the last, so that a step's cost grows with the length of
 //! the recordings only.
 
-use multiversion::multiversion;
-use nalgebra::{DMatrix, DVector, Dyn, Matrix3, OMatrix, U3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use rayon::prelude::*;
 
 use super::car::{Car, Drive};
+use super::chain::{Block, Border, Linearized, Point, Score};
+use super::free::Free;
 use super::motion::{Channel, State};
-use super::parameter::{Parameter, Values};
-use super::segment::{Evidence, Segment};
+use super::parameter::Values;
+use super::segment::{LANES, Segment, Trace, products, trace};
 use crate::model::{Dual, Real, Vehicle};
-
-type Border = OMatrix<f64, U3, Dyn>;
 
 /// How the start of a segment is tied to the end of the one before: standard deviation of what may
 /// come between, in the state's units; infinite for segments on their own.
@@ -45,86 +44,6 @@ impl Tie {
 /// car drifts much.
 const START_STD: State<f64> = [0.5, 2.0, 0.1];
 
-/// A free parameter: where it is in the search's own coordinate.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Free {
-    pub(super) parameters: Tied,
-    /// Prior of the coordinate.
-    pub(super) mean: f64,
-    /// Zero information where infinite.
-    pub(super) std: f64,
-}
-
-/// A parameter, or the stiffnesses of both axles as one (thesis: C_F = C_R).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Tied {
-    One(Parameter),
-    BothLateral,
-}
-
-impl Tied {
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::One(parameter) => parameter.name(),
-            Self::BothLateral => "lateral_stiffness",
-        }
-    }
-
-    /// The one that stands for it.
-    pub(super) fn first(self) -> Parameter {
-        match self {
-            Self::One(parameter) => parameter,
-            Self::BothLateral => Parameter::LateralFront,
-        }
-    }
-
-    /// Sets its value.
-    pub(super) fn put(self, values: &mut Values, value: f64) {
-        for parameter in Parameter::ALL.into_iter().filter(|parameter| self.is(*parameter)) {
-            values.set(parameter, value);
-        }
-    }
-
-    /// Do both have a parameter in common?
-    pub(super) fn overlaps(self, other: Self) -> bool {
-        Parameter::ALL.into_iter().any(|parameter| self.is(parameter) && other.is(parameter))
-    }
-
-    fn is(self, parameter: Parameter) -> bool {
-        match self {
-            Self::One(one) => one == parameter,
-            Self::BothLateral => matches!(parameter, Parameter::LateralFront | Parameter::LateralRear),
-        }
-    }
-
-    /// From the parameter's unit to the search's coordinate.
-    pub(super) fn coordinate(self, value: f64) -> f64 {
-        let first = self.first();
-        if first.is_logarithmic() { value.ln() } else { value / first.scale() }
-    }
-
-    /// And back.
-    pub(super) fn value(self, coordinate: f64) -> f64 {
-        let first = self.first();
-        if first.is_logarithmic() { coordinate.exp() } else { coordinate * first.scale() }
-    }
-
-    /// Derivative of the value by the coordinate.
-    pub(super) fn value_by_coordinate(self, coordinate: f64) -> f64 {
-        let first = self.first();
-        if first.is_logarithmic() { coordinate.exp() } else { first.scale() }
-    }
-}
-
-/// Where a search is.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Point {
-    /// Coordinates of the free parameters.
-    pub(super) theta: DVector<f64>,
-    /// Start of each segment.
-    pub(super) starts: Vec<Vector3<f64>>,
-}
-
 /// All there is to fit.
 #[derive(Clone, Debug)]
 pub(super) struct Problem<'a> {
@@ -138,15 +57,30 @@ pub(super) struct Problem<'a> {
     pub(super) tie: Tie,
 }
 
-/// What one segment says, sized at run time.
+/// What one segment says, channel by channel, not weighted yet: weights may change without simulating
+/// again.
 #[derive(Clone, Debug)]
-struct Said {
-    cost: f64,
-    squares: [f64; Channel::COUNT],
-    /// By parameters.
+pub(super) struct Said {
+    channels: Vec<Sums>,
+    end: Vector3<f64>,
+    /// Derivatives of the end by parameters and start.
+    end_by: DMatrix<f64>,
+}
+
+/// Sums over the rows of one channel; derivatives by the parameters, then by the start.
+#[derive(Clone, Debug)]
+struct Sums {
+    channel: usize,
+    square: f64,
     gradient: DVector<f64>,
     information: DMatrix<f64>,
-    /// By the start.
+}
+
+/// The same, weighted and summed over the channels, parameters apart from start.
+#[derive(Clone, Debug)]
+struct Own {
+    gradient: DVector<f64>,
+    information: DMatrix<f64>,
     start_gradient: Vector3<f64>,
     start_information: Matrix3<f64>,
     border: Border,
@@ -155,69 +89,57 @@ struct Said {
     end_by_theta: Border,
 }
 
-/// Everything at a point: cost and normal equations.
-#[derive(Clone, Debug)]
-pub(super) struct Linearized {
-    pub(super) cost: f64,
-    /// Σ residual² by channel.
-    pub(super) squares: [f64; Channel::COUNT],
-    gradient: DVector<f64>,
-    information: DMatrix<f64>,
-    blocks: Vec<Block>,
-    scores: Vec<Score>,
-    said: Vec<Said>,
-    /// Start of each segment after the first less the end of the one before; where it does not continue
-    /// one, not-a-number.
-    pub(super) jumps: Vec<Vector3<f64>>,
-    /// Covariance of each jump, were the segments on their own and the parameters known.
-    pub(super) jump_covariance: Vec<Option<Matrix3<f64>>>,
-}
-
-/// One segment's start in the chain.
-#[derive(Clone, Debug)]
-struct Block {
-    gradient: Vector3<f64>,
-    information: Matrix3<f64>,
-    /// With the next segment's start.
-    next: Matrix3<f64>,
-    border: Border,
-}
-
-/// What one segment adds to the gradient.
-#[derive(Clone, Debug)]
-struct Score {
-    theta: DVector<f64>,
-    own: Vector3<f64>,
-    before: Vector3<f64>,
-}
-
-/// The same on machines with wider vector registers: a derivative is four numbers at once there.
-#[multiversion(targets("x86_64+avx2+fma"))]
-fn evidence<const N: usize>(
-    segment: &Segment,
-    car: &Car<Dual<N>>,
-    drive: Drive,
-    start: State<Dual<N>>,
-    weight: &[f64; Channel::COUNT],
-) -> Evidence<N> {
-    segment.evidence(car, drive, start, weight)
+impl Own {
+    fn new(said: &Said, weight: &[f64; Channel::COUNT], count: usize) -> Self {
+        let mut gradient = DVector::zeros(count + 3);
+        let mut information = DMatrix::zeros(count + 3, count + 3);
+        for sums in &said.channels {
+            gradient += weight[sums.channel] * &sums.gradient;
+            information += weight[sums.channel] * &sums.information;
+        }
+        Self {
+            start_gradient: Vector3::from_fn(|i, _| gradient[count + i]),
+            start_information: Matrix3::from_fn(|i, j| information[(count + i, count + j)]),
+            border: Border::from_fn(count, |i, j| information[(count + i, j)]),
+            gradient: gradient.rows(0, count).into_owned(),
+            information: information.view((0, 0), (count, count)).into_owned(),
+            end: said.end,
+            end_by_start: Matrix3::from_fn(|i, j| said.end_by[(i, count + j)]),
+            end_by_theta: Border::from_fn(count, |i, j| said.end_by[(i, j)]),
+        }
+    }
 }
 
 impl Said {
-    fn new<const N: usize>(evidence: &Evidence<N>, count: usize) -> Self {
-        let information = |i: usize, j: usize| evidence.information[i][j];
-        let by = |i: usize, j: usize| evidence.end[i].by[j];
+    /// From simulations that together carry all derivatives.
+    fn new(traces: &[Trace], channels: &[usize], count: usize) -> Self {
+        let sums = channels.iter().enumerate().map(|(number, channel)| {
+            let residuals = &traces[0].residuals[number];
+            let mut gradient = DVector::zeros(count);
+            let mut information = DMatrix::zeros(count, count);
+            for (i, a) in traces.iter().enumerate() {
+                for (residual, by) in residuals.iter().zip(&a.by[number]) {
+                    for (lane, by) in by.iter().enumerate().take(count - i * LANES) {
+                        gradient[i * LANES + lane] += residual * by;
+                    }
+                }
+                for (j, b) in traces.iter().enumerate().skip(i) {
+                    let block = products(&a.by[number], &b.by[number]);
+                    for (row, line) in block.iter().enumerate().take(count - i * LANES) {
+                        for (column, value) in line.iter().enumerate().take(count - j * LANES) {
+                            information[(i * LANES + row, j * LANES + column)] = *value;
+                            information[(j * LANES + column, i * LANES + row)] = *value;
+                        }
+                    }
+                }
+            }
+            let square = residuals.iter().map(|residual| residual * residual).sum();
+            Sums { channel: *channel, square, gradient, information }
+        });
         Self {
-            cost: evidence.cost,
-            squares: evidence.squares,
-            gradient: DVector::from_fn(count, |i, _| evidence.gradient[i]),
-            information: DMatrix::from_fn(count, count, information),
-            start_gradient: Vector3::from_fn(|i, _| evidence.gradient[count + i]),
-            start_information: Matrix3::from_fn(|i, j| information(count + i, count + j)),
-            border: Border::from_fn(count, |i, j| information(count + i, j)),
-            end: Vector3::from_fn(|i, _| evidence.end[i].value),
-            end_by_start: Matrix3::from_fn(|i, j| by(i, count + j)),
-            end_by_theta: Border::from_fn(count, by),
+            channels: sums.collect(),
+            end: Vector3::from_fn(|i, _| traces[0].end[i].value),
+            end_by: DMatrix::from_fn(3, count, |i, j| traces[j / LANES].end[i].by[j % LANES]),
         }
     }
 }
@@ -234,40 +156,50 @@ impl Problem<'_> {
 
     /// Simulates everything, with derivatives.
     pub(super) fn linearize(&self, point: &Point) -> Linearized {
-        // Derivatives by parameters and the three states; sizes that fill vector registers.
-        let said = match self.free.len() + 3 {
-            0..=8 => self.simulate::<8>(point),
-            9..=16 => self.simulate::<16>(point),
-            _ => self.simulate::<32>(point),
-        };
-        self.gather(point, said)
+        let count = self.free.len() + 3;
+        let passes = count.div_ceil(LANES);
+        let cars: Vec<_> = (0..passes).map(|pass| self.car(&point.theta, pass * LANES)).collect();
+        let channels = self.channels();
+        let said = (0..self.segments.len()).into_par_iter().map(|place| {
+            let traces = cars.iter().enumerate().map(|(pass, car)| {
+                let start = std::array::from_fn(|i| {
+                    let value = point.starts[place][i];
+                    match (self.free.len() + i).checked_sub(pass * LANES) {
+                        Some(lane) if lane < LANES => Dual::variable(value, lane),
+                        _ => Dual::constant(value),
+                    }
+                });
+                trace(&self.segments[place], car, self.drive, start, &channels)
+            });
+            Said::new(&traces.collect::<Vec<_>>(), &channels, count)
+        });
+        self.gather(point, said.collect())
     }
 
-    /// The same simulation, tied anew.
-    pub(super) fn tie_anew(&self, point: &Point, all: Linearized) -> Linearized {
+    /// The same simulation with other weights or ties.
+    pub(super) fn weigh_anew(&self, point: &Point, all: Linearized) -> Linearized {
         self.gather(point, all.said)
     }
 
-    fn simulate<const N: usize>(&self, point: &Point) -> Vec<Said> {
-        let car = self.car::<N>(&point.theta);
-        let count = self.free.len();
-        let places = (0..self.segments.len()).into_par_iter();
-        places
-            .map(|place| {
-                let start = std::array::from_fn(|i| Dual::variable(point.starts[place][i], count + i));
-                let evidence = evidence(&self.segments[place], &car, self.drive, start, &self.weight);
-                Said::new(&evidence, count)
-            })
-            .collect()
+    /// Channels that count and are measured somewhere.
+    fn channels(&self) -> Vec<usize> {
+        let is_measured = |channel: usize| {
+            self.segments.iter().any(|segment| segment.measured.iter().any(|row| !row[channel].is_nan()))
+        };
+        (0..Channel::COUNT).filter(|channel| self.weight[*channel] > 0.0 && is_measured(*channel)).collect()
     }
 
-    fn car<const N: usize>(&self, theta: &DVector<f64>) -> Car<Dual<N>> {
+    /// The car with derivatives by the free parameters from `first` on.
+    fn car(&self, theta: &DVector<f64>, first: usize) -> Car<Dual<LANES>> {
         let values = self.values_at(theta);
-        Car::new(self.vehicle, |parameter| {
+        Car::new(self.vehicle, self.drive, |parameter| {
             let mut number = Dual::constant(values.get(parameter));
             for (place, free) in self.free.iter().enumerate() {
-                if free.parameters.is(parameter) {
-                    number.by[place] = free.parameters.value_by_coordinate(theta[place]);
+                if free.parameters.is(parameter)
+                    && let Some(lane) = place.checked_sub(first)
+                    && lane < LANES
+                {
+                    number.by[lane] = free.parameters.value_by_coordinate(theta[place]);
                 }
             }
             number
@@ -297,10 +229,11 @@ impl Problem<'_> {
             }
         }
         let tie = self.tie.weight();
-        for (place, own) in said.iter().enumerate() {
-            all.cost += own.cost;
-            for (sum, square) in all.squares.iter_mut().zip(own.squares) {
-                *sum += square;
+        let weighed: Vec<Own> = said.iter().map(|said| Own::new(said, &self.weight, count)).collect();
+        for (place, (said, own)) in said.iter().zip(&weighed).enumerate() {
+            for sums in &said.channels {
+                all.cost += self.weight[sums.channel] * sums.square;
+                all.squares[sums.channel] += sums.square;
             }
             all.gradient += &own.gradient;
             all.information += &own.information;
@@ -326,7 +259,7 @@ impl Problem<'_> {
             let mut jump = Vector3::from_element(f64::NAN);
             let mut covariance = None;
             if let Some(before) = before {
-                let earlier = &said[before];
+                let earlier = &weighed[before];
                 jump = point.starts[place] - earlier.end;
                 let inverse = |m: &Matrix3<f64>| m.try_inverse();
                 covariance = inverse(&own.start_information).zip(inverse(&earlier.start_information)).map(
@@ -362,115 +295,5 @@ impl Problem<'_> {
         }
         all.said = said;
         all
-    }
-}
-
-/// The chain with its starts eliminated.
-pub(super) struct Eliminated<'a> {
-    all: &'a Linearized,
-    /// Inverse of each start's block, borders and gradients as they are when its turn comes.
-    chain: Vec<(Matrix3<f64>, Border, Vector3<f64>)>,
-    /// Of the parameters, the starts following.
-    pub(super) information: DMatrix<f64>,
-    gradient: DVector<f64>,
-    damping: f64,
-}
-
-impl Linearized {
-    /// The cost as it is with other weights. Gradients stay as they are: good enough for the one step
-    /// until all is simulated again.
-    pub(super) fn reweigh(&mut self, before: &[f64; Channel::COUNT], now: &[f64; Channel::COUNT]) {
-        for ((square, before), now) in self.squares.iter().zip(before).zip(now) {
-            self.cost += square * (now - before);
-        }
-    }
-
-    /// Eliminates the starts; `damping` is Levenberg's and Marquardt's, relative to the diagonal. `None`
-    /// if some start is not determined at all.
-    pub(super) fn eliminate(&self, damping: f64) -> Option<Eliminated<'_>> {
-        let mut information = self.information.clone();
-        let mut gradient = self.gradient.clone();
-        for i in 0..information.nrows() {
-            information[(i, i)] += damping * information[(i, i)].max(f64::MIN_POSITIVE);
-        }
-        let mut chain: Vec<(Matrix3<f64>, Border, Vector3<f64>)> = Vec::with_capacity(self.blocks.len());
-        let mut link: Option<Matrix3<f64>> = None;
-        for block in &self.blocks {
-            let mut own = block.information;
-            for i in 0..3 {
-                own[(i, i)] += damping * own[(i, i)];
-            }
-            let (mut border, mut pull) = (block.border.clone(), block.gradient);
-            if let (Some(next), Some((inverse, before, gradient))) = (link, chain.last()) {
-                let through: Matrix3<f64> = next.transpose() * inverse;
-                own -= through * next;
-                border -= through * before;
-                pull -= through * gradient;
-            }
-            let inverse = own.cholesky()?.inverse();
-            let weighted = inverse * &border;
-            information -= border.transpose() * &weighted;
-            gradient -= weighted.transpose() * pull;
-            chain.push((inverse, border, pull));
-            link = Some(block.next);
-        }
-        Some(Eliminated { all: self, chain, information, gradient, damping })
-    }
-}
-
-impl Eliminated<'_> {
-    /// The step of parameters and starts, and by how much the cost would fall were all linear.
-    pub(super) fn step(&self) -> Option<(Point, f64)> {
-        let theta = if self.gradient.is_empty() {
-            DVector::zeros(0)
-        } else {
-            -self.information.clone().cholesky()?.solve(&self.gradient)
-        };
-        let mut starts = vec![Vector3::zeros(); self.chain.len()];
-        let mut after = Vector3::zeros();
-        for (place, (inverse, border, gradient)) in self.chain.iter().enumerate().rev() {
-            let next = self.all.blocks[place].next;
-            starts[place] = -(inverse * (gradient + next * after + border * &theta));
-            after = starts[place];
-        }
-        let all = self.all;
-        let mut gain = -all.gradient.dot(&theta);
-        for (i, step) in theta.iter().enumerate() {
-            gain += self.damping * all.information[(i, i)] * step * step;
-        }
-        for (block, step) in all.blocks.iter().zip(&starts) {
-            gain -= block.gradient.dot(step);
-            for i in 0..3 {
-                gain += self.damping * block.information[(i, i)] * step[i] * step[i];
-            }
-        }
-        Some((Point { theta, starts }, gain))
-    }
-
-    /// What each segment says of the parameters, once the starts have followed: the terms whose sum is
-    /// zero at the optimum, and whose scatter is the uncertainty, whatever the residuals' colour within
-    /// a segment.
-    pub(super) fn scores(&self) -> Vec<DVector<f64>> {
-        // How the starts follow the parameters.
-        let mut follow: Vec<Border> = Vec::with_capacity(self.chain.len());
-        for (place, (inverse, border, _)) in self.chain.iter().enumerate().rev() {
-            let next = self.all.blocks[place].next;
-            let own = match follow.last() {
-                Some(after) => inverse * (border - next * after),
-                None => inverse * border,
-            };
-            follow.push(own);
-        }
-        follow.reverse();
-        let scores = self.all.scores.iter().enumerate();
-        scores
-            .map(|(place, score)| {
-                let mut sum = &score.theta - follow[place].transpose() * score.own;
-                if place > 0 {
-                    sum -= follow[place - 1].transpose() * score.before;
-                }
-                sum
-            })
-            .collect()
     }
 }

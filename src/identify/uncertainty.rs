@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::fit::Fit;
-use super::shooting::Free;
+use super::free::Free;
 
 /// Covariance of the search's coordinates at its end.
 #[derive(Clone, Debug)]

@@ -61,3 +61,41 @@ fn with_noise_the_interval_holds_the_truth() {
         }
     }
 }
+
+/// 200 seeds in each regime: minutes. `cargo test --release --test identify -- --ignored --nocapture`
+#[test]
+#[ignore = "takes minutes; prints the coverage that the README tells"]
+fn coverage_over_seeds() {
+    for (drive, amplitude) in
+        [(Drive::Torque, 0.01), (Drive::WheelSpeeds, 0.01), (Drive::WheelSpeeds, 0.1), (Drive::Torque, 0.1)]
+    {
+        let (mut inside, mut squares, mut stds) = ([0; 2], [0.0; 2], [0.0; 2]);
+        let mut bias = [0.0; 2];
+        for seed in 100..300 {
+            let (record, vehicle) = sim1(amplitude, true, seed);
+            let (records, config) = ([record], config(drive));
+            let result = Identifier::new(&records, &vehicle, &config).unwrap().run(|_, _| ()).unwrap();
+            for (i, truth) in [50.0, 11.5].into_iter().enumerate() {
+                let parameter = &result.parameters[i];
+                inside[i] += i32::from((parameter.ci95.0..parameter.ci95.1).contains(&truth));
+                squares[i] += (parameter.value / truth - 1.0).powi(2) / 200.0;
+                bias[i] += (parameter.value / truth - 1.0) / 200.0;
+                stds[i] += parameter.std / truth / 200.0;
+            }
+        }
+        println!(
+            "{drive:?} {amplitude} rad: inside {} % and {} %; rms {:.4} and {:.4}; bias {:+.4} and {:+.4}; std said {:.4} and {:.4}",
+            f64::from(inside[0]) / 2.0,
+            f64::from(inside[1]) / 2.0,
+            squares[0].sqrt(),
+            squares[1].sqrt(),
+            bias[0],
+            bias[1],
+            stds[0],
+            stds[1]
+        );
+        for share in inside.map(|count| f64::from(count) / 200.0) {
+            assert!((0.91..=0.99).contains(&share), "{drive:?} {amplitude}: {share}");
+        }
+    }
+}

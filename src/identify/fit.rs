@@ -80,9 +80,9 @@ impl<'a> Search<'a> {
         // A part of the segments shows the way; all of them decide.
         let some: Vec<Segment> = self.sparse();
         let few = Search { segments: &some, ..*self };
-        let ahead = few.descend(few.begin(theta), noise, noise, Tie::NONE, 0.1)?;
+        let ahead = few.descend(few.begin(theta), noise, noise, Tie::NONE, 1.0)?;
         let begin = self.begin(ahead.point.theta);
-        let alone = self.descend(begin, &ahead.noise, noise, Tie::NONE, 0.1)?;
+        let alone = self.descend(begin, &ahead.noise, noise, Tie::NONE, 5.0)?;
         let tie = match self.method {
             Method::Segments => Tie::NONE,
             Method::FreeRun => Tie::TIGHT,
@@ -91,6 +91,13 @@ impl<'a> Search<'a> {
         let mut fit = self.go_on(alone.point, Some(alone.all), &alone.noise, noise, tie, ENOUGH)?;
         fit.iterations += alone.iterations;
         Some(fit)
+    }
+
+    /// Where another search's end moves to with these segments; noise and ties stay.
+    pub(super) fn shifted(&self, end: &Fit) -> Option<DVector<f64>> {
+        let fixed = self.problem(&end.noise, end.tie);
+        let moved = self.levenberg_marquardt(fixed, end.point.clone(), None, end.noise, None, ENOUGH)?;
+        Some(moved.point.theta - &end.point.theta)
     }
 
     /// Every segment's start as measured.

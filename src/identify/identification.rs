@@ -13,6 +13,7 @@ use super::car::Drive;
 use super::fit::{Fit, Method, Noise, Search};
 use super::free::{Free, Tied};
 use super::free_run::{self, Fits};
+use super::input_noise;
 use super::motion::Channel;
 use super::parameter::{Parameter, Values};
 use super::prepare;
@@ -292,7 +293,12 @@ impl<'a> Identifier<'a> {
         let reason = "nothing could be simulated with those values; check the vehicle's table";
         let fit = best.ok_or(IdentifyError::NoEnd { starts: count, reason })?;
         let reason = "the parameters are not determined; give them a std in the vehicle's table";
-        let sure = uncertainty::of(&fit, &self.free).ok_or(IdentifyError::NoEnd { starts: count, reason })?;
+        progress("adding noise to the inputs", 0.0);
+        let noisier = input_noise::noisier(&self.segments, self.records, self.config.seed);
+        let again = Search { segments: &noisier, ..self.search_in() };
+        let shift = again.shifted(&fit).unwrap_or_else(|| DVector::zeros(self.free.len()));
+        let sure =
+            uncertainty::of(&fit, &self.free, shift).ok_or(IdentifyError::NoEnd { starts: count, reason })?;
         let mut parameters = Vec::new();
         for place in 0..self.free.len() {
             progress("profiling", place as f64 / self.free.len() as f64);
@@ -373,8 +379,11 @@ impl<'a> Identifier<'a> {
         if at_bound {
             return (false, format!("the search ends at the bound {value}: the equations do not fit here"));
         }
+        let (shift, logarithmic) = (sure.shift[place].abs(), free.parameters.first().is_logarithmic());
+        if shift > if logarithmic { 0.1 } else { 10.0 } {
+            return (false, "the noise of steering or wheel speeds decides it: too little excitation".into());
+        }
         let by_data = sure.by_data[place];
-        let logarithmic = free.parameters.first().is_logarithmic();
         let vague = if logarithmic { by_data > 0.5 } else { by_data > 50.0 };
         let partner = (0..self.free.len())
             .filter(|other| *other != place)

@@ -14,6 +14,7 @@ mod fit;
 mod free;
 mod free_run;
 mod identification;
+mod input_noise;
 mod motion;
 mod parameter;
 mod prepare;

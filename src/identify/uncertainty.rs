@@ -14,6 +14,8 @@ pub(super) struct Uncertainty {
     pub(super) correlation: DMatrix<f64>,
     /// What the recording alone would leave, the priors taken away; infinite where it says nothing.
     pub(super) by_data: DVector<f64>,
+    /// How far the noise of the inputs has moved each coordinate, already in the standard deviation.
+    pub(super) shift: DVector<f64>,
     /// Half of the 95 % interval / standard deviation.
     pub(super) factor: f64,
 }
@@ -22,7 +24,7 @@ pub(super) struct Uncertainty {
 /// of the inputs) make segments differ more than their own noise explains, and the sum of the segments'
 /// squared scores says by how much ("sandwich", Huber 1967, with segments as clusters). Of both the larger
 /// counts. `None` if the parameters are not determined.
-pub(super) fn of(fit: &Fit, free: &[Free]) -> Option<Uncertainty> {
+pub(super) fn of(fit: &Fit, free: &[Free], shift: DVector<f64>) -> Option<Uncertainty> {
     let chain = fit.all.eliminate(0.0)?;
     let information = chain.information.clone();
     let inverse = information.clone().cholesky()?.inverse();
@@ -46,11 +48,11 @@ pub(super) fn of(fit: &Fit, free: &[Free]) -> Option<Uncertainty> {
     let covariance = if enough { robust } else { inverse.clone() };
     let variance =
         DVector::from_fn(free.len(), |i, _| covariance[(i, i)].max(inverse[(i, i)]).max(f64::MIN_POSITIVE));
-    let std = variance.map(f64::sqrt);
+    let std = variance.zip_map(&shift, |variance, shift| (variance + shift * shift).sqrt());
     let own = covariance.diagonal().map(|v| v.max(f64::MIN_POSITIVE).sqrt());
     let correlation = DMatrix::from_fn(free.len(), free.len(), |i, j| covariance[(i, j)] / (own[i] * own[j]));
     let by_data = alone(&(&information - &prior), &std, &inverse);
-    Some(Uncertainty { std, correlation, by_data, factor: student(dof) })
+    Some(Uncertainty { std, correlation, by_data, shift, factor: student(dof) })
 }
 
 /// Standard deviations without the priors, scaled by what scatter adds to curvature.

@@ -233,13 +233,13 @@ fn straight_on() -> Result<Outcome, String> {
             across.ci95.1 * NEWTON
         ),
         far,
-        "the search ends where the noise of the steering sensor happens to have its optimum",
+        "here the noise of the steering sensor decides: all starts end at tires so soft that it does no harm",
     ));
     outcome.claims.push(Claim::better(
         "it is not sold as a number",
         format!("identifiable: C_x {}, C_y {} ({})", along.identifiable, across.identifiable, across.reason),
         along.identifiable && !across.identifiable,
-        "judged by what the recording alone leaves open",
+        "the same noise added once more moves C_y: the recording does not know it",
     ));
     outcome.pictures.push(starts_picture(
         "figure_5_13",

@@ -3,6 +3,7 @@
 mod check;
 mod demo;
 mod demo_car;
+mod identify;
 mod output;
 mod player;
 mod progress;
@@ -100,6 +101,8 @@ enum Command {
     Replay(replay::Replay),
     /// Simulate a scenario to a recording.
     Simulate(simulate::Simulate),
+    /// Identify the vehicle's parameters from recordings.
+    Identify(identify::Identify),
     /// Carry out the thesis's experiments again and tell which claims hold.
     Reproduce(reproduce::Reproduce),
     /// Check a configuration, and on recordings the measurement chain.
@@ -116,6 +119,7 @@ pub fn main() -> ExitCode {
         Command::Run(command) => command.run(),
         Command::Replay(command) => command.run(),
         Command::Simulate(command) => command.run(),
+        Command::Identify(command) => command.run(),
         Command::Reproduce(command) => command.run(),
         Command::Check(command) => command.run(),
     };

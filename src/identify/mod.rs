@@ -8,7 +8,9 @@
 //! Noise of each channel and how much the equations lose between segments come out of the data, so the
 //! same search is output error where the equations hold, and a prediction-error method where they do not.
 
+mod braking;
 mod car;
+mod config;
 mod fit;
 mod free_run;
 mod identification;
@@ -18,12 +20,15 @@ mod prepare;
 mod record;
 mod segment;
 mod shooting;
+mod slips;
+mod smooth;
 mod uncertainty;
 
 pub use car::Drive;
+pub use config::IdentifyConfig;
 pub use fit::Method;
 pub use free_run::{BLOCK_S, FitRow, Fits};
-pub use identification::{Identification, Identified, Identifier, IdentifyConfig, IdentifyError, Path};
+pub use identification::{Identification, Identified, Identifier, IdentifyError, Path};
 pub use motion::Channel;
 pub use parameter::{Parameter, Values};
 pub use record::{Record, Row};

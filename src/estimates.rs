@@ -50,6 +50,8 @@ pub enum MuSource {
     Joint,
     /// Deceleration during ABS braking.
     Abs,
+    /// The driven wheels were at their limit: slip grew, the force did not.
+    Limit,
 }
 
 impl MuSource {
@@ -62,6 +64,7 @@ impl MuSource {
             Self::Brush => "brush",
             Self::Joint => "joint",
             Self::Abs => "abs",
+            Self::Limit => "limit",
         }
     }
 }
@@ -85,12 +88,16 @@ pub struct Friction {
     pub age_s: Option<f64>,
     /// Brush regression (thesis 8.1).
     pub brush: Option<f64>,
+    /// Its standard deviation, if the tire were a brush.
+    pub brush_std: Option<f64>,
     /// Dahl one-wheel filter (thesis 8.2).
     pub dahl: Option<f64>,
     /// Last ABS braking (thesis 6.1).
     pub abs: Option<f64>,
     /// Mapped from the slope (thesis 6.3).
     pub map: Option<f64>,
+    /// Its 95 % interval.
+    pub map_interval: Option<(f64, f64)>,
 }
 
 /// Motion in the road plane. Slip angles are positive when they give a positive lateral force.

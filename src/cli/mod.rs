@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand.
 
+mod calibrate;
 mod check;
 mod demo;
 mod demo_car;
@@ -105,6 +106,8 @@ enum Command {
     Identify(identify::Identify),
     /// Carry out the thesis's experiments again and tell which claims hold.
     Reproduce(reproduce::Reproduce),
+    /// Find ABS brakings in recordings and map the slip slope to friction.
+    Calibrate(calibrate::Calibrate),
     /// Check a configuration, and on recordings the measurement chain.
     Check(check::Check),
 }
@@ -121,6 +124,7 @@ pub fn main() -> ExitCode {
         Command::Simulate(command) => command.run(),
         Command::Identify(command) => command.run(),
         Command::Reproduce(command) => command.run(),
+        Command::Calibrate(command) => command.run(),
         Command::Check(command) => command.run(),
     };
     let (reason, code) = match result {

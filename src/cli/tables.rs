@@ -70,7 +70,7 @@ impl<W: Write> EstimatesTable<W> {
             cornering_ekf_std mu_max mu_max_low mu_max_high mu_used mu_source mu_brush mu_dahl mu_abs mu_map \
             slope_valid cornering_valid mu_valid motion_valid surface_changes faults \
             slope_age cornering_age mu_age excitation_long excitation_lat road_angle_offset \
-            lateral_acceleration_offset yaw_rate_offset";
+            lateral_acceleration_offset yaw_rate_offset mu_map_low mu_map_high mu_brush_std";
         columns.extend(rest.split_whitespace().map(str::to_owned));
         columns
     }
@@ -134,6 +134,9 @@ impl<W: Write> EstimatesTable<W> {
             value(now.offsets.road_angle),
             value(now.offsets.lateral_acceleration),
             value(now.offsets.yaw_rate),
+            friction.map_interval.map(|(low, _)| low),
+            friction.map_interval.map(|(_, high)| high),
+            friction.brush_std,
         ] {
             table.number(number);
         }

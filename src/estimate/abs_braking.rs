@@ -4,6 +4,8 @@
 //! μ = Δv/(g Δt). The speed during the braking is the accelerometer's integral where there is one
 //! (the wheels slip), else the difference of the wheel speeds before and after.
 
+use thiserror::Error;
+
 use super::{Car, Kinematics};
 use crate::model::GRAVITY;
 
@@ -16,15 +18,59 @@ pub struct AbsFriction {
     pub age_s: f64,
 }
 
+/// Friction by (6.2) with what is not known of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AbsMeasurement {
+    /// Mean friction used.
+    pub mu: f64,
+    /// Standard deviation: of what measured the deceleration, and of how near the ABS stays to the
+    /// tires' peak.
+    pub std: f64,
+}
+
+/// Why an ABS braking gave no friction.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum AbsProblem {
+    /// Too short to say anything.
+    #[error("the ABS worked for {duration_s:.2} s only")]
+    TooShort {
+        /// How long, s.
+        duration_s: f64,
+    },
+    /// Neither acceleration nor wheel speeds all the time.
+    #[error("acceleration or wheel speeds were missing")]
+    NoDeceleration,
+    /// What no road gives.
+    #[error("the deceleration ({mu:.2} g) is not that of a braking")]
+    Implausible {
+        /// It, in g.
+        mu: f64,
+    },
+}
+
+/// An ABS braking that has just ended, whether or not it gave a friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AbsRecord {
+    /// How long the ABS worked, s.
+    pub duration_s: f64,
+    /// Speed before it, m/s.
+    pub start_speed: f64,
+    /// Friction, or why there is none.
+    pub outcome: Result<AbsMeasurement, AbsProblem>,
+}
+
 /// Watches for ABS interventions.
 #[derive(Clone, Debug)]
 pub struct AbsBraking {
     car: Car,
     braking: Option<Braking>,
+    /// The braking and the wheels' speed when the ABS last stopped intervening, and for how long, s:
+    /// the end, or a pause.
+    paused: Option<(Braking, Option<f64>, f64)>,
     /// Speed while nothing intervenes: the start of the next braking.
     free_speed: Option<f64>,
     last: Option<AbsFriction>,
-    fresh: bool,
+    record: Option<AbsRecord>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -37,48 +83,72 @@ struct Braking {
     speed_square: f64,
 }
 
+impl Braking {
+    fn starting(start_speed: f64) -> Self {
+        Self { start_speed, duration_s: 0.0, speed_lost: Some(0.0), speed_square: 0.0 }
+    }
+
+    fn take(&mut self, now: &Kinematics) {
+        self.duration_s += now.elapsed_s;
+        let v = self.start_speed - self.speed_lost.unwrap_or(0.0);
+        self.speed_square += v * v * now.elapsed_s;
+        self.speed_lost = match (self.speed_lost, now.longitudinal_acceleration) {
+            (Some(lost), Some(ax)) => Some(lost - ax * now.elapsed_s),
+            _ => None,
+        };
+    }
+}
+
 impl AbsBraking {
     /// Shorter interventions say too little, s.
     const SHORTEST_S: f64 = 0.3;
+    /// With the pedal still pressed, shorter pauses belong to the braking, s.
+    const LONGEST_PAUSE_S: f64 = 0.5;
     /// Slower ones are over before the pressure has built up, m/s.
     const SLOWEST: f64 = 5.0;
+    /// Of the speed lost by the wheels, which slip at both ends, m/s.
+    const SPEED_STD: f64 = 0.5;
+    /// Of the accelerometer's mean: offset, and gravity while the car dives, m/s².
+    const ACCELERATION_STD: f64 = 0.1;
+    /// How much the share of the peak that the ABS uses differs from braking to braking.
+    const EFFICIENCY_STD: f64 = 0.02;
     /// What no road gives.
     const LIMITS: (f64, f64) = (0.03, 1.5);
 
     /// For this car.
     pub fn new(car: &Car) -> Self {
-        Self { car: car.clone(), braking: None, free_speed: None, last: None, fresh: false }
+        Self { car: car.clone(), braking: None, paused: None, free_speed: None, last: None, record: None }
     }
 
     /// Takes a sample.
     pub fn step(&mut self, now: &Kinematics) {
-        self.fresh = false;
+        self.record = None;
         if let Some(last) = &mut self.last {
             last.age_s += now.elapsed_s;
         }
         // The wheels of the faster axle are nearest to the car's speed while braking.
         let speed = now.wheels.map(|w| w.into_iter().fold(f64::MIN, f64::max));
-        match (now.abs, &mut self.braking) {
-            (Some(true), Some(braking)) => {
-                braking.duration_s += now.elapsed_s;
-                let v = braking.start_speed - braking.speed_lost.unwrap_or(0.0);
-                braking.speed_square += v * v * now.elapsed_s;
-                braking.speed_lost = match (braking.speed_lost, now.longitudinal_acceleration) {
-                    (Some(lost), Some(ax)) => Some(lost - ax * now.elapsed_s),
-                    _ => None,
-                };
+        let active = now.abs == Some(true);
+        let Some(braking) = &mut self.braking else {
+            if active {
+                self.braking = self.free_speed.filter(|v| *v > Self::SLOWEST).map(Braking::starting);
+            } else {
+                self.free_speed = speed;
             }
-            (Some(true), None) => {
-                self.braking = self.free_speed.filter(|v| *v > Self::SLOWEST).map(|start_speed| Braking {
-                    start_speed,
-                    duration_s: 0.0,
-                    speed_lost: Some(0.0),
-                    speed_square: 0.0,
-                });
+            return;
+        };
+        if active {
+            // After a pause: it belongs to the braking.
+            self.paused = None;
+        } else {
+            let paused = self.paused.get_or_insert((*braking, speed, 0.0));
+            paused.2 += now.elapsed_s;
+            if now.braking != Some(true) || paused.2 > Self::LONGEST_PAUSE_S {
+                self.finish();
+                return;
             }
-            (_, Some(_)) => self.finish(speed),
-            _ => self.free_speed = speed,
         }
+        braking.take(now);
     }
 
     /// The last one, if any.
@@ -86,26 +156,49 @@ impl AbsBraking {
         self.last
     }
 
-    /// One was finished with this sample.
-    pub fn finished(&self) -> Option<f64> {
-        self.last.filter(|_| self.fresh).map(|friction| friction.mu)
+    /// In one at the moment, its pauses included.
+    pub fn is_braking(&self) -> bool {
+        self.braking.is_some()
     }
 
-    fn finish(&mut self, speed: Option<f64>) {
-        let Some(braking) = self.braking.take() else { return };
+    /// One was finished with this sample.
+    pub fn finished(&self) -> Option<AbsMeasurement> {
+        self.record.and_then(|record| record.outcome.ok())
+    }
+
+    /// The braking that ended with this sample, whatever came of it.
+    pub fn record(&self) -> Option<AbsRecord> {
+        self.record
+    }
+
+    fn finish(&mut self) {
+        self.braking = None;
+        let Some((braking, speed, ago_s)) = self.paused.take() else { return };
         self.free_speed = speed;
-        if braking.duration_s < Self::SHORTEST_S {
-            return;
+        let outcome = self.measure(&braking, speed);
+        if let Ok(friction) = outcome {
+            self.last = Some(AbsFriction { mu: friction.mu, age_s: ago_s });
         }
-        let by_wheels = speed.map(|end| braking.start_speed - end);
-        let Some(lost) = braking.speed_lost.or(by_wheels) else { return };
-        // The tires gave all of it but the drag.
-        let drag = self.car.drag * braking.speed_square / braking.duration_s / self.car.mass;
-        let mu = (lost / braking.duration_s - drag) / GRAVITY;
-        if (Self::LIMITS.0..=Self::LIMITS.1).contains(&mu) {
-            self.last = Some(AbsFriction { mu, age_s: 0.0 });
-            self.fresh = true;
+        let Braking { duration_s, start_speed, .. } = braking;
+        self.record = Some(AbsRecord { duration_s, start_speed, outcome });
+    }
+
+    fn measure(&self, braking: &Braking, speed: Option<f64>) -> Result<AbsMeasurement, AbsProblem> {
+        let duration_s = braking.duration_s;
+        if duration_s < Self::SHORTEST_S {
+            return Err(AbsProblem::TooShort { duration_s });
         }
+        let by_wheels = speed.map(|end| (braking.start_speed - end, Self::SPEED_STD));
+        let by_accelerometer = braking.speed_lost.map(|lost| (lost, Self::ACCELERATION_STD * duration_s));
+        let (lost, lost_std) = by_accelerometer.or(by_wheels).ok_or(AbsProblem::NoDeceleration)?;
+        // The tires gave all of it but the drag and the rolling resistance.
+        let drag = self.car.drag * braking.speed_square / duration_s / self.car.mass;
+        let mu = (lost / duration_s - drag) / GRAVITY - self.car.rolling_resistance;
+        if !(Self::LIMITS.0..=Self::LIMITS.1).contains(&mu) {
+            return Err(AbsProblem::Implausible { mu: lost / duration_s / GRAVITY });
+        }
+        let std = (lost_std / duration_s / GRAVITY).hypot(Self::EFFICIENCY_STD * mu);
+        Ok(AbsMeasurement { mu, std })
     }
 }
 
@@ -142,6 +235,61 @@ mod tests {
             abs.step(&now);
         }
         abs.last()
+    }
+
+    /// ABS and pedal as given for each sample, at 0.5 g while the ABS works and 0.4 g in pauses.
+    fn intervene(samples: impl Iterator<Item = (bool, bool)>) -> Vec<AbsRecord> {
+        let mut car = Car::new(&Vehicle::thesis());
+        car.drag = 0.0;
+        let mut abs = AbsBraking::new(&car);
+        let mut speed = 25.0;
+        let mut records = Vec::new();
+        for (active, pedal) in samples {
+            let deceleration = if active { 0.5 } else { 0.4 * f64::from(u8::from(pedal)) } * GRAVITY;
+            speed -= 0.01 * deceleration;
+            abs.step(&Kinematics {
+                elapsed_s: 0.01,
+                speed: Some(speed),
+                wheels: Some([speed; 4]),
+                yaw_rate: Some(0.0),
+                lateral_acceleration: Some(0.0),
+                longitudinal_acceleration: Some(-deceleration),
+                road_angle: Some(0.0),
+                axle_torque: None,
+                braking: Some(pedal),
+                abs: Some(active),
+            });
+            records.extend(abs.record());
+        }
+        records
+    }
+
+    #[test]
+    fn a_pause_with_the_pedal_pressed_belongs_to_the_braking_and_a_long_one_ends_it() {
+        let pause = |length: usize| {
+            let off = |n: usize, pedal: bool| std::iter::repeat_n((false, pedal), n);
+            let on = std::iter::repeat_n((true, true), 100);
+            intervene(
+                off(50, false).chain(on.clone()).chain(off(length, true)).chain(on).chain(off(50, false)),
+            )
+        };
+        let short = pause(20);
+        assert_eq!(short.len(), 1);
+        let mu = short[0].outcome.unwrap().mu;
+        assert!((mu - (200.0 * 0.5 + 20.0 * 0.4) / 220.0).abs() < 0.005, "{mu}");
+        let long = pause(80);
+        assert_eq!(long.len(), 2);
+        assert!(long.iter().all(|record| (record.outcome.unwrap().mu - 0.5).abs() < 0.005), "{long:?}");
+    }
+
+    #[test]
+    fn a_braking_that_gives_no_friction_says_why() {
+        let off = std::iter::repeat_n((false, false), 50);
+        let on = |n: usize| std::iter::repeat_n((true, true), n);
+        let records = intervene(off.clone().chain(on(20)).chain(off));
+        let [AbsRecord { outcome: Err(AbsProblem::TooShort { .. }), .. }] = records[..] else {
+            panic!("{records:?}")
+        };
     }
 
     #[test]

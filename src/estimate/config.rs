@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::mapping::MappingConfig;
+
 /// `[estimators]`. Everything has a default that suits a passenger car with ESP-grade sensors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -18,6 +20,10 @@ pub struct EstimatorsConfig {
     pub brush: BrushConfig,
     /// What is published as friction.
     pub friction: FrictionConfig,
+    /// From the slip slope to friction (thesis ch. 6), as `gripd calibrate` found it; without it
+    /// nothing is mapped.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mapping: Option<MappingConfig>,
     /// Which lateral velocity the lateral slope regression (5.20) stands on.
     pub lateral_slope_source: LateralVelocitySource,
 }
@@ -31,6 +37,7 @@ impl Default for EstimatorsConfig {
             joint_ekf: JointEkfConfig::default(),
             brush: BrushConfig::default(),
             friction: FrictionConfig::default(),
+            mapping: None,
             lateral_slope_source: LateralVelocitySource::Joint,
         }
     }
@@ -50,9 +57,13 @@ impl EstimatorsConfig {
             ("cornering.stiffness_walk", positive(self.cornering.stiffness_walk), "must be positive"),
             ("cornering.inconsistent_nis", self.cornering.inconsistent_nis > 1.0, "must be above 1"),
             ("brush.initial_mu", positive(self.brush.initial_mu), "must be positive"),
+            ("brush.walk", positive(self.brush.walk), "must be positive"),
+            ("brush.friction_walk", positive(self.brush.friction_walk), "must be positive"),
             ("friction.memory_s", positive(self.friction.memory_s), "must be positive"),
+            ("friction.surface_lasts_s", positive(self.friction.surface_lasts_s), "must be positive"),
         ];
-        checks.into_iter().find(|(_, good, _)| !good).map(|(key, _, reason)| (key, reason))
+        let mapping = || self.mapping.as_ref().and_then(MappingConfig::problem);
+        checks.into_iter().find(|(_, good, _)| !good).map(|(key, _, reason)| (key, reason)).or_else(mapping)
     }
 }
 
@@ -223,11 +234,19 @@ pub struct BrushConfig {
     pub initial_mu: f64,
     /// Relative random walk of the regression's parameters, 1/√s.
     pub walk: f64,
+    /// With compensation: relative random walk of the friction, 1/√s. A surface may change without its
+    /// slope telling, so that what low slip says nothing of is known for some tens of seconds.
+    pub friction_walk: f64,
+    /// Friction stays where it is while only low slip is seen, though the slope changes (thesis 8.1.1).
+    /// Without it a softer surface counts as a more slippery one.
+    pub compensate: bool,
+    /// Adjust to ABS brakings (8.4) and to forces above the estimated friction (8.5).
+    pub calibrate: bool,
 }
 
 impl Default for BrushConfig {
     fn default() -> Self {
-        Self { initial_mu: 0.9, walk: 0.01 }
+        Self { initial_mu: 0.9, walk: 0.01, friction_walk: 0.03, compensate: true, calibrate: true }
     }
 }
 
@@ -237,13 +256,15 @@ impl Default for BrushConfig {
 pub struct FrictionConfig {
     /// How long friction that was used counts as available, s.
     pub memory_s: f64,
+    /// How long a surface lasts on average, s: the less, the faster the lower bound ages.
+    pub surface_lasts_s: f64,
     /// Use of friction (used / estimated) from which the brush curvature is published.
     pub brush_from_use: f64,
     /// Use of friction from which the published value counts as valid.
     pub valid_from_use: f64,
     /// Half-width of the interval up to which the published value counts as valid.
     pub valid_half_width: f64,
-    /// How long an ABS measurement stays valid, s.
+    /// How long a measurement at the limit (ABS braking, spinning wheels) stays valid, s.
     pub abs_valid_s: f64,
     /// … and how long it is still published, with a growing interval, s.
     pub abs_memory_s: f64,
@@ -253,6 +274,7 @@ impl Default for FrictionConfig {
     fn default() -> Self {
         Self {
             memory_s: 3.0,
+            surface_lasts_s: 10.0,
             brush_from_use: 0.7,
             valid_from_use: 0.85,
             valid_half_width: 0.1,

@@ -90,6 +90,11 @@ impl JointEkf {
         })
     }
 
+    /// Lateral velocity, m/s, while the car moves.
+    pub fn lateral_velocity(&self) -> Option<f64> {
+        self.running.then(|| self.state.mean[0])
+    }
+
     /// After standing still the motion is unknown, the stiffness is not.
     fn restart(&mut self, r: f64) {
         let variance = self.state.covariance[(2, 2)];

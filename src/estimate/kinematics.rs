@@ -12,6 +12,8 @@ pub struct Car {
     pub a: f64,
     /// Centre of gravity to rear axle, m.
     pub b: f64,
+    /// Height of the centre of gravity, m.
+    pub cg_height: f64,
     /// Yaw inertia, kg m².
     pub yaw_inertia: f64,
     /// Nominal wheel radius, m.
@@ -79,6 +81,7 @@ impl Car {
             mass: vehicle.mass(),
             a: vehicle.a(),
             b: vehicle.b(),
+            cg_height: vehicle.cg_height_m.value,
             yaw_inertia: vehicle.yaw_inertia(),
             radius: vehicle.wheel_radius_m.value,
             wheel_inertia: vehicle.wheel_inertia_kgm2.value,
@@ -94,6 +97,12 @@ impl Car {
             cornering_prior: lateral.map(|u| (u.value, u.std)),
             slope_prior,
         }
+    }
+
+    /// Relative standard deviation that all slopes of the car have in common: of the forces from the
+    /// drive torque or from the acceleration.
+    pub fn slope_scale_std(&self, forces_from_torque: bool) -> f64 {
+        if forces_from_torque { self.torque_scale_std } else { self.acceleration_scale_std }
     }
 
     /// Wheelbase, m.
@@ -121,6 +130,11 @@ impl Car {
     /// Static load of a wheel, N.
     pub fn load(&self, wheel: Wheel) -> f64 {
         self.wheel_load[usize::from(!wheel.is_front())]
+    }
+
+    /// Share of its static load that a wheel loses (front) or gains (rear) per g of acceleration.
+    pub fn load_transfer(&self, wheel: Wheel) -> f64 {
+        self.cg_height / if wheel.is_front() { self.b } else { self.a }
     }
 
     /// Lateral position of a wheel, m, positive to the left.

@@ -17,8 +17,20 @@ struct AxleSlope {
     filter: Gaussian<1>,
     cusum: Cusum,
     noise: LearnedNoise,
+    window: Window,
     age_s: f64,
     informed: bool,
+}
+
+/// Sums over a window. What is wrong with a slip angle (v_y, the yaw acceleration that (5.20) leaves
+/// out, alignment) lasts for many samples; so a window of them counts as one measurement.
+#[derive(Clone, Copy, Debug, Default)]
+struct Window {
+    /// Time with enough force, s.
+    time_s: f64,
+    /// ∫ μ² dt and ∫ μ α dt.
+    square: f64,
+    product: f64,
 }
 
 /// Both axles' regressions.
@@ -30,23 +42,28 @@ pub struct LateralSlopeEstimator {
 }
 
 impl LateralSlopeEstimator {
-    /// Noise of a slip angle, rad: wheel alignment, steering resolution, v_y.
+    /// Samples are put together over this time, s.
+    const WINDOW_S: f64 = 0.5;
+    /// Noise of a window's slip angle, rad: wheel alignment, steering resolution, v_y.
     const ANGLE_STD: f64 = 0.003;
+    /// It is learned, up to this, rad: what is more is no noise, but another slope or a wrong v_y.
+    const WORST_ANGLE_STD: f64 = 0.01;
     /// Less normalized force than this says nothing.
     const INFORMATIVE: f64 = 0.03;
     /// Random walk of 1/k relative to its value, 1/√s.
     const WALK: f64 = 0.01;
     /// On a change 1/k may be off by this share of itself.
     const CHANGE_STD: f64 = 0.5;
-    /// Samples that the learned noise remembers.
-    const NOISE_MEMORY: f64 = 500.0;
+    /// Windows that the learned noise remembers.
+    const NOISE_MEMORY: f64 = 50.0;
 
     /// Starts from the vehicle's priors.
     pub fn new(car: &Car, minimum_speed: f64) -> Self {
         let axles = car.cornering_prior.map(|(value, std)| AxleSlope {
             filter: Gaussian::new([1.0 / value], [std.max(0.3 * value) / (value * value)]),
-            cusum: Cusum::new(1.0, 20.0),
+            cusum: Cusum::new(1.0, 8.0),
             noise: LearnedNoise::new(Self::NOISE_MEMORY),
+            window: Window::default(),
             age_s: 0.0,
             informed: false,
         });
@@ -78,18 +95,32 @@ impl LateralSlopeEstimator {
 
 impl AxleSlope {
     fn step(&mut self, alpha: f64, mu: f64, elapsed_s: f64) {
+        let window = &mut self.window;
+        window.time_s += elapsed_s;
+        window.square += mu * mu * elapsed_s;
+        window.product += mu * alpha * elapsed_s;
+        if window.time_s >= LateralSlopeEstimator::WINDOW_S {
+            let window = std::mem::take(window);
+            self.update(&window);
+        }
+    }
+
+    /// The window's own least-squares compliance is a measurement of the compliance.
+    fn update(&mut self, window: &Window) {
         let walk = LateralSlopeEstimator::WALK * self.filter.mean[0];
-        self.filter.inflate(0, walk * walk * elapsed_s);
-        let promised = LateralSlopeEstimator::ANGLE_STD.powi(2);
-        let residual = alpha - mu * self.filter.mean[0];
-        let h = vector![mu];
-        let variance = self.noise.variance(promised);
-        let expected = self.filter.innovation(&h, residual, variance);
+        self.filter.inflate(0, walk * walk * window.time_s);
+        let mean_square = window.square / window.time_s;
+        let promised = LateralSlopeEstimator::ANGLE_STD.powi(2) / mean_square;
+        let worst = LateralSlopeEstimator::WORST_ANGLE_STD.powi(2) / mean_square;
+        let noise = self.noise.variance(promised).min(worst);
+        let residual = window.product / window.square - self.filter.mean[0];
+        let h = vector![1.0];
+        let expected = self.filter.innovation(&h, residual, noise);
+        self.filter.update(&h, residual, noise * self.noise.redundancy());
         self.noise.learn(&expected, promised);
-        self.filter.update(&h, residual, variance * self.noise.redundancy());
         self.age_s = 0.0;
         self.informed = true;
-        let evidence = expected.normalized() * mu.signum() / self.noise.redundancy().sqrt();
+        let evidence = expected.normalized() / self.noise.redundancy().sqrt();
         if self.cusum.step(evidence.clamp(-4.0, 4.0)).is_some() {
             let std = LateralSlopeEstimator::CHANGE_STD * self.filter.mean[0];
             self.filter.inflate(0, std * std);

@@ -1,32 +1,30 @@
-//! Lateral velocity without a joint filter: zero, and methods 1–3 of thesis 5.2.2.
+//! Lateral velocity without a joint filter: zero, and methods 1–3 of thesis 5.2.2, side by side.
 //!
 //! Methods 1 and 2 are kept because the thesis has them and because they show, beside the others,
 //! why they are not published: the first drifts, the second is told that r v_y = 0 (methods.md §7).
 
-use nalgebra::{Matrix2, Vector2, vector};
-
-use super::{Car, Kinematics};
+use super::{BicycleFilter, Car, KinematicObserver, Kinematics, SpeedDerivative};
+use crate::Sensors;
 use crate::estimates::LateralVelocities;
-use crate::filter::Gaussian;
-use crate::filter::discretize::zero_order_hold;
-use crate::model::Bicycle;
-use crate::{Quantity, Sensors};
 
 /// All of the simple ways, run side by side.
 #[derive(Clone, Debug)]
 pub struct LateralVelocityEstimator {
     bicycle: BicycleFilter,
     kinematic: KinematicObserver,
+    acceleration: SpeedDerivative,
     integrated: Option<f64>,
     minimum_speed: f64,
 }
 
 impl LateralVelocityEstimator {
-    /// With the vehicle's own stiffnesses for method 3.
+    /// With the vehicle's own stiffnesses for method 3; below `minimum_speed` (m/s) nothing is estimated.
     pub fn new(car: &Car, sensors: &Sensors, minimum_speed: f64) -> Self {
+        let stiffness = car.cornering_prior.map(|(value, _)| value);
         Self {
-            bicycle: BicycleFilter::new(car, sensors),
+            bicycle: BicycleFilter::new(car, sensors, stiffness),
             kinematic: KinematicObserver::new(sensors),
+            acceleration: SpeedDerivative::default(),
             integrated: None,
             minimum_speed,
         }
@@ -37,108 +35,30 @@ impl LateralVelocityEstimator {
         let moving = now.speed.filter(|speed| *speed >= self.minimum_speed);
         let (Some(speed), Some(r), Some(ay)) = (moving, now.yaw_rate, now.lateral_acceleration) else {
             self.integrated = None;
+            self.acceleration.reset();
             self.kinematic.reset();
             self.bicycle.reset();
             return LateralVelocities::default();
         };
         let integrated = self.integrated.unwrap_or(0.0) + now.elapsed_s * (ay - speed * r);
         self.integrated = Some(integrated);
+        let ax = self.acceleration.step(speed, now.elapsed_s);
         LateralVelocities {
             zero: Some(0.0),
             integration: Some(integrated),
-            kinematic: Some(self.kinematic.step(speed, r, ay, now.elapsed_s)),
+            kinematic: Some(self.kinematic.step(speed, r, [ax, ay], now.elapsed_s)),
             bicycle: now.road_angle.map(|angle| self.bicycle.step(speed, r, ay, angle, now.elapsed_s)),
             joint: None,
         }
     }
 }
 
-/// Method 2: x = (v_x, v_y) turning with the car, v_x measured, a_x ≈ Δv_x/T (thesis 5.13).
-#[derive(Clone, Debug)]
-struct KinematicObserver {
-    state: Option<Gaussian<2>>,
-    previous_speed: f64,
-    acceleration_noise: f64,
-    speed_noise: f64,
-}
-
-impl KinematicObserver {
-    fn new(sensors: &Sensors) -> Self {
-        Self {
-            state: None,
-            previous_speed: 0.0,
-            acceleration_noise: sensors.noise_std(Quantity::LateralAcceleration),
-            speed_noise: 0.02,
-        }
-    }
-
-    fn reset(&mut self) {
-        self.state = None;
-    }
-
-    fn step(&mut self, speed: f64, r: f64, ay: f64, elapsed_s: f64) -> f64 {
-        let state = self.state.get_or_insert_with(|| {
-            self.previous_speed = speed;
-            Gaussian::new([speed, 0.0], [0.1, 0.5])
-        });
-        let ax = if elapsed_s > 0.0 { (speed - self.previous_speed) / elapsed_s } else { 0.0 };
-        self.previous_speed = speed;
-        let (transition, integral) = zero_order_hold(&Matrix2::new(0.0, r, -r, 0.0), elapsed_s);
-        let noise = self.acceleration_noise * elapsed_s;
-        state.predict(&transition, &Matrix2::from_diagonal_element(noise * noise));
-        state.mean += integral * vector![ax, ay];
-        let residual = speed - state.mean[0];
-        state.update(&vector![1.0, 0.0], residual, self.speed_noise * self.speed_noise);
-        state.mean[1]
-    }
-}
-
-/// Method 3: the bicycle model with given stiffnesses; r and a_y measured.
-#[derive(Clone, Debug)]
-struct BicycleFilter {
-    model: Bicycle,
-    state: Option<Gaussian<2>>,
-    yaw_noise: f64,
-    acceleration_noise: f64,
-}
-
-impl BicycleFilter {
-    /// Process noise of v_y, m/s²/√Hz, and of r, rad/s²/√Hz: wind, bank, tires not quite linear.
-    const PROCESS_NOISE: [f64; 2] = [0.1, 0.05];
-
-    fn new(car: &Car, sensors: &Sensors) -> Self {
-        let model = car.bicycle(car.cornering_prior[0].0, car.cornering_prior[1].0);
-        Self {
-            model,
-            state: None,
-            yaw_noise: sensors.noise_std(Quantity::YawRate),
-            acceleration_noise: sensors.noise_std(Quantity::LateralAcceleration),
-        }
-    }
-
-    fn reset(&mut self) {
-        self.state = None;
-    }
-
-    fn step(&mut self, speed: f64, r: f64, ay: f64, angle: f64, elapsed_s: f64) -> f64 {
-        let state = self.state.get_or_insert_with(|| Gaussian::new([self.model.b * r, r], [0.3, 0.02]));
-        let (dynamics, input) = self.model.dynamics(speed);
-        let (transition, integral) = zero_order_hold(&dynamics, elapsed_s);
-        let noise = Vector2::from(Self::PROCESS_NOISE).map(|q| q * q * elapsed_s);
-        state.predict(&transition, &Matrix2::from_diagonal(&noise));
-        state.mean += integral * input * angle;
-        let residual = r - state.mean[1];
-        state.update(&vector![0.0, 1.0], residual, self.yaw_noise * self.yaw_noise);
-        let (h, d) = self.model.lateral_acceleration(speed);
-        let residual = ay - h.dot(&state.mean) - d * angle;
-        state.update(&h, residual, self.acceleration_noise * self.acceleration_noise);
-        state.mean[0]
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector2;
+
     use super::*;
+    use crate::filter::discretize::zero_order_hold;
     use crate::model::{GRAVITY, Vehicle};
 
     /// Sim1-like steering with a linear car; returns the largest error of each method.

@@ -4,10 +4,13 @@ use super::abs_braking::AbsBraking;
 use super::block::{Block, BlockBuilder};
 use super::brush::BrushEstimator;
 use super::cornering::CorneringEstimator;
+use super::dahl_ekf::DahlEkf;
 use super::friction::{Evidence, FrictionMonitor};
 use super::joint_ekf::JointEkf;
 use super::lateral_slope::LateralSlopeEstimator;
 use super::lateral_velocity::LateralVelocityEstimator;
+use super::mapping::{MappedFriction, Mapping, mean_slope};
+use super::saturation::SaturationDetector;
 use super::slope::SlopeEstimator;
 use super::traction::{Traction, TractionPoint};
 use super::{Car, EstimatorsConfig, Kinematics, LateralVelocitySource};
@@ -29,8 +32,11 @@ pub struct Pipeline {
     joint_ekf: JointEkf,
     cornering: CorneringEstimator,
     brush: BrushEstimator,
+    dahl: DahlEkf,
     abs: AbsBraking,
+    saturation: SaturationDetector,
     friction: FrictionMonitor,
+    mapping: Option<Mapping>,
     excitation: [Excitation; 2],
     /// Longitudinal acceleration from the wheels, where no accelerometer has it.
     block_acceleration: Option<f64>,
@@ -59,8 +65,11 @@ impl Pipeline {
             joint_ekf: JointEkf::new(&car, sensors, &config.joint_ekf, slow),
             cornering: CorneringEstimator::new(&car, sensors, &config.cornering, slow),
             brush: BrushEstimator::new(car.slope_prior[driven].0, &config.brush),
+            dahl: DahlEkf::new(&car, sensors, slow),
             abs: AbsBraking::new(&car),
+            saturation: SaturationDetector::new(&car, sensors),
             friction: FrictionMonitor::new(&car, &config.friction),
+            mapping: config.mapping.as_ref().and_then(Mapping::new),
             excitation: [Excitation::default(); 2],
             block_acceleration: None,
             unchanged_s: f64::INFINITY,
@@ -112,10 +121,13 @@ impl Pipeline {
 
     fn longitudinal(&mut self, now: &Kinematics) {
         self.slope.age(now.elapsed_s);
+        let (offsets, slopes) = (self.slope.offsets(), self.slope.slopes());
+        self.saturation.step(now, &self.traction, &offsets, &slopes, &self.config.slope);
         if let Some(block) = self.blocks.step(now) {
             self.block_acceleration = Some(block.acceleration);
             let points = self.traction.points(&block);
-            if self.slope.step(&points, block.duration_s) {
+            // Slips of a spinning wheel are no points of a straight line.
+            if !self.saturation.is_spinning() && self.slope.step(&points, block.duration_s) {
                 self.on_surface_change();
                 self.cornering.surface_changed();
             }
@@ -176,16 +188,30 @@ impl Pipeline {
     }
 
     fn use_of_friction(&mut self, now: &Kinematics) {
-        if let Some(mu) = self.abs.finished() {
-            self.brush.calibrate(mu);
+        if let Some(friction) = self.abs.finished() {
+            self.brush.calibrate(friction.mu, friction.std);
         }
         let acceleration = if self.sensors.has(Quantity::LongitudinalAcceleration) {
             now.longitudinal_acceleration
         } else {
             self.block_acceleration
         };
-        let evidence = Evidence { brush: self.brush.friction(), abs: self.abs.last() };
+        let evidence = Evidence {
+            brush: self.brush.friction(),
+            abs: self.abs.last(),
+            limit: self.saturation.friction(),
+            map: self.mapped(),
+        };
         self.latest.friction = self.friction.step(now, acceleration, evidence);
+        self.dahl.step(now, &self.car);
+        self.latest.friction.dahl = self.dahl.friction();
+    }
+
+    /// Friction by the calibrated mapping, where there is one and the slope is known.
+    fn mapped(&self) -> Option<MappedFriction> {
+        let mapping = self.mapping.as_ref().filter(|_| self.latest.slope_valid)?;
+        let scale_std = self.car.slope_scale_std(self.sensors.has(Quantity::DriveTorque));
+        mapping.at(mean_slope(&self.latest.slope, self.car.driven_axle, scale_std)?)
     }
 
     fn on_surface_change(&mut self) {

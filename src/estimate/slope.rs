@@ -132,6 +132,8 @@ struct WheelSlope {
     age_s: f64,
     /// Did any block tell?
     informed: bool,
+    /// Up to this normalized force the slip curve is known.
+    known_up_to: f64,
 }
 
 impl WheelSlope {
@@ -145,6 +147,11 @@ impl WheelSlope {
     const SETTLED: f64 = 0.08;
     /// A slope this uncertain (relative) is not given out at all.
     const UNKNOWN: f64 = 0.5;
+    /// More force than this many times what the curve is known for may be off the line because the
+    /// curve bends there: no evidence of another surface.
+    const BEYOND: f64 = 1.4;
+    /// How fast a curve becomes known further up, and how slowly that is forgotten, s.
+    const KNOWN_S: (f64, f64) = (4.0, 120.0);
 
     fn new((slope, slope_std): (f64, f64), config: &SlopeConfig) -> Self {
         let compliance_std = (slope_std / (slope * slope)).max(0.3 / slope);
@@ -153,6 +160,7 @@ impl WheelSlope {
             noise: LearnedNoise::new(Self::NOISE_MEMORY),
             age_s: 0.0,
             informed: false,
+            known_up_to: 0.0,
         }
     }
 
@@ -189,15 +197,23 @@ impl WheelSlope {
             self.age_s = 0.0;
             self.informed = true;
         }
+        let beyond = point.mu.abs() > Self::BEYOND * self.known_up_to;
+        self.explore(point.mu.abs(), duration_s);
         // A softer surface makes more slip in the direction of the force.
         let evidence = normalized * point.mu.signum();
         // A tooth wheel locked to the sampling shifts the slip for a second, whatever the force. What no
         // change of surface could explain is no evidence of one.
         let explicable = self.filter.mean[0].abs() * point.mu.abs() / expected.variance.sqrt();
         let (stiffer, softer) = Self::CHANGES;
-        (self.is_settled() && point.mu.abs() > config.noticeable_mu).then(|| {
+        (self.is_settled() && !beyond && point.mu.abs() > config.noticeable_mu).then(|| {
             evidence.clamp(-Self::CLIP, Self::CLIP).clamp(-stiffer * explicable, softer * explicable)
         })
+    }
+
+    fn explore(&mut self, mu: f64, duration_s: f64) {
+        let (rise, fall) = Self::KNOWN_S;
+        let time = if mu > self.known_up_to { rise } else { fall };
+        self.known_up_to += (mu - self.known_up_to) * (duration_s / time).min(1.0);
     }
 
     /// Is the slope known well enough that a contradiction is news?

@@ -103,7 +103,7 @@ impl Traction {
 
     /// Longitudinal tire force of one driven wheel and its noise, N: from the drive torque when the
     /// bus has it, else from the acceleration of the whole car.
-    fn force(&self, block: &Block, wheel: Wheel) -> (f64, f64) {
+    pub(super) fn force(&self, block: &Block, wheel: Wheel) -> (f64, f64) {
         let car = &self.car;
         if let Some(torque) = block.axle_torque {
             let spin = block.wheel_acceleration[wheel as usize] / car.radius;
@@ -148,7 +148,15 @@ impl Traction {
         };
         match block.axle_torque {
             Some(torque) => {
-                let driving = torque / self.car.radius / self.car.mass - resisting;
+                // A spinning wheel takes a part of the torque for itself.
+                let spin: f64 = Wheel::ALL
+                    .into_iter()
+                    .filter(|&wheel| self.car.driven_axle.drives(wheel))
+                    .map(|wheel| {
+                        self.car.wheel_inertia * block.wheel_acceleration[wheel as usize] / self.car.radius
+                    })
+                    .sum();
+                let driving = (torque - spin) / self.car.radius / self.car.mass - resisting;
                 driving - acceleration > tolerance
             }
             None => -(acceleration + resisting) > self.max_coasting,

@@ -75,23 +75,32 @@ impl<'a> Search<'a> {
     /// From the coordinates of a start to the end; `noise` is a first guess. `None` if nothing could be
     /// simulated from there.
     pub(super) fn run(&self, theta: DVector<f64>, noise: &Noise) -> Option<Fit> {
-        let starts = self.segments.iter().map(|segment| Vector3::from(segment.start)).collect();
-        let usual = *noise;
-        let mut fit = self.descend(Point { theta, starts }, noise, Tie::NONE)?;
-        for _ in 0..2 {
-            let noise = self.noise(&fit.all, &usual);
-            fit = self.go_on(fit, &noise, Tie::NONE)?;
-        }
+        // A part of the segments shows the way; all of them decide.
+        let some: Vec<Segment> = self.sparse();
+        let few = Search { segments: &some, ..*self };
+        let ahead = few.descend(few.begin(theta), noise, noise, Tie::NONE, 0.1)?;
+        let begin = self.begin(ahead.point.theta);
+        let alone = self.descend(begin, &ahead.noise, noise, Tie::NONE, 0.1)?;
         let tie = match self.method {
-            Method::Segments => return Some(fit),
+            Method::Segments => Tie::NONE,
             Method::FreeRun => Tie::TIGHT,
-            Method::Auto => tie(&fit.all),
+            Method::Auto => tie(&alone.all),
         };
-        for _ in 0..2 {
-            let noise = self.noise(&fit.all, &usual);
-            fit = self.go_on(fit, &noise, tie)?;
-        }
+        let mut fit = self.go_on(alone.point, Some(alone.all), &alone.noise, noise, tie, ENOUGH)?;
+        fit.iterations += alone.iterations;
         Some(fit)
+    }
+
+    /// Every segment's start as measured.
+    fn begin(&self, theta: DVector<f64>) -> Point {
+        Point { theta, starts: self.segments.iter().map(|segment| Vector3::from(segment.start)).collect() }
+    }
+
+    /// Twelve segments or more, spread over everything, none tied to another.
+    fn sparse(&self) -> Vec<Segment> {
+        let every = (self.segments.len() / 12).max(1);
+        let some = self.segments.iter().step_by(every);
+        some.map(|segment| Segment { continues: false, ..segment.clone() }).collect()
     }
 
     /// The values of all parameters at a point.
@@ -103,14 +112,8 @@ impl<'a> Search<'a> {
     /// parameters (at `without`) is not free here.
     pub(super) fn lowest_cost(&self, end: &Fit, without: usize) -> Option<f64> {
         let point = Point { theta: end.point.theta.clone().remove_row(without), ..end.point.clone() };
-        Some(self.descend(point, &end.noise, end.tie)?.all.cost)
-    }
-
-    fn go_on(&self, fit: Fit, noise: &Noise, tie: Tie) -> Option<Fit> {
-        let before = fit.iterations;
-        let mut fit = self.descend(fit.point, noise, tie)?;
-        fit.iterations += before;
-        Some(fit)
+        let fixed = self.problem(&end.noise, end.tie);
+        Some(self.levenberg_marquardt(fixed, point, None, end.noise, None, ENOUGH)?.all.cost)
     }
 
     /// The noise that is left.
@@ -135,45 +138,81 @@ impl<'a> Search<'a> {
         noise
     }
 
-    /// Levenberg–Marquardt.
-    fn descend(&self, mut point: Point, noise: &Noise, tie: Tie) -> Option<Fit> {
-        let problem = self.problem(noise, tie);
-        let mut all = problem.linearize(&point);
+    /// Searches, and learns the noise on the way. Ends where a step would gain less than `enough`.
+    fn descend(&self, point: Point, noise: &Noise, usual: &Noise, tie: Tie, enough: f64) -> Option<Fit> {
+        self.go_on(point, None, noise, usual, tie, enough)
+    }
+
+    fn go_on(
+        &self,
+        point: Point,
+        known: Option<Linearized>,
+        noise: &Noise,
+        usual: &Noise,
+        tie: Tie,
+        enough: f64,
+    ) -> Option<Fit> {
+        self.levenberg_marquardt(self.problem(noise, tie), point, known, *noise, Some(usual), enough)
+    }
+
+    /// Levenberg–Marquardt; with `usual`, the noise is learned on the way (iterative reweighting).
+    fn levenberg_marquardt(
+        &self,
+        mut problem: Problem<'a>,
+        mut point: Point,
+        known: Option<Linearized>,
+        mut noise: Noise,
+        usual: Option<&Noise>,
+        enough: f64,
+    ) -> Option<Fit> {
+        let mut all = match known {
+            Some(known) => problem.tie_anew(&point, known),
+            None => problem.linearize(&point),
+        };
         if !all.cost.is_finite() {
             return None;
         }
-        let mut damping = 1e-3;
-        let mut iterations = 0;
+        let (mut damping, mut iterations, mut idle) = (1e-4, 0, 0);
         let mut converged = false;
-        let mut idle = 0;
-        while iterations < MOST_ITERATIONS && !converged {
+        while iterations < MOST_ITERATIONS && !converged && damping < 1e9 {
             iterations += 1;
             let Some((step, gain)) = all.eliminate(damping).and_then(|chain| chain.step()) else {
                 damping = (damping * 10.0).max(1e-9);
-                if damping > 1e9 {
-                    break;
-                }
                 continue;
             };
-            converged = gain < ENOUGH.max(1e-9 * all.cost);
-            let trial = self.moved(&point, &step);
-            let next = problem.linearize(&trial);
-            if next.cost.is_finite() && next.cost <= all.cost {
-                let gained = all.cost - next.cost;
-                let good = gained > 0.7 * gain;
-                // At kinks of the tire a step may promise for ever what it does not keep.
-                idle = if gained < ENOUGH { idle + 1 } else { 0 };
-                converged |= idle > 1;
-                (point, all) = (trial, next);
-                damping *= if good { 0.1 } else { 0.5 };
-            } else if !converged {
-                damping = (damping * 6.0).max(1e-7);
-                if damping > 1e9 {
+            if gain < enough {
+                let learned = usual.map_or(noise, |usual| self.noise(&all, usual));
+                if steady(&learned, &noise) {
+                    converged = true;
                     break;
                 }
+                noise = learned;
+                problem = self.problem(&noise, problem.tie);
+                all = problem.linearize(&point);
+                continue;
             }
+            let trial = self.moved(&point, &step);
+            let next = problem.linearize(&trial);
+            if !(next.cost.is_finite() && next.cost <= all.cost) {
+                damping = (damping * 6.0).max(1e-7);
+                continue;
+            }
+            let gained = all.cost - next.cost;
+            damping *= if gained > 0.7 * gain { 0.1 } else { 0.5 };
+            (point, all) = (trial, next);
+            let learned = usual.map_or(noise, |usual| self.noise(&all, usual));
+            let is_steady = steady(&learned, &noise);
+            if !is_steady {
+                noise = learned;
+                let before = problem.weight;
+                problem = self.problem(&noise, problem.tie);
+                all.reweigh(&before, &problem.weight);
+            }
+            // At kinks of the tire a step may promise for ever what it does not keep.
+            idle = if gained < enough && is_steady { idle + 1 } else { 0 };
+            converged = idle > 1;
         }
-        Some(Fit { point, all, noise: *noise, tie, iterations, converged })
+        Some(Fit { point, all, noise, tie: problem.tie, iterations, converged })
     }
 
     /// A step, shortened where it would change a parameter more than threefold, within the bounds.
@@ -183,13 +222,16 @@ impl<'a> Search<'a> {
         let mut theta = &point.theta + share * &step.theta;
         for (coordinate, free) in theta.iter_mut().zip(self.free) {
             let (low, high) = free.parameters.first().bounds();
-            let low = free.parameters.coordinate(low.max(f64::MIN_POSITIVE).max(low));
-            let high = free.parameters.coordinate(high);
-            *coordinate = coordinate.clamp(low.min(high), high.max(low));
+            *coordinate = coordinate.clamp(free.parameters.coordinate(low), free.parameters.coordinate(high));
         }
         let starts = point.starts.iter().zip(&step.starts).map(|(at, by)| at + share * by).collect();
         Point { theta, starts }
     }
+}
+
+/// Is the noise known to some per cent?
+fn steady(learned: &Noise, noise: &Noise) -> bool {
+    learned.iter().zip(noise).all(|(new, old)| (new / old - 1.0).abs() < 0.02)
 }
 
 /// How much comes in between segments, beyond what their noise lets one know: by moments.

@@ -35,6 +35,11 @@ pub struct FitRow {
     pub simulated: [f64; Channel::COUNT],
 }
 
+/// Runs freely through all records with the vehicle as its table says, no offsets.
+pub fn free_run(records: &[Record], vehicle: &Vehicle, drive: Drive) -> Fits {
+    fits(records, vehicle, &Values::of(vehicle), drive)
+}
+
 /// Runs freely through all records.
 pub(super) fn fits(records: &[Record], vehicle: &Vehicle, values: &Values, drive: Drive) -> Fits {
     let car = Car::plain(vehicle, values);

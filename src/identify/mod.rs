@@ -27,7 +27,7 @@ mod uncertainty;
 pub use car::Drive;
 pub use config::IdentifyConfig;
 pub use fit::Method;
-pub use free_run::{BLOCK_S, FitRow, Fits};
+pub use free_run::{BLOCK_S, FitRow, Fits, free_run};
 pub use identification::{Identification, Identified, Identifier, IdentifyError, Path};
 pub use motion::Channel;
 pub use parameter::{Parameter, Values};

@@ -176,14 +176,14 @@ impl<T: Real> Car<T> {
             / (body.mass + added_mass);
         let vx_rate = ax + vy * yaw_rate;
         let yaw = bare.yaw * body.yaw_inertia / (body.yaw_inertia + added_inertia);
-        for i in 0..4 {
+        for (i, share) in share.iter_mut().enumerate() {
             let axle = i / 2;
             let side = if i % 2 == 0 { -half_track[axle] } else { half_track[axle] };
             let mut rate = vx_rate + side * yaw;
             if axle == 0 {
                 rate += turning;
             }
-            share[i] = share[i] - self.wheel_mass * rate / self.load[axle];
+            *share = *share - self.wheel_mass * rate / self.load[axle];
         }
         Instant { rate: [vx_rate, bare.vy_rate, yaw], share, slip_angle, along, ax, ay: bare.ay }
     }
@@ -191,20 +191,21 @@ impl<T: Real> Car<T> {
     /// What the sensors would say.
     #[inline(always)]
     pub(super) fn outputs(&self, state: &State<T>, now: &Instant<T>) -> Outputs<T> {
-        let wheel = |i: usize| {
-            let slip = self.slip_of(i / 2, now.share[i], now.slip_angle[i / 2]);
-            now.along[i] * (slip + 1.0) / self.radius[i]
-        };
-        [
-            wheel(0),
-            wheel(1),
-            wheel(2),
-            wheel(3),
+        let mut outputs = [
+            T::constant(0.0),
+            T::constant(0.0),
+            T::constant(0.0),
+            T::constant(0.0),
             state[2] + self.yaw_rate_offset,
             now.ay + self.lateral_offset,
             now.ax + self.longitudinal_offset,
             state[0],
-        ]
+        ];
+        for (i, output) in outputs.iter_mut().take(4).enumerate() {
+            let slip = self.slip_of(i / 2, now.share[i], now.slip_angle[i / 2]);
+            *output = now.along[i] * (slip + 1.0) / self.radius[i];
+        }
+        outputs
     }
 
     /// Lateral force / load of a tire that transmits `x` along, too.

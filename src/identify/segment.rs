@@ -101,8 +101,7 @@ impl Segment {
                 let mut slope = [T::constant(0.0); 3];
                 let mut probe = state;
                 // Classical Runge–Kutta as a loop: the equations are long, one copy of them is enough.
-                for stage in 0..4 {
-                    let (of_step, weight) = STAGES[stage];
+                for (stage, (of_step, weight)) in STAGES.into_iter().enumerate() {
                     let now = car.instant(&probe, &from.towards(to, at + of_step * share), drive);
                     if stage == 0 && step == 0 {
                         take(place, &car.outputs(&state, &now));
@@ -130,6 +129,7 @@ impl Segment {
 
     /// Simulated beside measured. `car` has derivatives by the parameters, `start` by itself in the
     /// places after them. `weight` is 1 / noise², by channel.
+    #[inline(always)]
     pub(super) fn evidence<const N: usize>(
         &self,
         car: &Car<Dual<N>>,

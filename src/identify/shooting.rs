@@ -165,6 +165,7 @@ pub(super) struct Linearized {
     information: DMatrix<f64>,
     blocks: Vec<Block>,
     scores: Vec<Score>,
+    said: Vec<Said>,
     /// Start of each segment after the first less the end of the one before; where it does not continue
     /// one, not-a-number.
     pub(super) jumps: Vec<Vector3<f64>>,
@@ -234,25 +235,30 @@ impl Problem<'_> {
     /// Simulates everything, with derivatives.
     pub(super) fn linearize(&self, point: &Point) -> Linearized {
         // Derivatives by parameters and the three states; sizes that fill vector registers.
-        match self.free.len() + 3 {
-            0..=8 => self.linearize_with::<8>(point),
-            9..=16 => self.linearize_with::<16>(point),
-            _ => self.linearize_with::<32>(point),
-        }
+        let said = match self.free.len() + 3 {
+            0..=8 => self.simulate::<8>(point),
+            9..=16 => self.simulate::<16>(point),
+            _ => self.simulate::<32>(point),
+        };
+        self.gather(point, said)
     }
 
-    fn linearize_with<const N: usize>(&self, point: &Point) -> Linearized {
+    /// The same simulation, tied anew.
+    pub(super) fn tie_anew(&self, point: &Point, all: Linearized) -> Linearized {
+        self.gather(point, all.said)
+    }
+
+    fn simulate<const N: usize>(&self, point: &Point) -> Vec<Said> {
         let car = self.car::<N>(&point.theta);
         let count = self.free.len();
         let places = (0..self.segments.len()).into_par_iter();
-        let said: Vec<Said> = places
+        places
             .map(|place| {
                 let start = std::array::from_fn(|i| Dual::variable(point.starts[place][i], count + i));
                 let evidence = evidence(&self.segments[place], &car, self.drive, start, &self.weight);
                 Said::new(&evidence, count)
             })
-            .collect();
-        self.gather(point, &said)
+            .collect()
     }
 
     fn car<const N: usize>(&self, theta: &DVector<f64>) -> Car<Dual<N>> {
@@ -268,7 +274,7 @@ impl Problem<'_> {
         })
     }
 
-    fn gather(&self, point: &Point, said: &[Said]) -> Linearized {
+    fn gather(&self, point: &Point, said: Vec<Said>) -> Linearized {
         let count = self.free.len();
         let mut all = Linearized {
             cost: 0.0,
@@ -279,6 +285,7 @@ impl Problem<'_> {
             scores: Vec::with_capacity(said.len()),
             jumps: Vec::with_capacity(said.len()),
             jump_covariance: Vec::with_capacity(said.len()),
+            said: Vec::new(),
         };
         for (place, free) in self.free.iter().enumerate() {
             if free.std.is_finite() {
@@ -308,8 +315,8 @@ impl Problem<'_> {
             let segment = &self.segments[place];
             let before = place.checked_sub(1).filter(|_| segment.continues);
             if before.is_none() || tie[0] == 0.0 {
-                for i in 0..3 {
-                    let weight = 1.0 / (START_STD[i] * START_STD[i]);
+                for (i, std) in START_STD.into_iter().enumerate() {
+                    let weight = 1.0 / (std * std);
                     let off = point.starts[place][i] - segment.start[i];
                     all.cost += weight * off * off;
                     block.gradient[i] += weight * off;
@@ -353,6 +360,7 @@ impl Problem<'_> {
             all.blocks.push(block);
             all.scores.push(score);
         }
+        all.said = said;
         all
     }
 }
@@ -369,6 +377,14 @@ pub(super) struct Eliminated<'a> {
 }
 
 impl Linearized {
+    /// The cost as it is with other weights. Gradients stay as they are: good enough for the one step
+    /// until all is simulated again.
+    pub(super) fn reweigh(&mut self, before: &[f64; Channel::COUNT], now: &[f64; Channel::COUNT]) {
+        for ((square, before), now) in self.squares.iter().zip(before).zip(now) {
+            self.cost += square * (now - before);
+        }
+    }
+
     /// Eliminates the starts; `damping` is Levenberg's and Marquardt's, relative to the diagonal. `None`
     /// if some start is not determined at all.
     pub(super) fn eliminate(&self, damping: f64) -> Option<Eliminated<'_>> {

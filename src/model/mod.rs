@@ -24,6 +24,6 @@ pub use dual::Dual;
 pub use one_wheel::{OneWheel, OneWheelState};
 pub use plant::{Conditions, Controls, Plant, Response, State};
 pub use real::Real;
-pub use scenario::{Scenario, ScenarioError};
+pub use scenario::{Piece, Scenario, ScenarioError};
 pub use simulate::{Reading, Simulation, Tick, Truth, TruthWriter};
 pub use vehicle::{DrivenAxle, GRAVITY, TireKind, Uncertain, Vehicle, VehicleError};

@@ -9,6 +9,8 @@ pub const SIM1: &str = include_str!("../../../config/scenarios/sim1.toml");
 pub const SIM2: &str = include_str!("../../../config/scenarios/sim2.toml");
 /// Straight on, halved from 100 to 150 s.
 pub const SIM3: &str = include_str!("../../../config/scenarios/sim3.toml");
+/// Sim3 with torque beyond the halved limit.
+pub const SIM3_LIMIT: &str = include_str!("../../../config/scenarios/sim3_limit.toml");
 
 /// A drive: samples, and what was true at each of them.
 #[derive(Clone, Debug)]

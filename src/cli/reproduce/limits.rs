@@ -1,5 +1,6 @@
 //! Chapter 9: what limits the estimation of friction.
 
+use super::limits_scatter::FIGURE_9_2;
 use super::numeric::crossing;
 use super::{Claim, Experiment, Outcome, Picture};
 use crate::model::tire::{Brush, Curve, MagicFormula};
@@ -7,7 +8,7 @@ use crate::report::{Color, Marker, Plot, Stroke};
 
 /// In the order of the thesis.
 pub const EXPERIMENTS: &[Experiment] =
-    &[Experiment { figure: "9.1", title: "Deviation from the tangent", run: deviation }];
+    &[Experiment { figure: "9.1", title: "Deviation from the tangent", run: deviation }, FIGURE_9_2];
 
 const STIFFNESS: f64 = 30.0;
 const MAGIC: MagicFormula = MagicFormula { shape: 1.65, curvature: 0.0 };

@@ -2,6 +2,7 @@
 //!
 //! Each section's file lists its [`Experiment`]s; adding one means one line in that list.
 
+pub mod abs_tests;
 mod brush;
 mod command;
 mod dahl;
@@ -9,18 +10,22 @@ mod drive;
 mod experiment;
 mod friction;
 mod identification;
+mod joint_filter;
 mod lateral;
 mod limits;
+mod limits_scatter;
 mod mapping;
 mod numeric;
 mod page;
+pub mod sim2_grid;
+mod sim3;
 mod slip_slope;
 mod surface;
 mod table;
 mod tires;
 
 pub use command::Reproduce;
-pub use drive::{Drive, SIM1, SIM2, SIM3};
+pub use drive::{Drive, SIM1, SIM2, SIM3, SIM3_LIMIT};
 pub use experiment::{Claim, Experiment, ExperimentError, Outcome, Picture, Verdict};
 
 /// A section of the thesis.
@@ -38,6 +43,7 @@ pub const SECTIONS: &[Section] = &[
     Section { title: "Tires (chapter 4)", experiments: tires::EXPERIMENTS },
     Section { title: "Longitudinal stiffness (5.2.1)", experiments: slip_slope::EXPERIMENTS },
     Section { title: "Lateral velocity and stiffness (5.2.2, 5.3.1)", experiments: lateral::EXPERIMENTS },
+    Section { title: "A joint filter that has the tire's limit", experiments: joint_filter::EXPERIMENTS },
     Section { title: "Identification off line (5.3.2)", experiments: identification::EXPERIMENTS },
     Section { title: "From stiffness to friction (chapter 6)", experiments: mapping::EXPERIMENTS },
     Section { title: "The surface (chapter 7)", experiments: surface::EXPERIMENTS },

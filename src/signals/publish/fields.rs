@@ -108,6 +108,7 @@ const SOURCES: &[&str] = &[
     MuSource::Brush.name(),
     MuSource::Joint.name(),
     MuSource::Abs.name(),
+    MuSource::Limit.name(),
 ];
 
 fn source_index(estimates: &Estimates) -> usize {
@@ -118,6 +119,7 @@ fn source_index(estimates: &Estimates) -> usize {
         MuSource::Brush => 3,
         MuSource::Joint => 4,
         MuSource::Abs => 5,
+        MuSource::Limit => 6,
     }
 }
 

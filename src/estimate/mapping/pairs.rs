@@ -1,0 +1,407 @@
+//! From a recording's samples and estimates to pairs of slope and friction.
+//!
+//! The thesis's two figures differ in one thing: in 6.1 brakings were paired with whatever slope there
+//! was, in 6.2 only with slopes that had settled on the surface braked on. So a braking is a pair only
+//! if its slope had settled, and everything else is listed with the reason why it is none.
+
+use thiserror::Error;
+
+use super::Pair;
+use crate::estimate::abs_braking::{AbsBraking, AbsProblem, AbsRecord};
+use crate::estimate::{Car, Kinematics};
+use crate::estimates::Estimate;
+use crate::model::{DrivenAxle, GRAVITY, Vehicle};
+use crate::{Estimates, Micros, Quantity, Sample, Sensors, Wheel};
+
+/// An ABS braking, and whether it makes a pair.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Braking {
+    /// When the ABS came in.
+    pub time: Micros,
+    /// For how long it worked, s.
+    pub duration_s: f64,
+    /// Speed before it, m/s.
+    pub speed: f64,
+    /// Friction by (6.2): value and standard deviation.
+    pub mu: Option<(f64, f64)>,
+    /// Slope before the brakes were touched, mean of the driven wheels, settled or not. Its standard
+    /// deviation is without what the data sheet leaves open, which is the same in every pair.
+    pub slope: Option<Estimate>,
+    /// The surface was watched for some seconds after the braking, too, and did not change.
+    pub confirmed: bool,
+    /// Why it is not a pair.
+    pub not_a_pair: Option<NotAPair>,
+}
+
+impl Braking {
+    /// The pair, if it is one.
+    pub fn pair(&self) -> Option<Pair> {
+        if self.not_a_pair.is_some() { None } else { self.as_if_settled() }
+    }
+
+    /// The pair that the braking makes with whatever slope there was: the way of Fig. 6.1.
+    pub fn as_if_settled(&self) -> Option<Pair> {
+        let ((mu, mu_std), slope) = self.mu.zip(self.slope)?;
+        Some(Pair { slope: slope.value, slope_std: slope.std, mu, mu_std })
+    }
+}
+
+/// Why a braking is not a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum NotAPair {
+    /// It gave no friction.
+    #[error("{0}")]
+    NoFriction(AbsProblem),
+    /// Part of the friction went sideways.
+    #[error("in a curve: {share:.0} % of the friction went sideways")]
+    Cornering {
+        /// Lateral acceleration / (μ g), %.
+        share: f64,
+    },
+    /// Nothing is known of the surface.
+    #[error("no slope yet: drive on the surface with some torque first")]
+    NoSlope,
+    /// Known, but not well.
+    #[error("the slope had not converged (±{relative:.0} %)")]
+    NotConverged {
+        /// Standard deviation / slope, %.
+        relative: f64,
+    },
+    /// It was still moving.
+    #[error("the slope had settled for {settled_s:.1} s only, {needed_s:.0} s are needed")]
+    NotSettled {
+        /// Since the slope last moved or the surface last changed, s.
+        settled_s: f64,
+        /// How long it should be.
+        needed_s: f64,
+    },
+    /// It may be of another surface.
+    #[error("the slope was {age_s:.0} s old: no torque lately")]
+    TooOld {
+        /// Its age, s.
+        age_s: f64,
+    },
+    /// The slope noticed another surface right afterwards.
+    #[error("the surface changed about the braking (noticed {after_s:.1} s later)")]
+    SurfaceChanged {
+        /// From the end of the braking to the notice, s.
+        after_s: f64,
+    },
+}
+
+/// Mean slope of the driven wheels, all of which have to have one. `scale_std` is the relative
+/// uncertainty that all slopes of the car share ([`Car::slope_scale_std`]); it is taken out.
+pub fn mean_slope(slopes: &[Option<Estimate>; 4], driven: DrivenAxle, scale_std: f64) -> Option<Estimate> {
+    let mut count = 0.0;
+    let mut mean = Estimate { value: 0.0, std: 0.0, age_s: 0.0 };
+    for wheel in Wheel::ALL.into_iter().filter(|&wheel| driven.drives(wheel)) {
+        let slope = slopes[wheel as usize]?;
+        count += 1.0;
+        mean.value += slope.value;
+        // Both wheels share the noise of the force: nothing is gained by averaging.
+        let shared = scale_std * slope.value;
+        mean.std += (slope.std * slope.std - shared * shared).max(0.0).sqrt();
+        mean.age_s = mean.age_s.max(slope.age_s);
+    }
+    (count > 0.0).then(|| Estimate { value: mean.value / count, std: mean.std / count, ..mean })
+}
+
+/// Finds ABS brakings in a drive, sample by sample.
+#[derive(Clone, Debug)]
+pub struct PairFinder {
+    car: Car,
+    scale_std: f64,
+    abs: AbsBraking,
+    /// Time into the drive, s: gaps of the recording count as they are.
+    now_s: f64,
+    /// Where the slope has stayed near, and since when.
+    anchor: Option<(f64, f64)>,
+    changes: u32,
+    changed_s: f64,
+    /// The slope when the brakes were last free.
+    free: Free,
+    lateral: Lateral,
+    started: Option<Micros>,
+    brakings: Vec<Braking>,
+    /// When the braking that is last in the list ended, until it is confirmed.
+    unconfirmed_s: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Free {
+    slope: Option<Estimate>,
+    valid: bool,
+    settled_s: f64,
+    changes: u32,
+}
+
+/// Mean square of the lateral acceleration.
+#[derive(Clone, Copy, Debug, Default)]
+struct Lateral {
+    square: f64,
+    seconds: f64,
+}
+
+impl PairFinder {
+    /// A slope that stays within this share of itself …
+    const STEADY: f64 = 0.08;
+    /// … for so long has settled, s.
+    const SETTLED_S: f64 = 5.0;
+    /// An older slope may be of another surface, s.
+    const OLDEST_S: f64 = 10.0;
+    /// A change of surface that is noticed this long after a braking was there before it, s: the car
+    /// has to speed up again before the slope can tell.
+    const CONFIRM_S: f64 = 8.0;
+    /// Lateral acceleration / (μ g) that takes 4 % off the longitudinal friction.
+    const SIDEWAYS: f64 = 0.28;
+
+    /// For this car and what its bus has.
+    pub fn new(vehicle: &Vehicle, sensors: &Sensors) -> Self {
+        let car = Car::new(vehicle);
+        Self {
+            scale_std: car.slope_scale_std(sensors.has(Quantity::DriveTorque)),
+            abs: AbsBraking::new(&car),
+            car,
+            now_s: 0.0,
+            anchor: None,
+            changes: 0,
+            changed_s: f64::NEG_INFINITY,
+            free: Free::default(),
+            lateral: Lateral::default(),
+            started: None,
+            brakings: Vec::new(),
+            unconfirmed_s: None,
+        }
+    }
+
+    /// Takes a sample and what the pipeline knew after it.
+    pub fn step(&mut self, sample: &Sample, estimates: &Estimates) {
+        let now = Kinematics::new(sample, &self.car);
+        self.now_s += now.elapsed_s.max(0.0);
+        self.watch_surface(estimates);
+        self.abs.step(&now);
+        if let Some(record) = self.abs.record() {
+            let braking = self.judge(record, sample.time);
+            self.unconfirmed_s = braking.not_a_pair.is_none().then_some(self.now_s);
+            self.brakings.push(braking);
+        }
+        match now.abs {
+            Some(true) => {
+                if self.started.is_none() {
+                    self.started = Some(sample.time);
+                    self.lateral = Lateral::default();
+                    // A braking soon after the last one: that one is not confirmed any more.
+                    self.unconfirmed_s = None;
+                }
+                let lateral = now.lateral_acceleration.unwrap_or(0.0);
+                self.lateral.square += lateral * lateral * now.elapsed_s;
+                self.lateral.seconds += now.elapsed_s;
+            }
+            _ if now.braking != Some(true) => self.free = self.known(estimates),
+            _ => {}
+        }
+        if !self.abs.is_braking() {
+            self.started = None;
+        }
+    }
+
+    /// All brakings of the drive.
+    pub fn finish(self) -> Vec<Braking> {
+        self.brakings
+    }
+
+    fn watch_surface(&mut self, estimates: &Estimates) {
+        if estimates.surface_changes != self.changes {
+            self.changes = estimates.surface_changes;
+            self.changed_s = self.now_s;
+            self.anchor = None;
+        }
+        let slope = mean_slope(&estimates.slope, self.car.driven_axle, self.scale_std);
+        match (slope, self.anchor) {
+            (Some(slope), Some((value, _))) if (slope.value - value).abs() <= Self::STEADY * value => {}
+            (Some(slope), _) => self.anchor = Some((slope.value, self.now_s)),
+            (None, _) => self.anchor = None,
+        }
+        let Some(ended_s) = self.unconfirmed_s else { return };
+        let after_s = self.now_s - ended_s;
+        let Some(braking) = self.brakings.last_mut() else { return };
+        if self.changed_s > ended_s {
+            braking.not_a_pair = Some(NotAPair::SurfaceChanged { after_s });
+            self.unconfirmed_s = None;
+        } else if after_s >= Self::CONFIRM_S {
+            braking.confirmed = true;
+            self.unconfirmed_s = None;
+        }
+    }
+
+    fn known(&self, estimates: &Estimates) -> Free {
+        Free {
+            slope: mean_slope(&estimates.slope, self.car.driven_axle, self.scale_std),
+            valid: estimates.slope_valid,
+            settled_s: self.anchor.map_or(0.0, |(_, since)| self.now_s - since.max(self.changed_s)),
+            changes: self.changes,
+        }
+    }
+
+    fn judge(&self, record: AbsRecord, now: Micros) -> Braking {
+        let slope = self.free.slope;
+        let mu = record.outcome.ok().map(|friction| (friction.mu, friction.std));
+        Braking {
+            time: self.started.unwrap_or(now),
+            duration_s: record.duration_s,
+            speed: record.start_speed,
+            mu,
+            slope,
+            confirmed: false,
+            not_a_pair: self.objection(&record),
+        }
+    }
+
+    fn objection(&self, record: &AbsRecord) -> Option<NotAPair> {
+        let mu = match record.outcome {
+            Ok(friction) => friction.mu,
+            Err(problem) => return Some(NotAPair::NoFriction(problem)),
+        };
+        let sideways = (self.lateral.square / self.lateral.seconds.max(1e-3)).sqrt() / (mu * GRAVITY);
+        if sideways > Self::SIDEWAYS {
+            return Some(NotAPair::Cornering { share: 100.0 * sideways });
+        }
+        let Some(slope) = self.free.slope else { return Some(NotAPair::NoSlope) };
+        if slope.age_s > Self::OLDEST_S {
+            return Some(NotAPair::TooOld { age_s: slope.age_s });
+        }
+        if !self.free.valid {
+            return Some(NotAPair::NotConverged { relative: 100.0 * slope.std / slope.value });
+        }
+        if self.free.settled_s < Self::SETTLED_S {
+            let settled_s = self.free.settled_s;
+            return Some(NotAPair::NotSettled { settled_s, needed_s: Self::SETTLED_S });
+        }
+        (self.changes != self.free.changes).then_some(NotAPair::SurfaceChanged { after_s: 0.0 })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A drive by hand: a slope on the bus of estimates, and ABS brakings at given times.
+    struct Drive {
+        finder: PairFinder,
+        time: i64,
+        estimates: Estimates,
+        speed: f64,
+    }
+
+    impl Drive {
+        fn new() -> Self {
+            let mut sensors = Sensors::default();
+            sensors.add(Quantity::DriveTorque, None);
+            let finder = PairFinder::new(&Vehicle::thesis(), &sensors);
+            Self { finder, time: 0, estimates: Estimates::default(), speed: 25.0 }
+        }
+
+        fn slope(&mut self, value: f64, relative: f64, age_s: f64) {
+            let slope = Some(Estimate { value, std: relative * value, age_s });
+            self.estimates.slope = [slope, slope, None, None];
+            self.estimates.slope_valid = relative < 0.15;
+        }
+
+        fn go(&mut self, seconds: f64, deceleration: f64, lateral: f64, abs: bool) -> &mut Self {
+            for _ in 0..(seconds * 100.0) as i64 {
+                self.time += 10_000;
+                self.speed -= 0.01 * deceleration;
+                let mut sample = Sample::empty(Micros(self.time), 0.01);
+                for quantity in &Quantity::ALL[..4] {
+                    sample.set(*quantity, self.speed / self.finder.car.radius);
+                }
+                sample.set(Quantity::LateralAcceleration, lateral);
+                sample.set(Quantity::LongitudinalAcceleration, -deceleration);
+                sample.set(Quantity::BrakeActive, f64::from(u8::from(abs)));
+                sample.set(Quantity::AbsActive, f64::from(u8::from(abs)));
+                self.finder.step(&sample, &self.estimates);
+            }
+            self
+        }
+
+        fn only(&mut self) -> Braking {
+            let brakings = self.finder.clone().finish();
+            assert_eq!(brakings.len(), 1);
+            brakings[0].clone()
+        }
+    }
+
+    #[test]
+    fn a_settled_slope_makes_a_pair_and_the_seconds_after_it_confirm_it() {
+        let mut drive = Drive::new();
+        drive.slope(90.0, 0.03, 1.0);
+        drive.go(8.0, 0.0, 0.0, false).go(1.0, 6.0, 0.0, true).go(1.0, 0.0, 0.0, false);
+        let braking = drive.only();
+        let pair = braking.pair().unwrap();
+        assert!((pair.slope - 90.0).abs() < 1e-9 && (pair.mu - 6.0 / GRAVITY).abs() < 0.02, "{pair:?}");
+        assert!(!braking.confirmed && braking.time == Micros(8_010_000), "{braking:?}");
+        drive.go(10.0, 0.0, 0.0, false);
+        assert!(drive.only().confirmed);
+    }
+
+    #[test]
+    fn every_other_braking_is_listed_with_its_reason() {
+        let brake = |prepare: &dyn Fn(&mut Drive), lateral: f64| {
+            let mut drive = Drive::new();
+            prepare(&mut drive);
+            drive.go(1.0, 6.0, lateral, true).go(1.0, 0.0, 0.0, false);
+            let braking = drive.only();
+            assert_eq!(braking.pair(), None);
+            braking.not_a_pair.unwrap()
+        };
+        let settled = |drive: &mut Drive| {
+            drive.slope(90.0, 0.03, 1.0);
+            drive.go(8.0, 0.0, 0.0, false);
+        };
+        assert_eq!(brake(&|drive: &mut Drive| _ = drive.go(8.0, 0.0, 0.0, false), 0.0), NotAPair::NoSlope);
+        assert!(matches!(brake(&settled, 4.0), NotAPair::Cornering { share } if share > 60.0));
+        let unsure = |drive: &mut Drive| {
+            drive.slope(90.0, 0.3, 1.0);
+            drive.go(8.0, 0.0, 0.0, false);
+        };
+        assert!(matches!(brake(&unsure, 0.0), NotAPair::NotConverged { .. }));
+        let old = |drive: &mut Drive| {
+            drive.slope(90.0, 0.03, 20.0);
+            drive.go(8.0, 0.0, 0.0, false);
+        };
+        assert!(matches!(brake(&old, 0.0), NotAPair::TooOld { .. }));
+        let moving = |drive: &mut Drive| {
+            settled(drive);
+            drive.slope(70.0, 0.03, 0.0);
+            drive.go(2.0, 0.0, 0.0, false);
+        };
+        let reason = brake(&moving, 0.0);
+        assert!(matches!(reason, NotAPair::NotSettled { settled_s, .. } if settled_s < 2.1), "{reason:?}");
+        let changed = |drive: &mut Drive| {
+            settled(drive);
+            drive.estimates.surface_changes += 1;
+            drive.go(2.0, 0.0, 0.0, false);
+        };
+        assert!(matches!(brake(&changed, 0.0), NotAPair::NotSettled { .. }));
+    }
+
+    #[test]
+    fn a_change_noticed_right_after_the_braking_was_there_before() {
+        let mut drive = Drive::new();
+        drive.slope(90.0, 0.03, 1.0);
+        drive.go(8.0, 0.0, 0.0, false).go(1.0, 4.0, 0.0, true).go(3.0, -2.0, 0.0, false);
+        assert!(drive.only().pair().is_some());
+        drive.estimates.surface_changes += 1;
+        drive.go(1.0, 0.0, 0.0, false);
+        let reason = drive.only().not_a_pair;
+        assert!(matches!(reason, Some(NotAPair::SurfaceChanged { after_s }) if after_s > 2.0), "{reason:?}");
+    }
+
+    #[test]
+    fn what_all_slopes_share_is_no_uncertainty_of_one() {
+        let slope = Some(Estimate { value: 100.0, std: 5.0, age_s: 1.0 });
+        let mean = mean_slope(&[slope, slope, None, None], DrivenAxle::Front, 0.04).unwrap();
+        assert!((mean.std - 3.0).abs() < 1e-9);
+        assert_eq!(mean_slope(&[slope, None, None, None], DrivenAxle::Front, 0.0), None);
+    }
+}

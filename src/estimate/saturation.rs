@@ -1,0 +1,329 @@
+//! Friction from a tire at its limit: slip grows while the force does not (thesis ch. 9 turned round).
+//!
+//! Whatever the curve below it, at the limit the force is μ F_z and no longer depends on the slip.
+//! Where a stretch of the slip curve is seen along which the slip grows by a multiple and the force
+//! stays, its force is the friction: no model of the tire is needed, and none is assumed.
+//!
+//! Two things look alike and are kept apart. A softer surface lets the slip jump at constant force,
+//! but it jumps: no slips lie between, it stays afterwards, and force/slip does not fall below what
+//! surfaces have. And the spinning wheel takes a part of
+//! the torque for itself: F_x = (τ − J ω̇)/r.
+//!
+//! [`WheelSaturation`] takes points of the slip curve of either sign, so that braking can use it where
+//! the brake torque of a wheel and the car's speed are known; [`SaturationDetector`] feeds it with the
+//! driven wheels.
+
+use super::block::BlockBuilder;
+use super::traction::Traction;
+use super::{Car, Kinematics, SlopeConfig};
+use crate::estimates::Estimate;
+use crate::model::GRAVITY;
+use crate::{Quantity, Sensors, Wheel};
+
+/// Friction, as the limit of the force showed it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LimitFriction {
+    /// Friction.
+    pub mu: f64,
+    /// Its standard deviation, the data sheet's part included.
+    pub std: f64,
+    /// Seconds since it was last seen.
+    pub age_s: f64,
+}
+
+/// A point of a wheel's slip curve, driving positive, braking negative.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlipPoint {
+    /// Slip, its offset taken off.
+    pub slip: f64,
+    /// Standard deviation of its noise and of the offset.
+    pub slip_std: f64,
+    /// Longitudinal force / load of the wheel.
+    pub mu: f64,
+    /// Standard deviation of its noise.
+    pub mu_std: f64,
+}
+
+/// Watches one wheel for its limit.
+#[derive(Clone, Debug)]
+pub struct WheelSaturation {
+    points: [SlipPoint; Self::LENGTH],
+    count: usize,
+    /// Successive points between which slip ran away from the force.
+    running_away: u32,
+}
+
+impl WheelSaturation {
+    /// Points that are looked at together.
+    const LENGTH: usize = 12;
+    /// Fewest points of a flat stretch.
+    const FEWEST: usize = 4;
+    /// By so many times the slip must grow along it.
+    const GROWTH: f64 = 2.5;
+    /// Of the points so many must lie in the middle half of the slips: a jump has none there, or one
+    /// that the averaging put there.
+    const BETWEEN: usize = 2;
+    /// The stretch is flat if its slope is, with 97.5 % confidence, below this share of force/slip.
+    /// A brush tire is that flat from 97 % use on.
+    const FLAT: f64 = 0.25;
+    /// Force/slip at its end against the tire's slope at most.
+    const SECANT: f64 = 0.5;
+    /// … and below the slope of the softest surface that is driven on (loose snow): what could be
+    /// another surface that begins gradually is no limit.
+    const SOFTEST: f64 = 12.0;
+    /// The smallest slip at which a tire has its limit, and the smallest friction of a road.
+    const LEAST: (f64, f64) = (0.008, 0.04);
+    /// The range of slips in standard deviations of their noise at least.
+    const CLEAR: f64 = 8.0;
+    /// The forces scatter about the stretch's line by this share of themselves at most.
+    const SCATTER: f64 = 0.06;
+    /// Points this near to the largest force make the friction.
+    const TOP: f64 = 0.97;
+    /// After so many points of running away the wheel spins.
+    const SPINNING: u32 = 3;
+
+    /// Nothing seen yet.
+    pub const fn new() -> Self {
+        let nothing = SlipPoint { slip: 0.0, slip_std: 0.0, mu: 0.0, mu_std: 0.0 };
+        Self { points: [nothing; Self::LENGTH], count: 0, running_away: 0 }
+    }
+
+    /// Forgets what was seen: points before and after a gap do not belong together.
+    pub fn reset(&mut self) {
+        self.count = 0;
+        self.running_away = 0;
+    }
+
+    /// The slip has been growing (or shrinking) for some points without the force: what a straight
+    /// line through the slip curve must not be fitted to.
+    pub fn is_spinning(&self) -> bool {
+        self.running_away >= Self::SPINNING
+    }
+
+    /// Takes the next point; `slope` is the tire's, as far as it is known. Returns the friction and
+    /// the standard deviation of its noise if the tire is at its limit.
+    pub fn step(&mut self, point: SlipPoint, slope: f64) -> Option<(f64, f64)> {
+        let sign = point.mu.signum();
+        let point = SlipPoint { slip: sign * point.slip, mu: point.mu.abs(), ..point };
+        if !(point.slip.is_finite() && point.mu.is_finite()) {
+            self.reset();
+            return None;
+        }
+        self.watch(&point);
+        if self.count == Self::LENGTH {
+            self.points.rotate_left(1);
+            self.count -= 1;
+        }
+        self.points[self.count] = point;
+        self.count += 1;
+        let seen = &self.points[..self.count];
+        (Self::FEWEST..=self.count).rev().find_map(|length| Self::limit(&seen[self.count - length..], slope))
+    }
+
+    /// Does slip run away from the force between the last point and this one?
+    fn watch(&mut self, point: &SlipPoint) {
+        let Some(last) = self.count.checked_sub(1).and_then(|i| self.points.get(i)) else { return };
+        let grown = point.slip - last.slip;
+        let expected = (last.mu * grown / last.slip).abs();
+        let clear = grown.abs() > 3.0 * (point.slip_std + last.slip_std) && last.slip > 0.0;
+        let away = clear && expected > 0.15 * last.mu && (point.mu - last.mu).abs() < 0.3 * expected;
+        self.running_away = if away { self.running_away.saturating_add(1) } else { 0 };
+    }
+
+    /// The friction, if these points are a stretch at the limit.
+    fn limit(points: &[SlipPoint], slope: f64) -> Option<(f64, f64)> {
+        let n = points.len() as f64;
+        let mean = |value: fn(&SlipPoint) -> f64| points.iter().map(value).sum::<f64>() / n;
+        let (slip, mu) = (mean(|p| p.slip), mean(|p| p.mu));
+        let least = points.iter().map(|p| p.slip).fold(f64::INFINITY, f64::min);
+        let most = points.iter().map(|p| p.slip).fold(f64::NEG_INFINITY, f64::max);
+        let range = most - least;
+        let noise = mean(|p| p.slip_std);
+        let grown = least > 0.0 && most > Self::GROWTH * least && range > Self::CLEAR * noise;
+        if !grown
+            || most < Self::LEAST.0
+            || mu < Self::LEAST.1
+            || mu > Self::SOFTEST.min(Self::SECANT * slope) * most
+        {
+            return None;
+        }
+        let inner = (least + 0.25 * range)..(most - 0.25 * range);
+        if points.iter().filter(|p| inner.contains(&p.slip)).count() < Self::BETWEEN {
+            return None;
+        }
+        let spread: f64 = points.iter().map(|p| (p.slip - slip).powi(2)).sum();
+        let tangent = points.iter().map(|p| (p.slip - slip) * (p.mu - mu)).sum::<f64>() / spread;
+        let residual: f64 = points.iter().map(|p| (p.mu - mu - tangent * (p.slip - slip)).powi(2)).sum();
+        let scatter = (residual / (n - 2.0)).sqrt().max(mean(|p| p.mu_std));
+        let tangent_std = scatter / spread.sqrt();
+        if scatter > Self::SCATTER * mu || tangent + 1.96 * tangent_std > Self::FLAT * mu / slip {
+            return None;
+        }
+        let largest = points.iter().map(|p| p.mu).fold(0.0, f64::max);
+        let top = points.iter().filter(|p| p.mu >= Self::TOP * largest);
+        let (count, sum) = top.fold((0.0, 0.0), |(count, sum), p| (count + 1.0, sum + p.mu));
+        Some((sum / count, scatter / f64::sqrt(count)))
+    }
+}
+
+impl Default for WheelSaturation {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Watches the driven axle.
+#[derive(Clone, Debug)]
+pub struct SaturationDetector {
+    blocks: BlockBuilder,
+    wheels: [WheelSaturation; 4],
+    /// What each wheel showed last, and the age of the force it stands on, s.
+    seen: [Option<(LimitFriction, f64)>; 4],
+    /// Of the axle.
+    friction: Option<LimitFriction>,
+    since_spinning_s: f64,
+    car: Car,
+    /// Relative standard deviation of all forces: the data sheet's.
+    force_scale_std: f64,
+    with_torque: bool,
+}
+
+impl SaturationDetector {
+    /// Samples are averaged over this time, s: a wheel spins up and is caught within half a second.
+    const BLOCK_S: f64 = 0.1;
+    /// Both wheels of the axle are at their limits if they were within this time, s.
+    const TOGETHER_S: f64 = 0.5;
+    /// Beyond its peak a tire gives less: for this time the largest force counts, s, …
+    const PEAK_HELD_S: f64 = 3.0;
+    /// … unless it has fallen by more than a tire's does: then the surface is another one.
+    const PEAK_LOST: f64 = 0.8;
+    /// Between the flat stretch's force and the peak of the curve, relative.
+    const CURVE_STD: f64 = 0.02;
+    /// Of the wheel's inertia, relative, where the data sheet does not say.
+    const INERTIA_STD: f64 = 0.1;
+    /// Share of the load transfer (left out of the loads) that counts as uncertainty.
+    const LOAD_TRANSFER_STD: f64 = 0.5;
+    /// A spin disturbs the straight line through the slip curve for so long, s.
+    const AFTER_SPIN_S: f64 = 0.5;
+
+    /// For this car and these sensors.
+    pub fn new(car: &Car, sensors: &Sensors) -> Self {
+        let with_torque = sensors.has(Quantity::DriveTorque);
+        Self {
+            blocks: BlockBuilder::new(Self::BLOCK_S),
+            wheels: Default::default(),
+            seen: [None; 4],
+            friction: None,
+            since_spinning_s: f64::INFINITY,
+            car: car.clone(),
+            force_scale_std: if with_torque { car.torque_scale_std } else { car.acceleration_scale_std },
+            with_torque,
+        }
+    }
+
+    /// Takes a sample. `offsets` and `slopes` are the slip curve's of each wheel, as far as known.
+    pub fn step(
+        &mut self,
+        now: &Kinematics,
+        traction: &Traction,
+        offsets: &[Option<Estimate>; 4],
+        slopes: &[Option<Estimate>; 4],
+        config: &SlopeConfig,
+    ) {
+        for (seen, peak_age) in self.seen.iter_mut().flatten() {
+            seen.age_s += now.elapsed_s;
+            *peak_age += now.elapsed_s;
+        }
+        if let Some(friction) = &mut self.friction {
+            friction.age_s += now.elapsed_s;
+        }
+        self.since_spinning_s += now.elapsed_s;
+        let Some(block) = self.blocks.step(now) else { return };
+        let points = traction.points(&block);
+        for wheel in Wheel::ALL.into_iter().filter(|&wheel| self.car.driven_axle.drives(wheel)) {
+            let i = wheel as usize;
+            let Some(point) = points[i] else {
+                self.wheels[i].reset();
+                continue;
+            };
+            let (offset, offset_std) =
+                offsets[i].map_or((0.0, config.initial_offset_std), |o| (o.value, o.std));
+            let prior = self.car.slope_prior[usize::from(!wheel.is_front())].0;
+            let (force, force_std) = traction.force(&block, wheel);
+            let load = self.car.load(wheel);
+            let along = force / load;
+            let point = SlipPoint {
+                slip: point.slip - offset,
+                slip_std: point.slip_std.hypot(offset_std),
+                mu: along,
+                mu_std: force_std / load,
+            };
+            let slope = slopes[i].map_or(prior, |slope| slope.value);
+            let Some((mu, noise)) = self.wheels[i].step(point, slope) else { continue };
+            let spin_up = block.wheel_acceleration[i] / self.car.radius;
+            let inertia_std = if self.with_torque {
+                Self::INERTIA_STD * self.car.wheel_inertia * spin_up / self.car.radius / load
+            } else {
+                0.0
+            };
+            let transfer =
+                Self::LOAD_TRANSFER_STD * self.car.load_transfer(wheel) * block.acceleration / GRAVITY;
+            let relative = self.force_scale_std.hypot(Self::CURVE_STD).hypot(transfer);
+            let sideways = block.lateral_acceleration / GRAVITY;
+            let found = LimitFriction {
+                mu: mu.hypot(sideways),
+                std: noise.hypot(inertia_std).hypot(relative * mu),
+                age_s: 0.0,
+            };
+            self.seen[i] = Some(Self::with_peak(self.seen[i], found));
+        }
+        if self.wheels.iter().any(WheelSaturation::is_spinning) {
+            self.since_spinning_s = 0.0;
+        }
+        self.combine();
+    }
+
+    /// The last one, if any: of an axle whose wheels were both at their limits. One wheel alone has
+    /// ice under it, which says nothing of the other.
+    pub fn friction(&self) -> Option<LimitFriction> {
+        self.friction
+    }
+
+    /// A driven wheel spins, or did just now: slips are no points of a straight line.
+    pub fn is_spinning(&self) -> bool {
+        self.since_spinning_s < Self::AFTER_SPIN_S
+    }
+
+    fn with_peak(before: Option<(LimitFriction, f64)>, found: LimitFriction) -> (LimitFriction, f64) {
+        match before {
+            Some((peak, age))
+                if age < Self::PEAK_HELD_S && (Self::PEAK_LOST * peak.mu..peak.mu).contains(&found.mu) =>
+            {
+                (LimitFriction { age_s: 0.0, ..peak }, age)
+            }
+            _ => (found, 0.0),
+        }
+    }
+
+    fn combine(&mut self) {
+        let mut both: Option<LimitFriction> = None;
+        for (wheel, seen) in Wheel::ALL.into_iter().zip(self.seen) {
+            if !self.car.driven_axle.drives(wheel) {
+                continue;
+            }
+            let Some((seen, _)) = seen.filter(|(seen, _)| seen.age_s < Self::TOGETHER_S) else { return };
+            both = Some(match both {
+                Some(other) => LimitFriction {
+                    mu: 0.5 * (other.mu + seen.mu),
+                    // The wheels share most of what is not known; where they differ, that is not either.
+                    std: other.std.max(seen.std).hypot(0.5 * (other.mu - seen.mu)),
+                    age_s: other.age_s.max(seen.age_s),
+                },
+                None => seen,
+            });
+        }
+        if both.is_some() {
+            self.friction = both;
+        }
+    }
+}

@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use crate::dbc::{Database, DbcError};
 use crate::estimate::EstimatorsConfig;
+use crate::identify::{IdentifyConfig, IdentifyError};
 use crate::model::{Vehicle, VehicleError};
 use crate::service::ServiceConfig;
 use crate::signals::SignalsConfig;
@@ -31,6 +32,9 @@ pub struct Config {
     /// `[estimators]`
     #[serde(default)]
     pub estimators: EstimatorsConfig,
+    /// `[identify]`
+    #[serde(default)]
+    pub identify: IdentifyConfig,
     /// `[publish]`
     #[serde(default)]
     pub publish: PublishConfig,
@@ -102,6 +106,14 @@ pub enum ConfigError {
         /// Which, and why.
         source: VehicleError,
     },
+    /// An `[identify]` value that cannot be.
+    #[error("{path}: {source}")]
+    Identify {
+        /// The file.
+        path: PathBuf,
+        /// Which, and why.
+        source: IdentifyError,
+    },
     /// A value that makes no sense.
     #[error("{path}: {key}: {reason}")]
     Value {
@@ -147,6 +159,7 @@ impl Config {
 
     fn validate(&self, path: &Path) -> Result<(), ConfigError> {
         self.vehicle.validate().map_err(|source| ConfigError::Vehicle { path: path.to_owned(), source })?;
+        self.identify.validate().map_err(|source| ConfigError::Identify { path: path.to_owned(), source })?;
         let fail = |key: &str, reason: String| {
             Err(ConfigError::Value { path: path.to_owned(), key: key.to_owned(), reason })
         };

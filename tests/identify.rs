@@ -66,6 +66,7 @@ fn with_noise_the_interval_holds_the_truth() {
 #[test]
 #[ignore = "takes minutes; prints the coverage that the README tells"]
 fn coverage_over_seeds() {
+    let mut short = 0;
     for (drive, amplitude) in
         [(Drive::Torque, 0.01), (Drive::WheelSpeeds, 0.01), (Drive::WheelSpeeds, 0.1), (Drive::Torque, 0.1)]
     {
@@ -94,8 +95,7 @@ fn coverage_over_seeds() {
             stds[0],
             stds[1]
         );
-        for share in inside.map(|count| f64::from(count) / 200.0) {
-            assert!((0.91..=0.99).contains(&share), "{drive:?} {amplitude}: {share}");
-        }
+        short += inside.iter().filter(|count| !(182..=198).contains(*count)).count();
     }
+    assert_eq!(short, 0, "of eight coverages so many are not 91 to 99 %");
 }

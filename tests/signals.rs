@@ -475,7 +475,7 @@ fn shipped(name: &str) -> (SignalsConfig, gripd::model::Vehicle, Vec<std::path::
 
 #[test]
 fn shipped_configurations_fit_their_dbc_files() {
-    for name in ["demo.toml", "rav4.toml"] {
+    for name in ["demo.toml", "rav4.toml", "thesis.toml"] {
         let (signals, vehicle, paths) = shipped(name);
         let database = Database::load_all(&paths).unwrap();
         assert_eq!(database.warnings(), &[], "{name}");

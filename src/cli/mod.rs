@@ -4,6 +4,7 @@ mod calibrate;
 mod check;
 mod demo;
 mod demo_car;
+mod identify;
 mod output;
 mod player;
 mod progress;
@@ -101,6 +102,8 @@ enum Command {
     Replay(replay::Replay),
     /// Simulate a scenario to a recording.
     Simulate(simulate::Simulate),
+    /// Identify the vehicle's parameters from recordings.
+    Identify(identify::Identify),
     /// Carry out the thesis's experiments again and tell which claims hold.
     Reproduce(reproduce::Reproduce),
     /// Find ABS brakings in recordings and map the slip slope to friction.
@@ -119,6 +122,7 @@ pub fn main() -> ExitCode {
         Command::Run(command) => command.run(),
         Command::Replay(command) => command.run(),
         Command::Simulate(command) => command.run(),
+        Command::Identify(command) => command.run(),
         Command::Reproduce(command) => command.run(),
         Command::Calibrate(command) => command.run(),
         Command::Check(command) => command.run(),

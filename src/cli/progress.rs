@@ -12,6 +12,9 @@ pub struct Progress {
 }
 
 impl Progress {
+    /// Steps of a bar over a share.
+    const PARTS: u64 = 1000;
+
     /// Work of unknown length over recordings, counted in lines.
     pub fn of_files(files: &[PathBuf]) -> Self {
         let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
@@ -39,6 +42,25 @@ impl Progress {
     /// A part is done.
     pub fn part_done(&self) {
         self.bar.inc(1);
+    }
+
+    /// Work in stages, each of which tells what share of it is done.
+    pub fn of_share() -> Self {
+        let bar = ProgressBar::new(Self::PARTS);
+        if !std::io::stderr().is_terminal() {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
+        }
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {percent:>3} %, {elapsed}  {wide_msg}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self { bar }
+    }
+
+    /// A stage is this far (0–1).
+    pub fn at(&self, stage: &str, share: f64) {
+        self.bar.set_message(stage.to_owned());
+        self.bar.set_position((share.clamp(0.0, 1.0) * Self::PARTS as f64) as u64);
     }
 
     fn lines(name: &str) -> Self {

@@ -230,9 +230,7 @@ impl<'a> Search<'a> {
         let mut theta = &point.theta + share * &step.theta;
         for (coordinate, free) in theta.iter_mut().zip(self.free) {
             let (low, high) = free.parameters.first().bounds();
-            let low = free.parameters.coordinate(low.max(f64::MIN_POSITIVE).max(low));
-            let high = free.parameters.coordinate(high);
-            *coordinate = coordinate.clamp(low.min(high), high.max(low));
+            *coordinate = coordinate.clamp(free.parameters.coordinate(low), free.parameters.coordinate(high));
         }
         let starts = point.starts.iter().zip(&step.starts).map(|(at, by)| at + share * by).collect();
         Point { theta, starts }

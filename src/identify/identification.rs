@@ -1,16 +1,18 @@
 //! The whole job: from records and a vehicle to parameters with their uncertainty.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use nalgebra::DVector;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::braking;
 use super::car::Drive;
-use super::fit::{Fit, Method, Noise, Search};
+use super::config::{self, IdentifyConfig};
+use super::fit::{Fit, Noise, Search};
 use super::free::{Free, Tied};
 use super::free_run::{self, Fits};
 use super::input_noise;
@@ -19,44 +21,10 @@ use super::parameter::{Parameter, Values};
 use super::prepare;
 use super::record::Record;
 use super::segment::Segment;
-use super::uncertainty::{self, Uncertainty};
+use super::slips;
+use super::uncertainty::{self, Shift, Uncertainty};
 use crate::model::Vehicle;
 use crate::{Quantity, Wheel};
-
-/// The `[identify]` table.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct IdentifyConfig {
-    /// What is free, by name; `lateral_stiffness` means both axles' as one. Empty: all that the vehicle's
-    /// table calls uncertain, and the sensors' offsets.
-    pub parameters: Vec<String>,
-    /// How longitudinal forces get into the equations; left out: by torque where the bus has it.
-    pub drive: Option<Drive>,
-    /// How segments are tied.
-    pub method: Method,
-    /// Length of a segment, s.
-    pub segment_s: f64,
-    /// Searches from so many starts; the first one is the vehicle's table, the others are drawn around it.
-    pub starts: usize,
-    /// Seed of the starts.
-    pub seed: u64,
-    /// Profile the likelihood of each parameter: shows what a standard deviation hides.
-    pub profile: bool,
-}
-
-impl Default for IdentifyConfig {
-    fn default() -> Self {
-        Self {
-            parameters: Vec::new(),
-            drive: None,
-            method: Method::Auto,
-            segment_s: 2.0,
-            starts: 6,
-            seed: 1,
-            profile: true,
-        }
-    }
-}
 
 /// Why nothing could be identified.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -114,6 +82,8 @@ fn names() -> String {
 pub struct Identified {
     /// Its name.
     pub name: &'static str,
+    /// Its unit; 1 for ratios.
+    pub unit: &'static str,
     /// Its value, in its unit.
     pub value: f64,
     /// Standard deviation, in its unit.
@@ -175,7 +145,7 @@ pub struct Identification {
 pub struct Identifier<'a> {
     vehicle: &'a Vehicle,
     config: &'a IdentifyConfig,
-    records: &'a [Record],
+    records: Cow<'a, [Record]>,
     values: Values,
     free: Vec<Free>,
     segments: Vec<Segment>,
@@ -193,22 +163,25 @@ impl<'a> Identifier<'a> {
         vehicle: &'a Vehicle,
         config: &'a IdentifyConfig,
     ) -> Result<Self, IdentifyError> {
-        if !(0.1..=60.0).contains(&config.segment_s) {
-            let value = config.segment_s.to_string();
-            return Err(IdentifyError::Setting { key: "segment_s", value, reason: "must be 0.1 to 60" });
-        }
+        config.validate()?;
         let has = |quantity| records.iter().any(|record| record.sensors.has(quantity));
         let drive = config.drive.unwrap_or_else(|| Drive::usual(has));
+        if drive == Drive::Slips && !slips::can_be_had(vehicle, has) {
+            let reason = "no slip without an undriven wheel to compare with, and four wheel speeds; \
+                          torque or wheel_speeds will do";
+            return Err(IdentifyError::Setting { key: "drive", value: "\"slips\"".into(), reason });
+        }
         let values = Values::of(vehicle);
         let free = free(vehicle, config, has, drive)?;
-        let segments = prepare::segments(records, vehicle, &values, drive, config.segment_s);
+        let records = prepared(records, vehicle, drive);
+        let segments = prepare::segments(&records, vehicle, &values, drive, config.segment_s);
         if segments.is_empty() {
             let records = records.iter().map(|record| record.name.clone()).collect::<Vec<_>>().join(", ");
             let braking =
                 if drive == Drive::Torque { "only where its pressure is known" } else { "left out" };
             return Err(IdentifyError::NothingUsable { least_s: 0.5 * config.segment_s, braking, records });
         }
-        let noise = first_noise(records);
+        let noise = first_noise(&records);
         Ok(Self { vehicle, config, records, values, free, segments, drive, noise })
     }
 
@@ -293,27 +266,24 @@ impl<'a> Identifier<'a> {
         let reason = "nothing could be simulated with those values; check the vehicle's table";
         let fit = best.ok_or(IdentifyError::NoEnd { starts: count, reason })?;
         let reason = "the parameters are not determined; give them a std in the vehicle's table";
-        progress("adding noise to the inputs", 0.0);
-        let noisier = input_noise::noisier(&self.segments, self.records, self.config.seed);
-        let again = Search { segments: &noisier, ..self.search_in() };
-        let shift = again.shifted(&fit).unwrap_or_else(|| DVector::zeros(self.free.len()));
-        let sure =
-            uncertainty::of(&fit, &self.free, shift).ok_or(IdentifyError::NoEnd { starts: count, reason })?;
+        let shift = self.shift(&fit, &mut progress);
+        let sure = uncertainty::of(&fit, &self.free, &shift)
+            .ok_or(IdentifyError::NoEnd { starts: count, reason })?;
         let mut parameters = Vec::new();
         for place in 0..self.free.len() {
             progress("profiling", place as f64 / self.free.len() as f64);
             parameters.push(self.identified(place, &fit, &sure));
         }
         progress("free run", 0.0);
-        let values = self.search_in_problem_values(&fit);
+        let values = self.search_in().values_at(&(&fit.point.theta - &shift.mean));
         let correlation = sure.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
         let there = Channel::ALL.into_iter().zip(fit.noise).filter(|(channel, _)| self.is_measured(*channel));
         Ok(Identification {
             parameters,
             correlation,
             paths,
-            before: free_run::fits(self.records, self.vehicle, &self.values, self.drive),
-            after: free_run::fits(self.records, self.vehicle, &values, self.drive),
+            before: free_run::fits(&self.records, self.vehicle, &self.values, self.drive),
+            after: free_run::fits(&self.records, self.vehicle, &values, self.drive),
             values,
             drive: self.drive,
             seconds: self.segments.iter().map(|segment| segment.len() as f64 * segment.period_s).sum(),
@@ -328,8 +298,15 @@ impl<'a> Identifier<'a> {
         rows.any(|row| !row[channel as usize].is_nan())
     }
 
-    fn search_in_problem_values(&self, fit: &Fit) -> Values {
-        self.search_in().values_at(&fit.point.theta)
+    /// What the noise of the inputs has done, by doing it again a few times.
+    fn shift(&self, fit: &Fit, progress: &mut impl FnMut(&str, f64)) -> Shift {
+        let draws = (0..Shift::DRAWS).filter_map(|draw| {
+            progress("adding noise to the inputs", f64::from(draw) / f64::from(Shift::DRAWS));
+            let seed = self.config.seed.wrapping_add(u64::from(draw));
+            let noisier = input_noise::noisier(&self.segments, &self.records, seed);
+            Search { segments: &noisier, ..self.search_in() }.shifted(fit)
+        });
+        Shift::new(&draws.collect::<Vec<_>>(), self.free.len())
     }
 
     /// The first start is the table; the others lie around it, farther than its standard deviations.
@@ -351,7 +328,7 @@ impl<'a> Identifier<'a> {
 
     fn identified(&self, place: usize, fit: &Fit, sure: &Uncertainty) -> Identified {
         let free = &self.free[place];
-        let at = fit.point.theta[place];
+        let at = fit.point.theta[place] - sure.shift[place];
         let half = sure.factor * sure.std[place];
         let ends = (free.parameters.value(at - half), free.parameters.value(at + half));
         let (identifiable, reason) = self.verdict(place, fit, sure);
@@ -360,6 +337,7 @@ impl<'a> Identifier<'a> {
         let prior = free.parameters.first().prior(self.vehicle);
         Identified {
             name: free.parameters.name(),
+            unit: free.parameters.first().unit(),
             value: free.parameters.value(at),
             std: sure.std[place] * free.parameters.value_by_coordinate(at),
             ci95: ends,
@@ -425,6 +403,22 @@ impl<'a> Identifier<'a> {
     }
 }
 
+/// Records with what the sensors do not say themselves: where the car brakes, and how much its wheels slip.
+fn prepared<'a>(records: &'a [Record], vehicle: &Vehicle, drive: Drive) -> Cow<'a, [Record]> {
+    let mut records = Cow::Borrowed(records);
+    for place in 0..records.len() {
+        if !braking::is_told(&records[place]) {
+            braking::recognize(&mut records.to_mut()[place], vehicle);
+        }
+        // Whoever has measured slips by other means may bring them along.
+        let without = |record: &Record| record.rows.iter().all(|row| row.slip.iter().any(|s| s.is_nan()));
+        if drive == Drive::Slips && without(&records[place]) {
+            slips::fill(&mut records.to_mut()[place], vehicle);
+        }
+    }
+    records
+}
+
 /// What is free.
 fn free(
     vehicle: &Vehicle,
@@ -432,23 +426,16 @@ fn free(
     has: impl Fn(Quantity) -> bool,
     drive: Drive,
 ) -> Result<Vec<Free>, IdentifyError> {
-    let named = |name: &String| match name.as_str() {
-        "lateral_stiffness" => Ok(Tied::BothLateral),
-        other => Parameter::named(other).map(Tied::One).ok_or_else(|| IdentifyError::Unknown(name.clone())),
-    };
     let chosen: Vec<Tied> = if config.parameters.is_empty() {
         Parameter::usual(vehicle, &has).into_iter().map(Tied::One).collect()
     } else {
-        config.parameters.iter().map(named).collect::<Result<_, _>>()?
+        config.parameters.iter().map(|name| config::named(name)).collect::<Result<_, _>>()?
     };
     let mut free: Vec<Free> = Vec::new();
     for parameters in chosen {
         let unusable =
             |reason: &str| IdentifyError::Unusable { name: parameters.name().into(), reason: reason.into() };
         let first = parameters.first();
-        if free.iter().any(|other| other.parameters.overlaps(parameters)) {
-            return Err(unusable("it is named twice"));
-        }
         let prior = first.prior(vehicle);
         if !prior.value.is_finite() {
             return Err(unusable("the vehicle's table has no value to start from"));

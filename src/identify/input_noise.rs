@@ -3,8 +3,8 @@
 //! A simulation takes a measured steering angle for the true one. Its noise then drives the simulated car
 //! but not the real one, and the search makes the tires softer until that fits: on a straight road, with
 //! nothing else to go by, to nearly nothing, and very surely so. How much of that is in a result shows
-//! when the same noise is added once more (the first step of simulation and extrapolation, Cook and
-//! Stefanski 1994): as far as the parameters move then, they have been moved already.
+//! when the same noise is added once more (simulation and extrapolation, Cook and Stefanski 1994): as far
+//! as the parameters move then, they have been moved already, and can be moved back.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

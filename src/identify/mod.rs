@@ -8,8 +8,10 @@
 //! Noise of each channel and how much the equations lose between segments come out of the data, so the
 //! same search is output error where the equations hold, and a prediction-error method where they do not.
 
+mod braking;
 mod car;
 mod chain;
+mod config;
 mod fit;
 mod free;
 mod free_run;
@@ -21,12 +23,15 @@ mod prepare;
 mod record;
 mod segment;
 mod shooting;
+mod slips;
+mod smooth;
 mod uncertainty;
 
 pub use car::Drive;
+pub use config::IdentifyConfig;
 pub use fit::Method;
 pub use free_run::{BLOCK_S, FitRow, Fits, free_run};
-pub use identification::{Identification, Identified, Identifier, IdentifyConfig, IdentifyError, Path};
+pub use identification::{Identification, Identified, Identifier, IdentifyError, Path};
 pub use motion::Channel;
 pub use parameter::{Parameter, Values};
 pub use record::{Record, Row};

@@ -108,6 +108,32 @@ impl Parameter {
         }
     }
 
+    /// Its unit; 1 for ratios.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Mass => "kg",
+            Self::Wheelbase | Self::CgToFront | Self::TrackFront | Self::TrackRear | Self::WheelRadius => "m",
+            Self::YawInertia | Self::WheelInertia => "kg m²",
+            Self::BrakePerBarFront | Self::BrakePerBarRear => "N m/bar",
+            Self::Drag => "kg/m",
+            Self::LateralFront | Self::LateralRear => "1/rad",
+            Self::YawRateOffset => "rad/s",
+            Self::LateralAccelerationOffset | Self::LongitudinalAccelerationOffset => "m/s²",
+            Self::SteeringOffset => "rad",
+            Self::SteeringRatio
+            | Self::DriveTorqueRatio
+            | Self::RollingResistance
+            | Self::Friction
+            | Self::MagicShape
+            | Self::MagicCurvature
+            | Self::Longitudinal
+            | Self::SlipOffsetFl
+            | Self::SlipOffsetFr
+            | Self::SlipOffsetRl
+            | Self::SlipOffsetRr => "1",
+        }
+    }
+
     /// The parameter of this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|parameter| parameter.name() == name)

@@ -1,6 +1,6 @@
 //! A recording as identification sees it: rows on a uniform grid, cut where nothing can be learnt.
 
-use crate::model::Vehicle;
+use crate::model::{DrivenAxle, Vehicle};
 use crate::{Micros, Quantity, Sample, Sensors, Wheel};
 
 /// What was measured at one instant; not-a-number: not available.
@@ -84,10 +84,10 @@ impl Record {
     }
 }
 
-impl Row {
-    /// Below this speed slip angles mean nothing and wheel sensors are coarse, m/s.
-    const SLOWEST_MPS: f64 = 3.0;
+/// Below this speed slip angles mean nothing and wheel sensors are coarse, m/s.
+pub(super) const SLOWEST_MPS: f64 = 3.0;
 
+impl Row {
     fn new(sample: &Sample, start: Micros) -> Self {
         let get = |quantity| sample.get(quantity).unwrap_or(f64::NAN);
         let is_on = |quantity| sample.get(quantity).is_some_and(|value| value > 0.5);
@@ -117,9 +117,18 @@ impl Row {
         if count > 0.0 { radius * sum / count } else { self.vehicle_speed }
     }
 
+    /// The mean speed of the wheels that roll freely (of all, where all are driven), m/s.
+    pub(super) fn undriven_speed(&self, vehicle: &Vehicle) -> f64 {
+        let all = vehicle.driven_axle == DrivenAxle::All;
+        let counts = |wheel: &Wheel| all || !vehicle.driven_axle.drives(*wheel);
+        let speeds = Wheel::ALL.into_iter().filter(counts).map(|wheel| self.wheel_speed[wheel as usize]);
+        let (sum, count) = speeds.fold((0.0, 0.0), |(sum, count), speed| (sum + speed, count + 1.0));
+        vehicle.wheel_radius_m.value * sum / count
+    }
+
     fn is_usable(&self, radius: f64) -> bool {
         self.steering.is_finite()
             && (self.yaw_rate.is_finite() || self.lateral_acceleration.is_finite())
-            && self.rolling_speed(radius) > Self::SLOWEST_MPS
+            && self.rolling_speed(radius) > SLOWEST_MPS
     }
 }

@@ -14,17 +14,49 @@ pub(super) struct Uncertainty {
     pub(super) correlation: DMatrix<f64>,
     /// What the recording alone would leave, the priors taken away; infinite where it says nothing.
     pub(super) by_data: DVector<f64>,
-    /// How far the noise of the inputs has moved each coordinate, already in the standard deviation.
+    /// How far the noise of the inputs has moved each coordinate: to be taken off.
     pub(super) shift: DVector<f64>,
     /// Half of the 95 % interval / standard deviation.
     pub(super) factor: f64,
+}
+
+/// What the noise of the inputs does to the coordinates.
+#[derive(Clone, Debug)]
+pub(super) struct Shift {
+    pub(super) mean: DVector<f64>,
+    /// Variance of the mean.
+    scatter: DVector<f64>,
+}
+
+impl Shift {
+    /// So often the noise is added again.
+    pub(super) const DRAWS: u32 = 4;
+    /// The extrapolation is a straight line; so much of the correction may be wrong.
+    const CURVED: f64 = 0.3;
+
+    pub(super) fn new(draws: &[DVector<f64>], of: usize) -> Self {
+        let count = draws.len() as f64;
+        let zero = || DVector::zeros(of);
+        if draws.len() < 2 {
+            return Self { mean: zero(), scatter: zero() };
+        }
+        let mean = draws.iter().fold(zero(), |sum, draw| sum + draw) / count;
+        let squares = draws.iter().map(|draw| (draw - &mean).map(|off| off * off));
+        let scatter = squares.fold(zero(), |sum, square| sum + square) / ((count - 1.0) * count);
+        Self { mean, scatter }
+    }
+
+    /// What it adds to the uncertainty.
+    fn variance(&self) -> DVector<f64> {
+        self.scatter.zip_map(&self.mean, |scatter, mean| scatter + (Self::CURVED * mean).powi(2))
+    }
 }
 
 /// From curvature and from scatter: residuals that are no white noise (a model that is not quite right, noise
 /// of the inputs) make segments differ more than their own noise explains, and the sum of the segments'
 /// squared scores says by how much ("sandwich", Huber 1967, with segments as clusters). Of both the larger
 /// counts. `None` if the parameters are not determined.
-pub(super) fn of(fit: &Fit, free: &[Free], shift: DVector<f64>) -> Option<Uncertainty> {
+pub(super) fn of(fit: &Fit, free: &[Free], shift: &Shift) -> Option<Uncertainty> {
     let chain = fit.all.eliminate(0.0)?;
     let information = chain.information.clone();
     let inverse = information.clone().cholesky()?.inverse();
@@ -48,11 +80,11 @@ pub(super) fn of(fit: &Fit, free: &[Free], shift: DVector<f64>) -> Option<Uncert
     let covariance = if enough { robust } else { inverse.clone() };
     let variance =
         DVector::from_fn(free.len(), |i, _| covariance[(i, i)].max(inverse[(i, i)]).max(f64::MIN_POSITIVE));
-    let std = variance.zip_map(&shift, |variance, shift| (variance + shift * shift).sqrt());
+    let std = (variance + shift.variance()).map(f64::sqrt);
     let own = covariance.diagonal().map(|v| v.max(f64::MIN_POSITIVE).sqrt());
     let correlation = DMatrix::from_fn(free.len(), free.len(), |i, j| covariance[(i, j)] / (own[i] * own[j]));
     let by_data = alone(&(&information - &prior), &std, &inverse);
-    Some(Uncertainty { std, correlation, by_data, shift, factor: student(dof) })
+    Some(Uncertainty { std, correlation, by_data, shift: shift.mean.clone(), factor: student(dof) })
 }
 
 /// Standard deviations without the priors, scaled by what scatter adds to curvature.

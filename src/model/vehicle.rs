@@ -255,6 +255,16 @@ impl Vehicle {
         self.yaw_inertia_kgm2.map_or(self.mass() * self.a() * self.b(), |j| j.value)
     }
 
+    /// What the wheels' spinning adds to the yaw inertia, kg m²: in a turn that tightens the outer ones
+    /// must gain speed and the inner ones lose it, as if their inertia / radius² sat where they touch the
+    /// ground.
+    pub fn spinning_inertia(&self) -> f64 {
+        let radius = self.wheel_radius_m.value;
+        let mass = self.wheel_inertia_kgm2.value / (radius * radius);
+        let squares = self.track_front_m.value.powi(2) + self.track_rear_m.value.powi(2);
+        0.5 * mass * squares
+    }
+
     /// Static load of one front or one rear wheel, N.
     pub fn static_wheel_load(&self, front: bool) -> f64 {
         let lever = if front { self.b() } else { self.a() };

@@ -5,9 +5,11 @@
 
 mod color;
 mod decimate;
+mod intervals;
 mod page;
 mod plot;
 
 pub use color::Color;
+pub use intervals::Interval;
 pub use page::{Page, escape, number};
 pub use plot::{Mark, Marker, Plot, PlotError, Segment, Span, Stroke};

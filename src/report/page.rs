@@ -1,6 +1,6 @@
 //! A page: one HTML file with its style in it.
 
-use super::{Plot, PlotError};
+use super::{Interval, Plot, PlotError, intervals};
 
 const STYLE: &str = include_str!("page.css");
 
@@ -54,6 +54,23 @@ impl Page {
         }
         self.body += "</figure>\n";
         Ok(())
+    }
+
+    /// Intervals before and after something was learnt, below one another.
+    pub fn intervals(
+        &mut self,
+        heading: &str,
+        (before, after): (&str, &str),
+        rows: &[Interval],
+        caption: &str,
+    ) {
+        self.body += &format!(
+            "<figure><h2>{}</h2>{}<div class=\"scroll\">{}</div><figcaption>{}</figcaption></figure>\n",
+            escape(heading),
+            intervals::legend(before, after),
+            intervals::svg(heading, rows),
+            escape(caption)
+        );
     }
 
     /// A table: the first cell of a row is its name, the others are numbers.

@@ -123,15 +123,11 @@ impl Model {
     /// For a car on tires of this kind.
     pub fn new(car: &Car, tire: Tire) -> Self {
         let wheelbase = car.wheelbase();
-        // When the car turns faster, the outer wheels must spin faster, too: their inertia adds to the car's
-        // as if it sat at the contact points (3.6 % for the thesis's car, and as much in the stiffness).
-        let half_tracks = car.track.map(|track| 0.25 * track * track);
-        let wheels = 2.0 * (half_tracks[0] + half_tracks[1]) * car.wheel_inertia / car.radius.powi(2);
         Self {
             a: car.a,
             b: car.b,
             share: [car.b / wheelbase, car.a / wheelbase],
-            turning: car.mass * GRAVITY / (car.yaw_inertia + wheels),
+            turning: car.mass * GRAVITY / car.yaw_inertia,
             tire,
             blurs: true,
         }

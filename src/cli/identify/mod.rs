@@ -1,0 +1,154 @@
+//! `gripd identify`: the vehicle's parameters from recordings.
+
+mod json;
+mod page;
+mod recordings;
+mod snippet;
+mod text;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::de::value::{Error as ValueError, StrDeserializer};
+use serde::de::{DeserializeOwned, IntoDeserializer};
+
+use super::Failure;
+use super::output::{Output, same_file, write_json};
+use super::progress::Progress;
+use crate::Config;
+use crate::identify::{Drive, Identification, Identifier, IdentifyConfig, IdentifyError, Method, Record};
+
+/// What is free, how and how often is searched: `[identify]` in the configuration, or the options here.
+#[derive(Args)]
+pub struct Identify {
+    /// Configuration of the car. What its [vehicle] table calls uncertain is identified.
+    #[arg(short, long)]
+    config: PathBuf,
+    /// Recordings of one car (candump -L; plain, gzip or zstd; `-` is the standard input), used together.
+    #[arg(required = true)]
+    logs: Vec<PathBuf>,
+    /// Write everything as JSON (`-`: to the standard output, instead of the text).
+    #[arg(long, value_name = "JSON")]
+    json: Option<PathBuf>,
+    /// Write a page with the answer, plots before and after, and how sure it is.
+    #[arg(long, value_name = "HTML")]
+    html: Option<PathBuf>,
+    /// Identify these, by their names in [vehicle]; `lateral_stiffness` means both axles' as one.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    parameters: Option<Vec<String>>,
+    /// How segments of the recordings are tied: auto, free_run or segments.
+    #[arg(long, value_parser = word::<Method>)]
+    method: Option<Method>,
+    /// What the longitudinal forces come from: torque, wheel_speeds or slips.
+    #[arg(long, value_parser = word::<Drive>)]
+    drive: Option<Drive>,
+    /// Search from so many starts.
+    #[arg(long, value_name = "N")]
+    starts: Option<usize>,
+}
+
+/// Everything that is told of an identification.
+pub(super) struct Story<'a> {
+    config: &'a Config,
+    used: &'a IdentifyConfig,
+    records: &'a [Record],
+    found: &'a Identification,
+}
+
+impl Identify {
+    /// Runs it.
+    pub fn run(self) -> Result<(), Failure> {
+        self.outputs_are_no_inputs()?;
+        let config = Config::load(&self.config)?;
+        let used = self.settings(&config.identify)?;
+        let (records, broken) = recordings::read(&self.logs, &config)?;
+        let progress = Progress::of_share();
+        let found = Identifier::new(&records, &config.vehicle, &used)
+            .and_then(|identifier| identifier.run(|stage, share| progress.at(stage, share)));
+        progress.finish();
+        let found = found.map_err(|error| failure(&error, &broken))?;
+        let story = Story { config: &config, used: &used, records: &records, found: &found };
+        // With `--json -` the standard output is for programs.
+        let to_stdout = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
+        if !to_stdout(&self.json) && !to_stdout(&self.html) {
+            let mut stdout = std::io::stdout().lock();
+            stdout.write_all(text::text(&story).as_bytes()).and_then(|()| stdout.flush())?;
+        }
+        if let Some(path) = &self.json {
+            write_json(path, &json::report(&story))?;
+        }
+        if let Some(path) = &self.html {
+            let html = page::html(&story).map_err(Failure::work)?;
+            let mut output = Output::create(path)?;
+            output.write_all(html.as_bytes())?;
+            output.finish()?;
+        }
+        // What could be read was worth its results; that something was lost is said all the same.
+        if broken.is_empty() { Ok(()) } else { Err(Failure::Work(broken.join("; "))) }
+    }
+
+    /// The configuration's table with the command line's changes.
+    fn settings(&self, table: &IdentifyConfig) -> Result<IdentifyConfig, Failure> {
+        let mut used = table.clone();
+        if let Some(names) = &self.parameters {
+            used.parameters = names.iter().map(|name| name.trim().to_owned()).collect();
+        }
+        used.method = self.method.unwrap_or(used.method);
+        used.drive = self.drive.or(used.drive);
+        used.starts = self.starts.unwrap_or(used.starts);
+        used.validate().map_err(Failure::usage)?;
+        Ok(used)
+    }
+
+    /// A recording is never overwritten by what is made of it, nor one result by another.
+    fn outputs_are_no_inputs(&self) -> Result<(), Failure> {
+        let inputs = self.logs.iter().chain([&self.config]).filter(|path| path.as_os_str() != "-");
+        let outputs: Vec<&PathBuf> = self.json.iter().chain(&self.html).collect();
+        for input in inputs {
+            if let Some(output) = outputs.iter().find(|output| same_file(input, output)) {
+                return Err(Failure::usage(format_args!(
+                    "{} is read from and would be written to; give the result another name",
+                    output.display()
+                )));
+            }
+        }
+        match outputs.as_slice() {
+            [one, other] if same_file(one, other) => {
+                Err(Failure::usage(format_args!("two results cannot both go to {}", one.display())))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A word of the configuration's as an option; the error lists the words there are.
+fn word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
+    let text: StrDeserializer<ValueError> = text.into_deserializer();
+    T::deserialize(text).map_err(|error| error.to_string())
+}
+
+/// Who has to do something about it: who wrote the configuration, or who drove.
+fn failure(error: &IdentifyError, broken: &[String]) -> Failure {
+    match error {
+        IdentifyError::Unknown(_) | IdentifyError::Unusable { .. } | IdentifyError::Setting { .. } => {
+            Failure::usage(error)
+        }
+        IdentifyError::NothingUsable { .. } | IdentifyError::NoEnd { .. } => {
+            let mut reasons = vec![error.to_string()];
+            reasons.extend_from_slice(broken);
+            Failure::Work(reasons.join("; "))
+        }
+    }
+}
+
+/// Four significant digits, or as many as a number of this uncertainty has.
+fn digits(value: f64, std: f64) -> usize {
+    let of = if std > 0.0 && std.is_finite() { 0.1 * std } else { 1e-3 * value.abs() };
+    if of > 0.0 && of.is_finite() { (-of.log10().floor()).clamp(0.0, 9.0) as usize } else { 1 }
+}
+
+/// A number to so many decimals, without trailing zeros where there are many; a dash for none.
+fn number(value: f64, decimals: usize) -> String {
+    if value.is_finite() { format!("{value:.decimals$}") } else { "–".into() }
+}

@@ -1,0 +1,120 @@
+//! What was found, on the terminal.
+
+use super::{Story, digits, number};
+use crate::identify::{Drive, Identified};
+
+/// The whole text.
+pub fn text(story: &Story<'_>) -> String {
+    let found = story.found;
+    let mut text = format!("{}\n\n", summary(story));
+    let rows: Vec<[String; 6]> = found.parameters.iter().map(row).collect();
+    let head = ["parameter", "unit", "the table's", "identified", "95 % interval", "identifiable"]
+        .map(str::to_owned);
+    table(&mut text, &head, &rows);
+    text += "\nfree run restarted each 20 s: fit in per cent; noise that is left\n";
+    let head = ["channel", "table's", "identified", "noise", "unit", ""].map(str::to_owned);
+    table(&mut text, &head, &fit_rows(story));
+    text += &format!("\n{}", super::snippet::toml(story));
+    text
+}
+
+/// What was done, in a line or two.
+pub fn summary(story: &Story<'_>) -> String {
+    let found = story.found;
+    let recordings = match story.records {
+        [one] => one.name.clone(),
+        several => format!("{} recordings", several.len()),
+    };
+    let forces = match found.drive {
+        Drive::Torque => "drive torque",
+        Drive::WheelSpeeds => "the driven wheels' speeds",
+        Drive::Slips => "slips",
+    };
+    let total: f64 = story.records.iter().map(|record| record.rows.len() as f64 * record.period_s).sum();
+    format!(
+        "{:.0} of {total:.0} s of {recordings} in {} segments; forces from {forces}; {}",
+        found.seconds,
+        found.segments,
+        ends(story)
+    )
+}
+
+/// Costs this near are the same end.
+pub const SAME_END: f64 = 1.0;
+
+/// How the searches ended.
+pub fn ends(story: &Story<'_>) -> String {
+    let paths = &story.found.paths;
+    let lowest = paths.iter().map(|path| path.cost).fold(f64::INFINITY, f64::min);
+    let same = paths.iter().filter(|path| path.cost < lowest + SAME_END).count();
+    let lost = paths.iter().filter(|path| !path.cost.is_finite()).count();
+    let mut text = match paths.len() {
+        1 => "one search".into(),
+        count => format!("{same} of {count} searches end at the best fit"),
+    };
+    if lost > 0 {
+        text += &format!(", {lost} nowhere");
+    }
+    text
+}
+
+/// Cells of one parameter. What the recordings do not tell gets no number.
+pub fn row(parameter: &Identified) -> [String; 6] {
+    let (prior, prior_std) = parameter.prior;
+    let decimals = digits(parameter.value, parameter.std);
+    let unit = if parameter.unit == "1" { "" } else { parameter.unit };
+    let before = if prior_std > 0.0 {
+        let decimals = digits(prior, prior_std);
+        format!("{} ± {}", number(prior, decimals), number(prior_std, decimals))
+    } else {
+        number(prior, digits(prior, 0.0))
+    };
+    let (value, interval) = if parameter.identifiable {
+        let (low, high) = parameter.ci95;
+        (
+            format!("{} ± {}", number(parameter.value, decimals), number(parameter.std, decimals)),
+            format!("{} … {}", number(low, decimals), number(high, decimals)),
+        )
+    } else {
+        ("–".into(), "–".into())
+    };
+    let verdict = match (parameter.identifiable, parameter.reason.as_str()) {
+        (true, "") => "yes".into(),
+        (true, reason) => format!("yes; {reason}"),
+        (false, reason) => format!("no: {reason}"),
+    };
+    [parameter.name.into(), unit.into(), before, value, interval, verdict]
+}
+
+/// Cells of each channel: name, fit before and after, noise, unit.
+pub fn fit_rows(story: &Story<'_>) -> Vec<[String; 6]> {
+    let found = story.found;
+    let fit = |fits: &[(&'static str, f64)], name: &str| {
+        let fit = fits.iter().find(|(channel, _)| *channel == name);
+        fit.map_or_else(|| "–".into(), |(_, percent)| number(*percent, 1))
+    };
+    let row = |(channel, noise): &(crate::identify::Channel, f64)| {
+        let name = channel.name();
+        let unit = match name {
+            "speed" => "m/s",
+            "lateral_acceleration" | "longitudinal_acceleration" => "m/s²",
+            _ => "rad/s",
+        };
+        let (before, after) = (fit(&found.before.percent, name), fit(&found.after.percent, name));
+        [name.into(), before, after, number(*noise, digits(*noise, 0.0)), unit.into(), String::new()]
+    };
+    found.noise.iter().map(row).collect()
+}
+
+/// Columns as wide as their widest cell; the last one is not padded.
+fn table(text: &mut String, head: &[String; 6], rows: &[[String; 6]]) {
+    let all = || std::iter::once(head).chain(rows);
+    let widths: Vec<usize> =
+        (0..6).map(|column| all().map(|row| row[column].chars().count()).max().unwrap_or(0)).collect();
+    for row in all() {
+        let cells: Vec<String> =
+            row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:<width$}")).collect();
+        *text += cells.join("  ").trim_end();
+        text.push('\n');
+    }
+}

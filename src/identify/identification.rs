@@ -275,6 +275,10 @@ impl<'a> Identifier<'a> {
         let values = self.search_in_problem_values(&fit);
         let correlation = sure.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
         let there = Channel::ALL.into_iter().zip(fit.noise).filter(|(channel, _)| self.is_measured(*channel));
+        // A channel that has no say in the search leaves no residuals.
+        let is_silent =
+            |channel| self.drive == Drive::WheelSpeeds && channel == Channel::LongitudinalAcceleration;
+        let there = there.map(|(channel, std)| (channel, if is_silent(channel) { f64::NAN } else { std }));
         Ok(Identification {
             parameters,
             correlation,

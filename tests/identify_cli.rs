@@ -165,8 +165,8 @@ fn slips_measured_beforehand_do_as_well() {
 #[test]
 fn two_recordings_tell_more_than_one() {
     let place = Place::new("profile = false\n");
-    place.drive("a.log", 24.0, 0.02, 1);
-    place.drive("b.log", 24.0, 0.02, 2);
+    place.drive("a.log", 40.0, 0.02, 1);
+    place.drive("b.log", 40.0, 0.02, 2);
     let (one, both) = (place.json(&["a.log"], TWO), place.json(&["a.log", "b.log"], TWO));
     assert!(number(&both["seconds"]) > 1.9 * number(&one["seconds"]));
     for name in ["longitudinal_stiffness", "lateral_stiffness"] {

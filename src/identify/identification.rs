@@ -12,6 +12,7 @@ use thiserror::Error;
 use super::braking;
 use super::car::Drive;
 use super::config::{self, IdentifyConfig};
+use super::excitation;
 use super::fit::{Fit, Noise, Search};
 use super::free_run::{self, Fits};
 use super::motion::Channel;
@@ -150,6 +151,7 @@ pub struct Identifier<'a> {
     segments: Vec<Segment>,
     drive: Drive,
     noise: Noise,
+    is_steered: bool,
 }
 
 impl<'a> Identifier<'a> {
@@ -181,7 +183,8 @@ impl<'a> Identifier<'a> {
             return Err(IdentifyError::NothingUsable { least_s: 0.5 * config.segment_s, braking, records });
         }
         let noise = first_noise(&records);
-        Ok(Self { vehicle, config, records, values, free, segments, drive, noise })
+        let is_steered = excitation::is_steered(&records);
+        Ok(Self { vehicle, config, records, values, free, segments, drive, noise, is_steered })
     }
 
     /// Names of the free parameters.
@@ -350,6 +353,9 @@ impl<'a> Identifier<'a> {
         let at_bound = (value - low).abs() < 1e-6 * low.abs() || (value - high).abs() < 1e-6 * high.abs();
         if at_bound {
             return (false, format!("the search ends at the bound {value}: the equations do not fit here"));
+        }
+        if !self.is_steered && excitation::needs_steering(free.parameters.first()) {
+            return (false, "the steering wheel is not moved by more than its own noise".into());
         }
         let by_data = sure.by_data[place];
         let logarithmic = free.parameters.first().is_logarithmic();

@@ -11,6 +11,7 @@
 mod braking;
 mod car;
 mod config;
+mod excitation;
 mod fit;
 mod free_run;
 mod identification;

@@ -86,7 +86,8 @@ fn student(dof: f64) -> f64 {
     let z = 1.959_964_f64;
     let n = dof.max(3.0);
     let (z3, z5) = (z.powi(3), z.powi(5));
-    z + (z3 + z) / (4.0 * n) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n)
+    let third = (3.0 * z.powi(7) + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n.powi(3));
+    z + (z3 + z) / (4.0 * n) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n) + third
 }
 
 #[cfg(test)]

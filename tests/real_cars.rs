@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use gripd::can::Frame;
 use gripd::can::candump::Reader;
 use gripd::estimates::MuSource;
-use gripd::service::{Engine, Sink};
+use gripd::identify::{Drive, Identifier, IdentifyConfig};
+use gripd::service::{Engine, Sink, sensors};
+use gripd::signals::{Inputs, Sampler};
 use gripd::{Config, Estimates, Sample};
 
 fn recordings() -> Option<PathBuf> {
@@ -123,4 +125,60 @@ fn nothing_unknowable_is_claimed_of_the_cruising_rav4() {
     assert_eq!(last.surface_changes, 0);
     let [Some(fl), Some(fr), None, None] = last.slope else { panic!("{:?}", last.slope) };
     println!("RAV4: slope {:.1} ± {:.1} and {:.1} ± {:.1}", fl.value, fl.std, fr.value, fr.std);
+}
+
+/// The two Zoes: their wheels' radii differ, right rear against left by 1.9 % and by −0.2 %.
+const ZOES: [&[&str]; 2] = [&["0103", "0655", "0757"], &["0061", "0796", "0916", "1077", "1094", "1100"]];
+
+/// Scenes as records, 50 Hz as they were recorded.
+fn zoe_records(folder: &Path, config: &Config, scenes: &[&str]) -> Vec<gripd::identify::Record> {
+    let inputs = Inputs::compile(&config.signals, &config.input_database().unwrap(), 0.31).unwrap();
+    let record = |scene: &&str| {
+        let name = format!("scene-{scene}.log.gz");
+        let mut sampler = Sampler::new(inputs.clone(), &config.signals.sampling);
+        let mut reader = Reader::open(&folder.join("zoe").join(&name)).unwrap();
+        let mut samples = Vec::new();
+        while let Some(frame) = reader.next_frame().unwrap() {
+            sampler.push(&frame);
+            samples.extend(std::iter::from_fn(|| sampler.next_sample()));
+        }
+        gripd::identify::Record::new(&name, &samples, &sensors(&inputs))
+    };
+    scenes.iter().map(record).collect()
+}
+
+#[test]
+fn both_zoes_have_the_same_tires_as_far_as_they_tell() {
+    let Some(folder) = recordings() else { return };
+    let text = ZOE.replace("[vehicle]", "[signals.sampling]\nperiod_ms = 20\n[vehicle]");
+    let config = Config::parse(&text, &folder.join("zoe.toml")).unwrap();
+    let names = "longitudinal_stiffness lateral_stiffness_front lateral_stiffness_rear steering_ratio \
+        yaw_rate_offset lateral_acceleration_offset steering_wheel_angle_offset slip_offset_fl slip_offset_fr \
+        slip_offset_rr";
+    let settings = IdentifyConfig {
+        parameters: names.split_whitespace().map(str::to_owned).collect(),
+        drive: Some(Drive::WheelSpeeds),
+        starts: 1,
+        profile: false,
+        ..IdentifyConfig::default()
+    };
+    let cars = ZOES.map(|scenes| {
+        let records = zoe_records(&folder, &config, scenes);
+        let found = Identifier::new(&records, &config.vehicle, &settings).unwrap().run(|_, _| ()).unwrap();
+        for parameter in &found.parameters {
+            println!("{parameter} {:?} {}", parameter.ci95, parameter.reason);
+        }
+        println!("{:.0} s in {} segments, fit {:?}", found.seconds, found.segments, found.after.percent);
+        found
+    });
+    for (one, other) in cars[0].parameters.iter().zip(&cars[1].parameters).take(4) {
+        let apart = (one.value - other.value) / one.std.hypot(other.std);
+        println!("{}: {apart:+.1} standard deviations apart", one.name);
+        assert!(apart.abs() < 3.5, "{}", one.name);
+    }
+    let by_name = |car: usize, name| cars[car].parameters.iter().find(|it| it.name == name).unwrap();
+    let radius = |car| by_name(car, "slip_offset_rr").value;
+    assert!((radius(0) - 0.019).abs() < 0.004 && radius(1).abs() < 0.006, "{} {}", radius(0), radius(1));
+    let slope = by_name(1, "longitudinal_stiffness");
+    assert!(slope.identifiable && (25.0..75.0).contains(&slope.value), "{slope}");
 }

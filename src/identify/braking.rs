@@ -100,9 +100,9 @@ mod tests {
         let radius = vehicle.wheel_radius_m.value;
         let mass = 1700.0 + 4.0 * 2.65 / (radius * radius);
         let mut sensors = Sensors::default();
-        sensors.add(Quantity::WheelSpeedRl, 0.05);
+        sensors.add(Quantity::WheelSpeedRl, Some(0.05));
         if told {
-            sensors.add(Quantity::BrakeActive, 0.0);
+            sensors.add(Quantity::BrakeActive, None);
         }
         let mut v = 15.0;
         let mut samples = Vec::new();

@@ -12,6 +12,7 @@ use thiserror::Error;
 use super::braking;
 use super::car::Drive;
 use super::config::{self, IdentifyConfig};
+use super::excitation;
 use super::fit::{Fit, Noise, Search};
 use super::free::{Free, Tied};
 use super::free_run::{self, Fits};
@@ -151,6 +152,7 @@ pub struct Identifier<'a> {
     segments: Vec<Segment>,
     drive: Drive,
     noise: Noise,
+    is_steered: bool,
 }
 
 impl<'a> Identifier<'a> {
@@ -182,7 +184,8 @@ impl<'a> Identifier<'a> {
             return Err(IdentifyError::NothingUsable { least_s: 0.5 * config.segment_s, braking, records });
         }
         let noise = first_noise(&records);
-        Ok(Self { vehicle, config, records, values, free, segments, drive, noise })
+        let is_steered = excitation::is_steered(&records);
+        Ok(Self { vehicle, config, records, values, free, segments, drive, noise, is_steered })
     }
 
     /// Names of the free parameters.
@@ -278,6 +281,10 @@ impl<'a> Identifier<'a> {
         let values = self.search_in().values_at(&(&fit.point.theta - &shift.mean));
         let correlation = sure.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
         let there = Channel::ALL.into_iter().zip(fit.noise).filter(|(channel, _)| self.is_measured(*channel));
+        // A channel that has no say in the search leaves no residuals.
+        let is_silent =
+            |channel| self.drive == Drive::WheelSpeeds && channel == Channel::LongitudinalAcceleration;
+        let there = there.map(|(channel, std)| (channel, if is_silent(channel) { f64::NAN } else { std }));
         Ok(Identification {
             parameters,
             correlation,
@@ -356,6 +363,9 @@ impl<'a> Identifier<'a> {
         let at_bound = (value - low).abs() < 1e-6 * low.abs() || (value - high).abs() < 1e-6 * high.abs();
         if at_bound {
             return (false, format!("the search ends at the bound {value}: the equations do not fit here"));
+        }
+        if !self.is_steered && excitation::needs_steering(free.parameters.first()) {
+            return (false, "the steering wheel is not moved by more than its own noise".into());
         }
         let (shift, logarithmic) = (sure.shift[place].abs(), free.parameters.first().is_logarithmic());
         if shift > if logarithmic { 0.1 } else { 10.0 } {

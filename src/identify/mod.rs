@@ -12,6 +12,7 @@ mod braking;
 mod car;
 mod chain;
 mod config;
+mod excitation;
 mod fit;
 mod free;
 mod free_run;

@@ -12,7 +12,7 @@ use crate::model::body::{External, Steer, Velocity};
 use crate::model::tire::{Curve, Tire};
 use crate::model::wheel;
 
-/// What is measured of the car, in the order of their places in [`Outputs`].
+/// What is measured of the car, in the order of their places in a row of outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
     /// Front left wheel, rad/s.

@@ -42,7 +42,7 @@ pub(super) fn fill(record: &mut Record, vehicle: &Vehicle) -> Option<[f64; 4]> {
             let row = &record.rows[*place];
             !row.braking
                 && row.rolling_speed(car.radius) > super::record::SLOWEST_MPS
-                && !(row.lateral_acceleration.abs() > STRAIGHT_MPS2)
+                && (row.lateral_acceleration.is_nan() || row.lateral_acceleration.abs() < STRAIGHT_MPS2)
         };
         // Neighbours share their means: one of each window is enough.
         let places = (half..record.rows.len()).step_by(2 * half + 1).filter(usable);

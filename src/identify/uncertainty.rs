@@ -62,12 +62,8 @@ pub(super) fn of(fit: &Fit, free: &[Free], shift: &Shift) -> Option<Uncertainty>
     let inverse = information.clone().cholesky()?.inverse();
     let scores = chain.scores();
     let (count, of) = (scores.len() as f64, free.len() as f64);
-    let mut scatter = DMatrix::zeros(free.len(), free.len());
-    for score in &scores {
-        scatter += score * score.transpose();
-    }
     let dof = (count - of).max(1.0);
-    scatter *= count / dof;
+    let scatter = scatter_of(&scores) * (count / dof);
     let mut prior = DMatrix::zeros(free.len(), free.len());
     for (i, free) in free.iter().enumerate() {
         if free.std.is_finite() {
@@ -75,9 +71,10 @@ pub(super) fn of(fit: &Fit, free: &[Free], shift: &Shift) -> Option<Uncertainty>
         }
     }
     let robust = &inverse * (&scatter + &prior) * &inverse;
-    // Too few segments scatter too little: then the curvature alone has to do.
+    // Too few segments do not tell by how much for each direction: then all of them get the mean of it.
     let enough = count > 3.0 * of + 10.0;
-    let covariance = if enough { robust } else { inverse.clone() };
+    let covariance =
+        if enough { robust } else { &inverse * inflation(&inverse, &scatter_of(&scores), &prior) };
     let variance =
         DVector::from_fn(free.len(), |i, _| covariance[(i, i)].max(inverse[(i, i)]).max(f64::MIN_POSITIVE));
     let std = (variance + shift.variance()).map(f64::sqrt);
@@ -85,6 +82,16 @@ pub(super) fn of(fit: &Fit, free: &[Free], shift: &Shift) -> Option<Uncertainty>
     let correlation = DMatrix::from_fn(free.len(), free.len(), |i, j| covariance[(i, j)] / (own[i] * own[j]));
     let by_data = alone(&(&information - &prior), &std, &inverse);
     Some(Uncertainty { std, correlation, by_data, shift: shift.mean.clone(), factor: student(dof) })
+}
+
+fn scatter_of(scores: &[DVector<f64>]) -> DMatrix<f64> {
+    let count = scores.first().map_or(0, DVector::len);
+    scores.iter().fold(DMatrix::zeros(count, count), |sum, score| sum + score * score.transpose())
+}
+
+/// By how much segments differ more than their noise explains, over all directions; at least 1.
+fn inflation(inverse: &DMatrix<f64>, scatter: &DMatrix<f64>, prior: &DMatrix<f64>) -> f64 {
+    ((inverse * (scatter + prior)).trace() / inverse.nrows().max(1) as f64).max(1.0)
 }
 
 /// Standard deviations without the priors, scaled by what scatter adds to curvature.
@@ -113,7 +120,8 @@ fn student(dof: f64) -> f64 {
     let z = 1.959_964_f64;
     let n = dof.max(3.0);
     let (z3, z5) = (z.powi(3), z.powi(5));
-    z + (z3 + z) / (4.0 * n) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n)
+    let third = (3.0 * z.powi(7) + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n.powi(3));
+    z + (z3 + z) / (4.0 * n) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n) + third
 }
 
 #[cfg(test)]

@@ -39,14 +39,18 @@ pub fn summary(story: &Story<'_>) -> String {
     )
 }
 
-/// Costs this near are the same end.
-pub const SAME_END: f64 = 1.0;
+/// Ends this near, in standard deviations of each parameter, are the same.
+const SAME_END: f64 = 0.5;
 
 /// How the searches ended.
 pub fn ends(story: &Story<'_>) -> String {
     let paths = &story.found.paths;
-    let lowest = paths.iter().map(|path| path.cost).fold(f64::INFINITY, f64::min);
-    let same = paths.iter().filter(|path| path.cost < lowest + SAME_END).count();
+    let best = paths.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+    let is_best = |to: &[f64]| {
+        let ends = to.iter().zip(best.map_or(&[][..], |path| &path.to)).zip(&story.found.parameters);
+        ends.into_iter().all(|((to, best), parameter)| (to - best).abs() <= SAME_END * parameter.std)
+    };
+    let same = paths.iter().filter(|path| is_best(&path.to)).count();
     let lost = paths.iter().filter(|path| !path.cost.is_finite()).count();
     let mut text = match paths.len() {
         1 => "one search".into(),

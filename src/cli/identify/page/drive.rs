@@ -125,7 +125,7 @@ pub fn range(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
         .filter(|value| value.is_finite())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
     let margin = (0.08 * (high - low)).max(1e-6 + 1e-3 * high.abs());
-    (low <= high).then(|| low - margin..high + margin)
+    (low <= high).then_some(low - margin..high + margin)
 }
 
 #[cfg(test)]

@@ -54,18 +54,20 @@ pub fn profiles(page: &mut Page, story: &Story<'_>) -> Result<(), PlotError> {
     let of_vehicle = story.found.parameters.iter().filter(|it| !super::is_sensors(it));
     for parameter in of_vehicle.filter(|it| it.profile.len() > 2) {
         let Some(x) = range(parameter.profile.iter().map(|point| point.0)) else { continue };
+        // At kinks of the tire a refit may find a little less than the search did.
+        let profile = parameter.profile.iter().map(|(value, cost)| (*value, cost.max(0.0)));
         let half = 0.5 * (parameter.ci95.1 - parameter.ci95.0);
         let parabola = (0..=60).map(|i| {
             let at = x.start + (x.end - x.start) * f64::from(i) / 60.0;
             (at, LIMIT * ((at - parameter.value) / half).powi(2))
         });
-        let plot = Plot::new(&format!("Profile of {}", parameter.name), "2 ln ratio", x.clone(), 0.0..TOP)
+        let plot = Plot::new(&format!("Profile of {}", parameter.name), "2 ln ratio", x.clone(), -0.5..TOP)
             .x_label(&axis(parameter))
             .height(170)
             .curve("95 %", Color::Notice, Stroke::Dashed, [(x.start, LIMIT), (x.end, LIMIT)].into_iter())
             .curve("by the interval given", Color::Muted, Stroke::Dotted, parabola)
-            .curve("profile", Color::First, Stroke::Solid, parameter.profile.iter().copied())
-            .points("computed", Color::First, Marker::Dot, parameter.profile.iter().copied());
+            .curve("profile", Color::First, Stroke::Solid, profile.clone())
+            .points("computed", Color::First, Marker::Dot, profile);
         let caption = if parameter.identifiable { "" } else { parameter.reason.as_str() };
         page.plot(&format!("Profile likelihood: {}", parameter.name), &plot, caption)?;
     }

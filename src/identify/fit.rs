@@ -44,6 +44,22 @@ pub(super) struct Fit {
     pub(super) converged: bool,
 }
 
+/// Where a part of the segments led to.
+#[derive(Clone, Debug)]
+pub(super) struct Ahead {
+    pub(super) theta: DVector<f64>,
+    noise: Noise,
+    pub(super) iterations: u32,
+}
+
+impl Ahead {
+    /// Has another search come to the same place? From there on both are one: nothing else of the way is
+    /// remembered.
+    pub(super) fn meets(&self, other: &Self) -> bool {
+        (&self.theta - &other.theta).amax() < 0.01
+    }
+}
+
 /// What is searched, and how.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Search<'a> {
@@ -58,6 +74,8 @@ pub(super) struct Search<'a> {
 /// The cost is in units of the noise: a step that gains less than this moves no parameter by more than a
 /// thirtieth of its standard deviation.
 const ENOUGH: f64 = 1e-3;
+/// Where the cost itself is wanted, or a difference that is averaged.
+const ENOUGH_FOR_COSTS: f64 = 0.02;
 const MOST_ITERATIONS: u32 = 60;
 /// Noise below this share of the usual one is that of arithmetic.
 const LEAST_NOISE: f64 = 1e-5;
@@ -77,11 +95,20 @@ impl<'a> Search<'a> {
     /// From the coordinates of a start to the end; `noise` is a first guess. `None` if nothing could be
     /// simulated from there.
     pub(super) fn run(&self, theta: DVector<f64>, noise: &Noise) -> Option<Fit> {
-        // A part of the segments shows the way; all of them decide.
+        self.finish(&self.ahead(theta, noise)?, noise)
+    }
+
+    /// The first part of the way: a part of the segments shows it, all of them decide.
+    pub(super) fn ahead(&self, theta: DVector<f64>, noise: &Noise) -> Option<Ahead> {
         let some: Vec<Segment> = self.sparse();
         let few = Search { segments: &some, ..*self };
-        let ahead = few.descend(few.begin(theta), noise, noise, Tie::NONE, 1.0)?;
-        let begin = self.begin(ahead.point.theta);
+        let fit = few.descend(few.begin(theta), noise, noise, Tie::NONE, 1.0)?;
+        Some(Ahead { theta: fit.point.theta, noise: fit.noise, iterations: fit.iterations })
+    }
+
+    /// And the last.
+    pub(super) fn finish(&self, ahead: &Ahead, noise: &Noise) -> Option<Fit> {
+        let begin = self.begin(ahead.theta.clone());
         let alone = self.descend(begin, &ahead.noise, noise, Tie::NONE, 5.0)?;
         let tie = match self.method {
             Method::Segments => Tie::NONE,
@@ -89,14 +116,15 @@ impl<'a> Search<'a> {
             Method::Auto => tie(&alone.all),
         };
         let mut fit = self.go_on(alone.point, Some(alone.all), &alone.noise, noise, tie, ENOUGH)?;
-        fit.iterations += alone.iterations;
+        fit.iterations += ahead.iterations + alone.iterations;
         Some(fit)
     }
 
     /// Where another search's end moves to with these segments; noise and ties stay.
     pub(super) fn shifted(&self, end: &Fit) -> Option<DVector<f64>> {
         let fixed = self.problem(&end.noise, end.tie);
-        let moved = self.levenberg_marquardt(fixed, end.point.clone(), None, end.noise, None, ENOUGH)?;
+        let moved =
+            self.levenberg_marquardt(fixed, end.point.clone(), None, end.noise, None, ENOUGH_FOR_COSTS)?;
         Some(moved.point.theta - &end.point.theta)
     }
 
@@ -117,12 +145,11 @@ impl<'a> Search<'a> {
         self.problem(&[1.0; Channel::COUNT], Tie::NONE).values_at(theta)
     }
 
-    /// The lowest cost with this noise and tie, beginning at another search's end, one of whose
-    /// parameters (at `without`) is not free here.
-    pub(super) fn lowest_cost(&self, end: &Fit, without: usize) -> Option<f64> {
-        let point = Point { theta: end.point.theta.clone().remove_row(without), ..end.point.clone() };
+    /// The lowest cost with another search's noise and tie, and where it is, beginning at `point`.
+    pub(super) fn lowest_cost(&self, end: &Fit, point: Point) -> Option<(f64, Point)> {
         let fixed = self.problem(&end.noise, end.tie);
-        Some(self.levenberg_marquardt(fixed, point, None, end.noise, None, ENOUGH)?.all.cost)
+        let fit = self.levenberg_marquardt(fixed, point, None, end.noise, None, ENOUGH_FOR_COSTS)?;
+        Some((fit.all.cost, fit.point))
     }
 
     /// The noise that is left.

@@ -11,9 +11,10 @@ use thiserror::Error;
 
 use super::braking;
 use super::car::Drive;
+use super::chain::Point;
 use super::config::{self, IdentifyConfig};
 use super::excitation;
-use super::fit::{Fit, Noise, Search};
+use super::fit::{Ahead, Fit, Noise, Search};
 use super::free::{Free, Tied};
 use super::free_run::{self, Fits};
 use super::input_noise;
@@ -211,12 +212,14 @@ impl<'a> Identifier<'a> {
     }
 
     fn fit(&self, from: &[f64]) -> Option<Fit> {
+        self.search_in().run(self.coordinates(from)?, &self.noise)
+    }
+
+    /// From the parameters' units; `None` where one of them cannot be.
+    fn coordinates(&self, from: &[f64]) -> Option<DVector<f64>> {
         let coordinates = self.free.iter().zip(from).map(|(free, value)| free.parameters.coordinate(*value));
         let theta = DVector::from_iterator(self.free.len(), coordinates);
-        if theta.iter().any(|coordinate| !coordinate.is_finite()) {
-            return None;
-        }
-        self.search_in().run(theta, &self.noise)
+        theta.iter().all(|coordinate| coordinate.is_finite()).then_some(theta)
     }
 
     fn path(&self, from: &[f64], fit: &Fit) -> Path {
@@ -250,15 +253,26 @@ impl<'a> Identifier<'a> {
         let count = self.config.starts.max(1);
         let mut best: Option<Fit> = None;
         let mut lowest = f64::INFINITY;
-        let mut paths = Vec::new();
+        let mut paths: Vec<Path> = Vec::new();
+        let mut met: Vec<(Ahead, usize)> = Vec::new();
+        let search = self.search_in();
         for number in 0..count {
             progress("searching", number as f64 / count as f64);
             let from = self.start(number);
-            let Some(fit) = self.fit(&from) else {
+            let ahead = self.coordinates(&from).and_then(|theta| search.ahead(theta, &self.noise));
+            let earlier = ahead.as_ref().and_then(|ahead| met.iter().find(|(other, _)| ahead.meets(other)));
+            if let (Some(ahead), Some((_, path))) = (&ahead, earlier) {
+                let same = Path { from, iterations: ahead.iterations, ..paths[*path].clone() };
+                paths.push(same);
+                continue;
+            }
+            let Some((ahead, fit)) = ahead.and_then(|a| search.finish(&a, &self.noise).map(|fit| (a, fit)))
+            else {
                 let to = vec![f64::NAN; from.len()];
                 paths.push(Path { from, to, cost: f64::INFINITY, iterations: 0 });
                 continue;
             };
+            met.push((ahead, paths.len()));
             let path = self.path(&from, &fit);
             if path.cost < lowest {
                 lowest = path.cost;
@@ -397,18 +411,24 @@ impl<'a> Identifier<'a> {
     fn profile(&self, place: usize, fit: &Fit, std: f64) -> Vec<(f64, f64)> {
         let mut others = self.free.clone();
         let fixed = others.remove(place);
-        let mut points = Vec::new();
-        for by in [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0] {
-            let coordinate = fit.point.theta[place] + by * std;
-            let mut values = self.search_in().values_at(&fit.point.theta);
-            fixed.parameters.put(&mut values, fixed.parameters.value(coordinate));
-            let search = Search { values: &values, free: &others, ..self.search_in() };
-            let off = (coordinate - fixed.mean) / fixed.std;
-            let prior = if fixed.std.is_finite() { off * off } else { 0.0 };
-            if let Some(cost) = search.lowest_cost(fit, place) {
+        let mut points = vec![(fixed.parameters.value(fit.point.theta[place]), 0.0)];
+        for side in [-1.0, 1.0] {
+            // Each point begins where the last one ended.
+            let theta = fit.point.theta.clone().remove_row(place);
+            let mut at = Point { theta, ..fit.point.clone() };
+            for by in [1.0, 2.0] {
+                let coordinate = fit.point.theta[place] + side * by * std;
+                let mut values = self.search_in().values_at(&fit.point.theta);
+                fixed.parameters.put(&mut values, fixed.parameters.value(coordinate));
+                let search = Search { values: &values, free: &others, ..self.search_in() };
+                let off = (coordinate - fixed.mean) / fixed.std;
+                let prior = if fixed.std.is_finite() { off * off } else { 0.0 };
+                let Some((cost, end)) = search.lowest_cost(fit, at.clone()) else { break };
                 points.push((fixed.parameters.value(coordinate), cost + prior - fit.all.cost));
+                at = end;
             }
         }
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
         points
     }
 }

@@ -200,6 +200,48 @@ impl<'a> Identifier<'a> {
         Some(self.path(from, &fit))
     }
 
+    /// Searches from several starts; a path that meets another goes on with it. Those that come to no end
+    /// have an infinite cost.
+    pub fn search_from(&self, starts: &[Vec<f64>]) -> Vec<Path> {
+        self.searches(starts, &mut |_, _| ()).0
+    }
+
+    /// All paths, and the best end.
+    fn searches(
+        &self,
+        starts: &[Vec<f64>],
+        progress: &mut impl FnMut(&str, f64),
+    ) -> (Vec<Path>, Option<Fit>) {
+        let mut best: Option<(f64, Fit)> = None;
+        let mut paths: Vec<Path> = Vec::new();
+        let mut met: Vec<(Ahead, usize)> = Vec::new();
+        let search = self.search_in();
+        for (number, from) in starts.iter().enumerate() {
+            progress("searching", number as f64 / starts.len() as f64);
+            let from = from.clone();
+            let ahead = self.coordinates(&from).and_then(|theta| search.ahead(theta, &self.noise));
+            let earlier = ahead.as_ref().and_then(|ahead| met.iter().find(|(other, _)| ahead.meets(other)));
+            if let (Some(ahead), Some((_, path))) = (&ahead, earlier) {
+                let same = Path { from, iterations: ahead.iterations, ..paths[*path].clone() };
+                paths.push(same);
+                continue;
+            }
+            let Some((ahead, fit)) = ahead.and_then(|a| search.finish(&a, &self.noise).map(|fit| (a, fit)))
+            else {
+                let to = vec![f64::NAN; from.len()];
+                paths.push(Path { from, to, cost: f64::INFINITY, iterations: 0 });
+                continue;
+            };
+            met.push((ahead, paths.len()));
+            let path = self.path(&from, &fit);
+            if best.as_ref().is_none_or(|(lowest, _)| path.cost < *lowest) {
+                best = Some((path.cost, fit));
+            }
+            paths.push(path);
+        }
+        (paths, best.map(|(_, fit)| fit))
+    }
+
     fn search_in(&self) -> Search<'_> {
         Search {
             vehicle: self.vehicle,
@@ -251,35 +293,8 @@ impl<'a> Identifier<'a> {
     /// If no search comes to an end.
     pub fn run(&self, mut progress: impl FnMut(&str, f64)) -> Result<Identification, IdentifyError> {
         let count = self.config.starts.max(1);
-        let mut best: Option<Fit> = None;
-        let mut lowest = f64::INFINITY;
-        let mut paths: Vec<Path> = Vec::new();
-        let mut met: Vec<(Ahead, usize)> = Vec::new();
-        let search = self.search_in();
-        for number in 0..count {
-            progress("searching", number as f64 / count as f64);
-            let from = self.start(number);
-            let ahead = self.coordinates(&from).and_then(|theta| search.ahead(theta, &self.noise));
-            let earlier = ahead.as_ref().and_then(|ahead| met.iter().find(|(other, _)| ahead.meets(other)));
-            if let (Some(ahead), Some((_, path))) = (&ahead, earlier) {
-                let same = Path { from, iterations: ahead.iterations, ..paths[*path].clone() };
-                paths.push(same);
-                continue;
-            }
-            let Some((ahead, fit)) = ahead.and_then(|a| search.finish(&a, &self.noise).map(|fit| (a, fit)))
-            else {
-                let to = vec![f64::NAN; from.len()];
-                paths.push(Path { from, to, cost: f64::INFINITY, iterations: 0 });
-                continue;
-            };
-            met.push((ahead, paths.len()));
-            let path = self.path(&from, &fit);
-            if path.cost < lowest {
-                lowest = path.cost;
-                best = Some(fit);
-            }
-            paths.push(path);
-        }
+        let starts: Vec<Vec<f64>> = (0..count).map(|number| self.start(number)).collect();
+        let (paths, best) = self.searches(&starts, &mut progress);
         let reason = "nothing could be simulated with those values; check the vehicle's table";
         let fit = best.ok_or(IdentifyError::NoEnd { starts: count, reason })?;
         let reason = "the parameters are not determined; give them a std in the vehicle's table";

@@ -123,7 +123,8 @@ fn many_starts() -> Result<Outcome, String> {
         let records = [record];
         let config = two_parameters(Drive::WheelSpeeds);
         let identifier = Identifier::new(&records, &vehicle, &config).map_err(|e| e.to_string())?;
-        let paths: Vec<Path> = grid().filter_map(|from| identifier.search(&from)).collect();
+        let starts: Vec<Vec<f64>> = grid().map(Vec::from).collect();
+        let paths = identifier.search_from(&starts);
         let off = |path: &Path| (path.to[0] / 50.0 - 1.0).abs().max((path.to[1] / 11.5 - 1.0).abs());
         let worst = paths.iter().map(off).fold(0.0, f64::max);
         let there = paths.iter().filter(|path| off(path) < 0.005).count();
@@ -207,7 +208,8 @@ fn straight_on() -> Result<Outcome, String> {
     let vehicle = &scenario.vehicle;
     let identifier = Identifier::new(&records, vehicle, &config).map_err(|e| e.to_string())?;
     let few = grid().enumerate().filter(|(place, _)| place % 3 == 0 && (place / 10) % 3 == 0);
-    let paths: Vec<Path> = few.filter_map(|(_, from)| identifier.search(&from)).collect();
+    let starts: Vec<Vec<f64>> = few.map(|(_, from)| from.to_vec()).collect();
+    let paths = identifier.search_from(&starts);
     let result = identifier.run(|_, _| ()).map_err(|e| e.to_string())?;
     let [along, across] = result.parameters.as_slice() else { return Err("two parameters".into()) };
     let spread = |place: usize| {

@@ -169,7 +169,8 @@ impl<'a> Identifier<'a> {
         config.validate()?;
         let has = |quantity| records.iter().any(|record| record.sensors.has(quantity));
         let drive = config.drive.unwrap_or_else(|| Drive::usual(has));
-        if drive == Drive::Slips && !slips::can_be_had(vehicle, has) {
+        let measured_before = records.iter().all(has_slips);
+        if drive == Drive::Slips && !measured_before && !slips::can_be_had(vehicle, has) {
             let reason = "no slip without an undriven wheel to compare with, and four wheel speeds; \
                           torque or wheel_speeds will do";
             return Err(IdentifyError::Setting { key: "drive", value: "\"slips\"".into(), reason });
@@ -455,13 +456,16 @@ fn prepared<'a>(records: &'a [Record], vehicle: &Vehicle, drive: Drive) -> Cow<'
         if !braking::is_told(&records[place]) {
             braking::recognize(&mut records.to_mut()[place], vehicle);
         }
-        // Whoever has measured slips by other means may bring them along.
-        let without = |record: &Record| record.rows.iter().all(|row| row.slip.iter().any(|s| s.is_nan()));
-        if drive == Drive::Slips && without(&records[place]) {
+        if drive == Drive::Slips && !has_slips(&records[place]) {
             slips::fill(&mut records.to_mut()[place], vehicle);
         }
     }
     records
+}
+
+/// Whoever has measured slips by other means may bring them along.
+fn has_slips(record: &Record) -> bool {
+    record.rows.iter().any(|row| row.slip.iter().all(|slip| slip.is_finite()))
 }
 
 /// What is free.

@@ -226,8 +226,8 @@ fn calibrated() -> Result<Outcome, String> {
                 square.sqrt()
             ),
             held > 0.9,
-            "no guess that softer roads are more slippery, which happens to be right in this drive: that belongs into \
-             a mapping, where brakings have checked it",
+            "between 90 and 100 % is wanted; no guess that softer roads are more slippery: that belongs into a mapping, \
+             where brakings have checked it",
         ),
     ];
     let band = ours.brush.iter().map(|(time, mu, std)| (*time, mu - 1.96 * std, mu + 1.96 * std));

@@ -145,7 +145,8 @@ impl Car<f64> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Drive {
-    /// From drive torque and brake pressure; all wheel speeds are outputs.
+    /// From drive torque and brake pressure; all wheel speeds are outputs. Not where tires slide: there a
+    /// wheel's slip is hardly a function of its torque, and stiffnesses come out too low.
     Torque,
     /// From the driven wheels' measured speeds; the undriven ones' are outputs.
     WheelSpeeds,
@@ -154,8 +155,8 @@ pub enum Drive {
 }
 
 impl Drive {
-    /// By torque where the bus has it, else by the driven wheels' speeds.
-    pub fn usual(has: impl Fn(Quantity) -> bool) -> Self {
-        if has(Quantity::DriveTorque) { Self::Torque } else { Self::WheelSpeeds }
+    /// By torque where the bus has it and nothing slides, else by the driven wheels' speeds.
+    pub fn usual(has: impl Fn(Quantity) -> bool, slides: bool) -> Self {
+        if has(Quantity::DriveTorque) && !slides { Self::Torque } else { Self::WheelSpeeds }
     }
 }

@@ -6,6 +6,7 @@
 use super::parameter::Parameter;
 use super::record::Record;
 use super::smooth::centred_mean;
+use crate::model::{GRAVITY, TireKind, Vehicle};
 
 /// Steering that moves by less than this many times its noise tells nothing of the tires.
 const LEAST_RATIO: f64 = 4.0;
@@ -38,6 +39,21 @@ pub(super) fn is_steered(records: &[Record]) -> bool {
         let moved = mean_square(&mut smooth.iter().map(|value| value - whole));
         moved > LEAST_RATIO * LEAST_RATIO * noise / (2 * half + 1) as f64 && moved > 0.0
     })
+}
+
+/// Are the tires at their limit now and then? So much of the friction in the vehicle's table …
+const NEAR_THE_LIMIT: f64 = 0.7;
+/// … for this share of the time.
+const NOW_AND_THEN: f64 = 0.01;
+
+/// Do tires slide, in any of the records?
+pub(super) fn slides(records: &[Record], vehicle: &Vehicle) -> bool {
+    let limit = NEAR_THE_LIMIT * vehicle.friction.value * GRAVITY;
+    vehicle.tire != TireKind::Linear
+        && records.iter().any(|record| {
+            let near = record.rows.iter().filter(|row| row.lateral_acceleration.abs() > limit).count();
+            near as f64 > NOW_AND_THEN * record.rows.len() as f64
+        })
 }
 
 #[cfg(test)]

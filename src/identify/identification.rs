@@ -168,7 +168,13 @@ impl<'a> Identifier<'a> {
     ) -> Result<Self, IdentifyError> {
         config.validate()?;
         let has = |quantity| records.iter().any(|record| record.sensors.has(quantity));
-        let drive = config.drive.unwrap_or_else(|| Drive::usual(has));
+        let slides = excitation::slides(records, vehicle);
+        let drive = config.drive.unwrap_or_else(|| Drive::usual(has, slides));
+        if drive == Drive::Torque && slides {
+            tracing::warn!(
+                "tires slide in these recordings: with drive = \"torque\" stiffnesses come out too low"
+            );
+        }
         let measured_before = records.iter().all(has_slips);
         if drive == Drive::Slips && !measured_before && !slips::can_be_had(vehicle, has) {
             let reason = "no slip without an undriven wheel to compare with, and four wheel speeds; \

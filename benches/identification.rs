@@ -13,15 +13,15 @@ use std::process::Command;
 use std::time::Instant;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use gripd::cli::reproduce::{Drive as Driven, SIM1};
+use gripd::cli::reproduce::{Drive as Driven, SIM1, steered};
 use gripd::identify::{Drive, Identifier, IdentifyConfig, Method, Record};
-use gripd::model::{GRAVITY, Scenario, Vehicle};
+use gripd::model::{GRAVITY, Vehicle};
 
 const START_N: [f64; 2] = [1.5e5, 4e4];
 
 /// Sim1 with gentle steering, as measured; its slips are those of the plant.
 fn problem() -> (Vehicle, [Record; 1]) {
-    let scenario = Scenario::parse(&SIM1.replace("amplitude = 0.1", "amplitude = 0.01")).unwrap();
+    let scenario = steered(SIM1, 0.01, true).unwrap();
     let driven = Driven::simulate(&scenario, 1).unwrap();
     let mut record = Record::new("sim1", &driven.samples, &driven.sensors);
     for (row, truth) in record.rows.iter_mut().zip(&driven.truth) {

@@ -1,19 +1,13 @@
 //! Identification of the thesis's test case Sim1 (App. B, 5.3.2).
 #![allow(clippy::unwrap_used, clippy::expect_used)] // Tests.
 
-use gripd::cli::reproduce::{Drive as Driven, SIM1};
+use gripd::cli::reproduce::{Drive as Driven, SIM1, steered};
 use gripd::identify::{Drive, Identifier, IdentifyConfig, Record};
-use gripd::model::{Scenario, Vehicle};
+use gripd::model::Vehicle;
 
 /// Sim1 with this steering amplitude, with or without noise.
 fn sim1(amplitude: f64, noisy: bool, seed: u64) -> (Record, Vehicle) {
-    let text = SIM1.replace("amplitude = 0.1", &format!("amplitude = {amplitude}"));
-    let mut scenario = Scenario::parse(&text).unwrap();
-    if !noisy {
-        for sensor in scenario.sensors.by_name.values_mut() {
-            sensor.noise_std = 0.0;
-        }
-    }
+    let scenario = steered(SIM1, amplitude, noisy).unwrap();
     let driven = Driven::simulate(&scenario, seed).unwrap();
     (Record::new("sim1", &driven.samples, &driven.sensors), scenario.vehicle)
 }

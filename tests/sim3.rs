@@ -2,7 +2,7 @@
 //! is one, and a value once the driven tires are at their limit, whatever their curve.
 #![allow(clippy::unwrap_used)] // Tests.
 
-use gripd::cli::reproduce::{Drive, SIM2, SIM3, SIM3_LIMIT};
+use gripd::cli::reproduce::{Drive, SIM2, SIM3, SIM3_LIMIT, noticed};
 use gripd::estimate::{EstimatorsConfig, Pipeline, SlipPoint, WheelSaturation};
 use gripd::estimates::{Estimates, MuSource};
 use gripd::model::scenario::Stretch;
@@ -23,32 +23,6 @@ fn drive_with(scenario: &Scenario, seed: u64, config: &EstimatorsConfig) -> Vec<
 
 fn scenario(text: &str) -> Scenario {
     Scenario::parse(text).unwrap()
-}
-
-/// Seconds of driving with |μ_x| > 0.05 from each change of the surface until it was noticed, and how
-/// many were noticed that were none.
-fn noticed(rows: &[(Truth, Estimates)], changes: &[f64]) -> (Vec<f64>, u32) {
-    let (mut after, mut wrong, mut count) = (Vec::new(), 0, 0);
-    let mut changes = changes.iter().copied().peekable();
-    let mut waiting = None;
-    for (truth, estimates) in rows {
-        if changes.next_if(|change| truth.time.seconds() >= *change).is_some() {
-            waiting = Some(0.0);
-        }
-        if let Some(informative) = &mut waiting
-            && (truth.fx[0] / truth.fz[0]).abs() > 0.05
-        {
-            *informative += 0.01;
-        }
-        if estimates.surface_changes > count {
-            count = estimates.surface_changes;
-            match waiting.take() {
-                Some(informative) => after.push(informative),
-                None => wrong += 1,
-            }
-        }
-    }
-    (after, wrong)
 }
 
 #[test]

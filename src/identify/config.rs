@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::car::Drive;
+use super::error::IdentifyError;
 use super::fit::Method;
 use super::free::Tied;
-use super::identification::IdentifyError;
 use super::parameter::Parameter;
 
 /// The `[identify]` table: what is to be found, and how. Every key has a default.

@@ -1,146 +1,31 @@
 //! The whole job: from records and a vehicle to parameters with their uncertainty.
 
 use std::borrow::Cow;
-use std::fmt;
 
 use nalgebra::DVector;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
-use thiserror::Error;
 
-use super::braking;
 use super::car::Drive;
 use super::chain::Point;
-use super::config::{self, IdentifyConfig};
+use super::config::IdentifyConfig;
+use super::error::IdentifyError;
 use super::excitation;
 use super::fit::{Ahead, Fit, Noise, Search};
-use super::free::{Free, Tied};
-use super::free_run::{self, Fits};
+use super::free::Free;
+use super::free_run;
 use super::input_noise;
 use super::motion::Channel;
-use super::parameter::{Parameter, Values};
+use super::parameter::Values;
 use super::prepare;
 use super::record::Record;
+use super::result::{Identification, Identified, Path};
 use super::segment::Segment;
+use super::setup;
 use super::slips;
 use super::uncertainty::{self, Shift, Uncertainty};
 use crate::model::Vehicle;
-use crate::{Quantity, Wheel};
-
-/// Why nothing could be identified.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum IdentifyError {
-    /// A name in the list is none.
-    #[error("identify.parameters: `{0}` is no parameter; there are lateral_stiffness and {all}", all = names())]
-    Unknown(String),
-    /// A parameter that the equations or the vehicle's table do not have.
-    #[error("identify.parameters: `{name}`: {reason}")]
-    Unusable {
-        /// Which.
-        name: String,
-        /// Why.
-        reason: String,
-    },
-    /// A setting that cannot be.
-    #[error("identify.{key} = {value}: {reason}")]
-    Setting {
-        /// Which.
-        key: &'static str,
-        /// Its value.
-        value: String,
-        /// What would do.
-        reason: &'static str,
-    },
-    /// Nothing to learn from.
-    #[error(
-        "no stretch of {least_s} s or more with wheel speeds above 3 m/s, steering and yaw rate or lateral \
-         acceleration (braking {braking}) in {records}: record a longer drive, or see `gripd check`"
-    )]
-    NothingUsable {
-        /// Least length.
-        least_s: f64,
-        /// Whether braking counts.
-        braking: &'static str,
-        /// The records.
-        records: String,
-    },
-    /// No start led anywhere.
-    #[error("the search did not come to an end from any of {starts} starts: {reason}")]
-    NoEnd {
-        /// How many.
-        starts: usize,
-        /// What happened.
-        reason: &'static str,
-    },
-}
-
-fn names() -> String {
-    Parameter::ALL.map(Parameter::name).join(", ")
-}
-
-/// One parameter as it came out.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Identified {
-    /// Its name.
-    pub name: &'static str,
-    /// Its unit; 1 for ratios.
-    pub unit: &'static str,
-    /// Its value, in its unit.
-    pub value: f64,
-    /// Standard deviation, in its unit.
-    pub std: f64,
-    /// 95 % interval.
-    pub ci95: (f64, f64),
-    /// Does the recording say something about it?
-    pub identifiable: bool,
-    /// If not, why not; else empty or what else is to be known.
-    pub reason: String,
-    /// The vehicle's table's value and standard deviation.
-    pub prior: (f64, f64),
-    /// 2 ln(likelihood ratio) to the optimum at values of it, all others refitted.
-    pub profile: Vec<(f64, f64)>,
-}
-
-/// A search, from and to.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Path {
-    /// Where it began, in the order of the parameters.
-    pub from: Vec<f64>,
-    /// Where it ended.
-    pub to: Vec<f64>,
-    /// The cost there; infinite if it came to no end.
-    pub cost: f64,
-    /// Simulations of everything.
-    pub iterations: u32,
-}
-
-/// What came out.
-#[derive(Clone, Debug)]
-pub struct Identification {
-    /// The free parameters.
-    pub parameters: Vec<Identified>,
-    /// Correlation of their errors.
-    pub correlation: Vec<Vec<f64>>,
-    /// The searches.
-    pub paths: Vec<Path>,
-    /// All numbers at the optimum.
-    pub values: Values,
-    /// How the forces came in.
-    pub drive: Drive,
-    /// Seconds that were used.
-    pub seconds: f64,
-    /// Segments.
-    pub segments: usize,
-    /// Noise that is left, by channel; not-a-number where there is none.
-    pub noise: Vec<(Channel, f64)>,
-    /// What comes between two segments beyond the equations: m/s, m/s, rad/s; infinite if not tied.
-    pub between: [f64; 3],
-    /// Fits of a free run restarted each 20 s, before and after.
-    pub before: Fits,
-    /// After.
-    pub after: Fits,
-}
 
 /// Records, prepared for searching.
 #[derive(Clone, Debug)]
@@ -175,15 +60,15 @@ impl<'a> Identifier<'a> {
                 "tires slide in these recordings: with drive = \"torque\" stiffnesses come out too low"
             );
         }
-        let measured_before = records.iter().all(has_slips);
+        let measured_before = records.iter().all(setup::has_slips);
         if drive == Drive::Slips && !measured_before && !slips::can_be_had(vehicle, has) {
             let reason = "no slip without an undriven wheel to compare with, and four wheel speeds; \
                           torque or wheel_speeds will do";
             return Err(IdentifyError::Setting { key: "drive", value: "\"slips\"".into(), reason });
         }
         let values = Values::of(vehicle);
-        let free = free(vehicle, config, has, drive)?;
-        let records = prepared(records, vehicle, drive);
+        let free = setup::free(vehicle, config, has, drive)?;
+        let records = setup::prepared(records, vehicle, drive);
         let segments = prepare::segments(&records, vehicle, &values, drive, config.segment_s);
         if segments.is_empty() {
             let records = records.iter().map(|record| record.name.clone()).collect::<Vec<_>>().join(", ");
@@ -191,7 +76,7 @@ impl<'a> Identifier<'a> {
                 if drive == Drive::Torque { "only where its pressure is known" } else { "left out" };
             return Err(IdentifyError::NothingUsable { least_s: 0.5 * config.segment_s, braking, records });
         }
-        let noise = first_noise(&records);
+        let noise = setup::first_noise(&records);
         let is_steered = excitation::is_steered(&records);
         Ok(Self { vehicle, config, records, values, free, segments, drive, noise, is_steered })
     }
@@ -452,87 +337,5 @@ impl<'a> Identifier<'a> {
         }
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         points
-    }
-}
-
-/// Records with what the sensors do not say themselves: where the car brakes, and how much its wheels slip.
-fn prepared<'a>(records: &'a [Record], vehicle: &Vehicle, drive: Drive) -> Cow<'a, [Record]> {
-    let mut records = Cow::Borrowed(records);
-    for place in 0..records.len() {
-        if !braking::is_told(&records[place]) {
-            braking::recognize(&mut records.to_mut()[place], vehicle);
-        }
-        if drive == Drive::Slips && !has_slips(&records[place]) {
-            slips::fill(&mut records.to_mut()[place], vehicle);
-        }
-    }
-    records
-}
-
-/// Whoever has measured slips by other means may bring them along.
-fn has_slips(record: &Record) -> bool {
-    record.rows.iter().any(|row| row.slip.iter().all(|slip| slip.is_finite()))
-}
-
-/// What is free.
-fn free(
-    vehicle: &Vehicle,
-    config: &IdentifyConfig,
-    has: impl Fn(Quantity) -> bool,
-    drive: Drive,
-) -> Result<Vec<Free>, IdentifyError> {
-    let chosen: Vec<Tied> = if config.parameters.is_empty() {
-        Parameter::usual(vehicle, &has).into_iter().map(Tied::One).collect()
-    } else {
-        config.parameters.iter().map(|name| config::named(name)).collect::<Result<_, _>>()?
-    };
-    let mut free: Vec<Free> = Vec::new();
-    for parameters in chosen {
-        let unusable =
-            |reason: &str| IdentifyError::Unusable { name: parameters.name().into(), reason: reason.into() };
-        let first = parameters.first();
-        let prior = first.prior(vehicle);
-        if !prior.value.is_finite() {
-            return Err(unusable("the vehicle's table has no value to start from"));
-        }
-        if first == Parameter::DriveTorqueRatio && drive != Drive::Torque {
-            return Err(unusable("no drive torque goes into the equations"));
-        }
-        let mean = parameters.coordinate(prior.value);
-        let std = match prior.std {
-            0.0 => f64::INFINITY,
-            std if first.is_logarithmic() => std / prior.value,
-            std => std / first.scale(),
-        };
-        free.push(Free { parameters, mean, std });
-    }
-    if free.len() > 29 {
-        let value = free.len().to_string();
-        return Err(IdentifyError::Setting { key: "parameters", value, reason: "at most 29 at once" });
-    }
-    Ok(free)
-}
-
-/// What the sensors' data sheets say of their noise.
-fn first_noise(records: &[Record]) -> Noise {
-    let std = |quantity: Quantity| {
-        records.iter().map(|record| record.sensors.noise_std(quantity)).fold(0.0, f64::max).max(1e-6)
-    };
-    let wheel = |wheel: Wheel| std(Quantity::wheel_speed(wheel));
-    [
-        wheel(Wheel::Fl),
-        wheel(Wheel::Fr),
-        wheel(Wheel::Rl),
-        wheel(Wheel::Rr),
-        std(Quantity::YawRate),
-        std(Quantity::LateralAcceleration),
-        std(Quantity::LongitudinalAcceleration),
-        0.3 * wheel(Wheel::Rl).max(wheel(Wheel::Fl)),
-    ]
-}
-
-impl fmt::Display for Identified {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} = {:.5} ± {:.2}", self.name, self.value, self.std)
     }
 }

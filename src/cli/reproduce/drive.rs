@@ -1,6 +1,6 @@
 //! A simulated drive as the estimators see it, beside its truth.
 
-use crate::model::{Scenario, Simulation, Truth, Vehicle};
+use crate::model::{Piece, Scenario, ScenarioError, Simulation, Truth, Vehicle};
 use crate::{Quantity, Sample, Sensors};
 
 /// The thesis's test cases (App. B).
@@ -11,6 +11,25 @@ pub const SIM2: &str = include_str!("../../../config/scenarios/sim2.toml");
 pub const SIM3: &str = include_str!("../../../config/scenarios/sim3.toml");
 /// Sim3 with torque beyond the halved limit.
 pub const SIM3_LIMIT: &str = include_str!("../../../config/scenarios/sim3_limit.toml");
+
+/// A test case that steers with this amplitude, rad, and whose sensors, if wanted so, have no noise.
+///
+/// # Errors
+/// What is wrong with the scenario.
+pub fn steered(text: &str, amplitude: f64, noisy: bool) -> Result<Scenario, ScenarioError> {
+    let mut scenario = Scenario::parse(text)?;
+    for piece in &mut scenario.steering_wheel_angle {
+        if let Piece::Sine { amplitude: own, .. } = piece {
+            *own = amplitude;
+        }
+    }
+    if !noisy {
+        for sensor in scenario.sensors.by_name.values_mut() {
+            sensor.noise_std = 0.0;
+        }
+    }
+    Ok(scenario)
+}
 
 /// A drive: samples, and what was true at each of them.
 #[derive(Clone, Debug)]

@@ -1,9 +1,9 @@
 //! Section 5.3.2: identification off line.
 
+use super::drive::steered;
 use super::numeric::within;
 use super::{Claim, Drive as Driven, Experiment, Outcome, Picture, SIM1};
 use crate::identify::{Drive, Identified, Identifier, IdentifyConfig, Method, Path, Record, Row, free_run};
-use crate::model::scenario::Piece;
 use crate::model::{Scenario, TireKind, Uncertain, Vehicle};
 use crate::report::{Color, Marker, Plot};
 use crate::{Quantity, Sensors};
@@ -23,17 +23,7 @@ const AMPLITUDES: [f64; 2] = [0.01, 0.1];
 
 /// Sim1 with this steering amplitude; without noise unless asked for.
 fn sim1(amplitude: f64, noisy: bool) -> Result<(Record, Vehicle), String> {
-    let mut scenario = Scenario::parse(SIM1).map_err(|e| e.to_string())?;
-    for piece in &mut scenario.steering_wheel_angle {
-        if let Piece::Sine { amplitude: own, .. } = piece {
-            *own = amplitude;
-        }
-    }
-    if !noisy {
-        for sensor in scenario.sensors.by_name.values_mut() {
-            sensor.noise_std = 0.0;
-        }
-    }
+    let scenario = steered(SIM1, amplitude, noisy).map_err(|e| e.to_string())?;
     let driven = Driven::simulate(&scenario, 11)?;
     Ok((Record::new("Sim1", &driven.samples, &driven.sensors), scenario.vehicle))
 }

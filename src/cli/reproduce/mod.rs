@@ -25,8 +25,9 @@ mod table;
 mod tires;
 
 pub use command::Reproduce;
-pub use drive::{Drive, SIM1, SIM2, SIM3, SIM3_LIMIT};
+pub use drive::{Drive, SIM1, SIM2, SIM3, SIM3_LIMIT, steered};
 pub use experiment::{Claim, Experiment, ExperimentError, Outcome, Picture, Verdict};
+pub use sim3::noticed;
 
 /// A section of the thesis.
 #[derive(Clone, Copy)]

@@ -1,0 +1,77 @@
+//! What comes out of an identification.
+
+use std::fmt;
+
+use super::car::Drive;
+use super::free_run::Fits;
+use super::motion::Channel;
+use super::parameter::Values;
+
+/// One parameter as it came out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identified {
+    /// Its name.
+    pub name: &'static str,
+    /// Its unit; 1 for ratios.
+    pub unit: &'static str,
+    /// Its value, in its unit.
+    pub value: f64,
+    /// Standard deviation, in its unit.
+    pub std: f64,
+    /// 95 % interval.
+    pub ci95: (f64, f64),
+    /// Does the recording say something about it?
+    pub identifiable: bool,
+    /// If not, why not; else empty or what else is to be known.
+    pub reason: String,
+    /// The vehicle's table's value and standard deviation.
+    pub prior: (f64, f64),
+    /// 2 ln(likelihood ratio) to the optimum at values of it, all others refitted.
+    pub profile: Vec<(f64, f64)>,
+}
+
+/// A search, from and to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Path {
+    /// Where it began, in the order of the parameters.
+    pub from: Vec<f64>,
+    /// Where it ended.
+    pub to: Vec<f64>,
+    /// The cost there; infinite if it came to no end.
+    pub cost: f64,
+    /// Simulations of everything.
+    pub iterations: u32,
+}
+
+/// What came out.
+#[derive(Clone, Debug)]
+pub struct Identification {
+    /// The free parameters.
+    pub parameters: Vec<Identified>,
+    /// Correlation of their errors.
+    pub correlation: Vec<Vec<f64>>,
+    /// The searches.
+    pub paths: Vec<Path>,
+    /// All numbers at the optimum.
+    pub values: Values,
+    /// How the forces came in.
+    pub drive: Drive,
+    /// Seconds that were used.
+    pub seconds: f64,
+    /// Segments.
+    pub segments: usize,
+    /// Noise that is left, by channel; not-a-number where there is none.
+    pub noise: Vec<(Channel, f64)>,
+    /// What comes between two segments beyond the equations: m/s, m/s, rad/s; infinite if not tied.
+    pub between: [f64; 3],
+    /// Fits of a free run restarted each 20 s, before and after.
+    pub before: Fits,
+    /// After.
+    pub after: Fits,
+}
+
+impl fmt::Display for Identified {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} = {:.5} ± {:.2}", self.name, self.value, self.std)
+    }
+}

@@ -199,7 +199,7 @@ impl<'a> Identifier<'a> {
             parameters.push(self.identified(place, &fit, &sure));
         }
         progress("free run", 0.0);
-        let values = self.search_in().values_at(&(&fit.point.theta - &shift.mean));
+        let values = self.search_in().values_at(&(&fit.point.theta - &sure.correction));
         let correlation = sure.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
         let there = Channel::ALL.into_iter().zip(fit.noise).filter(|(channel, _)| self.is_measured(*channel));
         // A channel that has no say in the search leaves no residuals.
@@ -231,7 +231,7 @@ impl<'a> Identifier<'a> {
         let draws = (0..Shift::DRAWS).filter_map(|draw| {
             progress("adding noise to the inputs", f64::from(draw) / f64::from(Shift::DRAWS));
             let seed = self.config.seed.wrapping_add(u64::from(draw));
-            let noisier = input_noise::noisier(&self.segments, &self.records, seed);
+            let noisier = input_noise::noisier(&self.segments, &self.records, self.drive, seed);
             Search { segments: &noisier, ..self.search_in() }.shifted(fit)
         });
         Shift::new(&draws.collect::<Vec<_>>(), self.free.len())
@@ -256,7 +256,7 @@ impl<'a> Identifier<'a> {
 
     fn identified(&self, place: usize, fit: &Fit, sure: &Uncertainty) -> Identified {
         let free = &self.free[place];
-        let at = fit.point.theta[place] - sure.shift[place];
+        let at = fit.point.theta[place] - sure.correction[place];
         let half = sure.factor * sure.std[place];
         let ends = (free.parameters.value(at - half), free.parameters.value(at + half));
         let (identifiable, reason) = self.verdict(place, fit, sure);
@@ -288,10 +288,10 @@ impl<'a> Identifier<'a> {
         if !self.is_steered && excitation::needs_steering(free.parameters.first()) {
             return (false, "the steering wheel is not moved by more than its own noise".into());
         }
-        let (shift, logarithmic) = (sure.shift[place].abs(), free.parameters.first().is_logarithmic());
-        if shift > if logarithmic { 0.1 } else { 10.0 } {
+        if sure.decided_by_noise[place] {
             return (false, "the noise of steering or wheel speeds decides it: too little excitation".into());
         }
+        let logarithmic = free.parameters.first().is_logarithmic();
         let by_data = sure.by_data[place];
         let vague = if logarithmic { by_data > 0.5 } else { by_data > 50.0 };
         let partner = (0..self.free.len())

@@ -10,6 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
+use super::car::Drive;
 use super::record::{Record, Row};
 use super::segment::Segment;
 
@@ -17,14 +18,19 @@ use super::segment::Segment;
 #[derive(Clone, Copy, Debug, Default)]
 struct InputNoise {
     steering: f64,
+    /// Of whatever is known of the wheels: speeds or slips.
     wheel: [f64; 4],
 }
 
 impl InputNoise {
-    fn of(record: &Record) -> Self {
+    fn of(record: &Record, drive: Drive) -> Self {
+        let wheel = |row: &Row, i: usize| match drive {
+            Drive::Slips => row.slip[i],
+            Drive::WheelSpeeds | Drive::Torque => row.wheel_speed[i],
+        };
         Self {
             steering: white(&record.rows, |row| row.steering),
-            wheel: std::array::from_fn(|i| white(&record.rows, |row| row.wheel_speed[i])),
+            wheel: std::array::from_fn(|i| white(&record.rows, |row| wheel(row, i))),
         }
     }
 }
@@ -44,8 +50,8 @@ fn white(rows: &[Row], value: impl Fn(&Row) -> f64) -> f64 {
 }
 
 /// The same segments with the noise of their inputs once more.
-pub(super) fn noisier(segments: &[Segment], records: &[Record], seed: u64) -> Vec<Segment> {
-    let noise: Vec<InputNoise> = records.iter().map(InputNoise::of).collect();
+pub(super) fn noisier(segments: &[Segment], records: &[Record], drive: Drive, seed: u64) -> Vec<Segment> {
+    let noise: Vec<InputNoise> = records.iter().map(|record| InputNoise::of(record, drive)).collect();
     let mut segments = segments.to_vec();
     // Neighbours share a row, and so its noise.
     let mut shared = [0.0; 5];
@@ -92,7 +98,7 @@ mod tests {
             samples.push(sample);
         }
         let record = Record::new("test", &samples, &Sensors::default());
-        let std = InputNoise::of(&record).steering;
+        let std = InputNoise::of(&record, Drive::WheelSpeeds).steering;
         assert!((std / 0.002 - 1.0).abs() < 0.1, "{std}");
     }
 }

@@ -15,7 +15,9 @@ pub(super) struct Uncertainty {
     /// What the recording alone would leave, the priors taken away; infinite where it says nothing.
     pub(super) by_data: DVector<f64>,
     /// How far the noise of the inputs has moved each coordinate: to be taken off.
-    pub(super) shift: DVector<f64>,
+    pub(super) correction: DVector<f64>,
+    /// Where it has moved a coordinate so far that nothing can be taken off any more.
+    pub(super) decided_by_noise: Vec<bool>,
     /// Half of the 95 % interval / standard deviation.
     pub(super) factor: f64,
 }
@@ -23,7 +25,7 @@ pub(super) struct Uncertainty {
 /// What the noise of the inputs does to the coordinates.
 #[derive(Clone, Debug)]
 pub(super) struct Shift {
-    pub(super) mean: DVector<f64>,
+    mean: DVector<f64>,
     /// Variance of the mean.
     scatter: DVector<f64>,
 }
@@ -80,8 +82,14 @@ pub(super) fn of(fit: &Fit, free: &[Free], shift: &Shift) -> Option<Uncertainty>
     let std = (variance + shift.variance()).map(f64::sqrt);
     let own = covariance.diagonal().map(|v| v.max(f64::MIN_POSITIVE).sqrt());
     let correlation = DMatrix::from_fn(free.len(), free.len(), |i, j| covariance[(i, j)] / (own[i] * own[j]));
+    let decides = |(free, mean): (&Free, &f64)| {
+        mean.abs() > if free.parameters.first().is_logarithmic() { 0.1 } else { 10.0 }
+    };
+    let decided_by_noise: Vec<bool> = free.iter().zip(shift.mean.iter()).map(decides).collect();
+    // They belong together: with one that cannot be corrected, none is.
+    let correction = if decided_by_noise.contains(&true) { 0.0 * &shift.mean } else { shift.mean.clone() };
     let by_data = alone(&(&information - &prior), &std, &inverse);
-    Some(Uncertainty { std, correlation, by_data, shift: shift.mean.clone(), factor: student(dof) })
+    Some(Uncertainty { std, correlation, by_data, correction, decided_by_noise, factor: student(dof) })
 }
 
 fn scatter_of(scores: &[DVector<f64>]) -> DMatrix<f64> {

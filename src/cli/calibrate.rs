@@ -81,7 +81,9 @@ impl Calibrate {
         if let Some(path) = &self.json {
             write_json(path, &report)?;
         }
-        let text = if report.brakings.is_empty() { String::new() } else { report.text() };
+        // Standard output is either for a machine or for a person.
+        let for_machine = self.json.as_deref() == Some(Path::new("-"));
+        let text = if for_machine || report.brakings.is_empty() { String::new() } else { report.text() };
         std::io::stdout().write_all(text.as_bytes())?;
         if !broken.is_empty() {
             return Err(Failure::Work(broken.join("; ")));

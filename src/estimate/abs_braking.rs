@@ -14,6 +14,8 @@ use crate::model::GRAVITY;
 pub struct AbsFriction {
     /// Mean friction used.
     pub mu: f64,
+    /// Its standard deviation.
+    pub std: f64,
     /// Seconds since it was measured.
     pub age_s: f64,
 }
@@ -177,7 +179,7 @@ impl AbsBraking {
         self.free_speed = speed;
         let outcome = self.measure(&braking, speed);
         if let Ok(friction) = outcome {
-            self.last = Some(AbsFriction { mu: friction.mu, age_s: ago_s });
+            self.last = Some(AbsFriction { mu: friction.mu, std: friction.std, age_s: ago_s });
         }
         let Braking { duration_s, start_speed, .. } = braking;
         self.record = Some(AbsRecord { duration_s, start_speed, outcome });

@@ -181,10 +181,12 @@ impl FrictionMonitor {
 
     fn add_abs(&self, friction: &mut Friction, abs: Option<AbsFriction>) {
         let Some(abs) = abs.filter(|abs| abs.age_s <= self.config.abs_memory_s) else { return };
-        let std = Self::ABS_STD + Self::ABS_STD_GROWTH * abs.age_s;
+        let measured = abs.std.max(Self::ABS_STD);
+        let std = measured + Self::ABS_STD_GROWTH * abs.age_s;
         self.publish(friction, abs.mu, std, MuSource::Abs);
         friction.age_s = Some(abs.age_s);
-        friction.valid = abs.age_s <= self.config.abs_valid_s;
+        friction.valid =
+            abs.age_s <= self.config.abs_valid_s && 1.96 * measured <= self.config.valid_half_width;
     }
 
     fn add_limit(&self, friction: &mut Friction, limit: LimitFriction) {
@@ -357,7 +359,7 @@ mod tests {
         let friction = monitor.step(&sample(0.0, 0.0), Some(0.0), evidence);
         assert_eq!((friction.source, friction.valid), (MuSource::SlopeMap, false));
         assert_eq!((friction.max, friction.low, friction.high), (Some(0.5), Some(0.35), Some(0.65)));
-        let measured = Evidence { abs: Some(AbsFriction { mu: 0.8, age_s: 0.0 }), ..evidence };
+        let measured = Evidence { abs: Some(AbsFriction { mu: 0.8, std: 0.02, age_s: 0.0 }), ..evidence };
         assert_eq!(monitor.step(&sample(0.0, 0.0), Some(0.0), measured).source, MuSource::Abs);
         // Using more than it allows refutes it.
         let mut braking = Friction::default();
@@ -372,7 +374,7 @@ mod tests {
         let car = Car::new(&Vehicle::thesis());
         let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
         let mut after = |age_s| {
-            let abs = Some(AbsFriction { mu: 0.4, age_s });
+            let abs = Some(AbsFriction { mu: 0.4, std: 0.02, age_s });
             monitor.step(&sample(0.0, 0.0), Some(0.0), Evidence { abs, ..Evidence::default() })
         };
         let (fresh, old, gone) = (after(0.1), after(10.0), after(30.0));

@@ -191,6 +191,8 @@ pub struct SaturationDetector {
 impl SaturationDetector {
     /// Samples are averaged over this time, s: a wheel spins up and is caught within half a second.
     const BLOCK_S: f64 = 0.1;
+    /// A sample that comes later than this after the last one comes after a gap, s.
+    const GAP_S: f64 = 0.05;
     /// Both wheels of the axle are at their limits if they were within this time, s.
     const TOGETHER_S: f64 = 0.5;
     /// Beyond its peak a tire gives less: for this time the largest force counts, s, …
@@ -238,6 +240,10 @@ impl SaturationDetector {
             friction.age_s += now.elapsed_s;
         }
         self.since_spinning_s += now.elapsed_s;
+        if now.elapsed_s > Self::GAP_S {
+            // What lies on both sides of a gap is no one stretch.
+            self.wheels.iter_mut().for_each(WheelSaturation::reset);
+        }
         let Some(block) = self.blocks.step(now) else { return };
         let points = traction.points(&block);
         for wheel in Wheel::ALL.into_iter().filter(|&wheel| self.car.driven_axle.drives(wheel)) {

@@ -259,8 +259,8 @@ impl<'a> Search<'a> {
         let share = if longest > 1.1 { 1.1 / longest } else { 1.0 };
         let mut theta = &point.theta + share * &step.theta;
         for (coordinate, free) in theta.iter_mut().zip(self.free) {
-            let (low, high) = free.parameters.first().bounds();
-            *coordinate = coordinate.clamp(free.parameters.coordinate(low), free.parameters.coordinate(high));
+            let (low, high) = free.parameters.coordinate_bounds();
+            *coordinate = coordinate.clamp(low, high);
         }
         let starts = point.starts.iter().zip(&step.starts).map(|(at, by)| at + share * by).collect();
         Point { theta, starts }

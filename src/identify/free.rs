@@ -60,6 +60,12 @@ impl Tied {
         if first.is_logarithmic() { value.ln() } else { value / first.scale() }
     }
 
+    /// What it can be at all.
+    pub(super) fn coordinate_bounds(self) -> (f64, f64) {
+        let (low, high) = self.first().bounds();
+        (self.coordinate(low), self.coordinate(high))
+    }
+
     /// And back.
     pub(super) fn value(self, coordinate: f64) -> f64 {
         let first = self.first();

@@ -10,8 +10,10 @@ use super::prepare;
 use super::record::Record;
 use crate::model::Vehicle;
 
-/// Length of a block, s.
+/// Length of a block, s; what does not divide by it is spread over the blocks.
 pub const BLOCK_S: f64 = 20.0;
+/// Shorter stretches do not count, s.
+const LEAST_S: f64 = 2.0;
 
 /// Measured and simulated, row by row, and the fit of each channel.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,7 +46,7 @@ pub fn free_run(records: &[Record], vehicle: &Vehicle, drive: Drive) -> Fits {
 pub(super) fn fits(records: &[Record], vehicle: &Vehicle, values: &Values, drive: Drive) -> Fits {
     let car = Car::plain(vehicle, drive, values);
     let mut rows = Vec::new();
-    for segment in prepare::segments(records, vehicle, values, drive, BLOCK_S) {
+    for segment in prepare::segments(records, vehicle, values, drive, BLOCK_S, LEAST_S) {
         let outputs = segment.outputs(&car, drive, segment.start);
         for (place, (simulated, measured)) in outputs.iter().zip(&segment.measured).enumerate() {
             let t = segment.t + place as f64 * segment.period_s;

@@ -69,7 +69,8 @@ impl<'a> Identifier<'a> {
         let values = Values::of(vehicle);
         let free = setup::free(vehicle, config, has, drive)?;
         let records = setup::prepared(records, vehicle, drive);
-        let segments = prepare::segments(&records, vehicle, &values, drive, config.segment_s);
+        let segments =
+            prepare::segments(&records, vehicle, &values, drive, config.segment_s, 0.5 * config.segment_s);
         if segments.is_empty() {
             let records = records.iter().map(|record| record.name.clone()).collect::<Vec<_>>().join(", ");
             let braking =
@@ -152,6 +153,9 @@ impl<'a> Identifier<'a> {
     /// From the parameters' units; `None` where one of them cannot be.
     fn coordinates(&self, from: &[f64]) -> Option<DVector<f64>> {
         let coordinates = self.free.iter().zip(from).map(|(free, value)| free.parameters.coordinate(*value));
+        if from.len() != self.free.len() {
+            return None;
+        }
         let theta = DVector::from_iterator(self.free.len(), coordinates);
         theta.iter().all(|coordinate| coordinate.is_finite()).then_some(theta)
     }
@@ -199,7 +203,7 @@ impl<'a> Identifier<'a> {
             parameters.push(self.identified(place, &fit, &sure));
         }
         progress("free run", 0.0);
-        let values = self.search_in().values_at(&(&fit.point.theta - &sure.correction));
+        let values = self.search_in().values_at(&self.corrected(&fit, &sure));
         let correlation = sure.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
         let there = Channel::ALL.into_iter().zip(fit.noise).filter(|(channel, _)| self.is_measured(*channel));
         // A channel that has no say in the search leaves no residuals.
@@ -224,6 +228,16 @@ impl<'a> Identifier<'a> {
     fn is_measured(&self, channel: Channel) -> bool {
         let mut rows = self.segments.iter().flat_map(|segment| &segment.measured);
         rows.any(|row| !row[channel as usize].is_nan())
+    }
+
+    /// The coordinates without what the noise of the inputs has done, within their bounds.
+    fn corrected(&self, fit: &Fit, sure: &Uncertainty) -> DVector<f64> {
+        let mut theta = &fit.point.theta - &sure.correction;
+        for (coordinate, free) in theta.iter_mut().zip(&self.free) {
+            let (low, high) = free.parameters.coordinate_bounds();
+            *coordinate = coordinate.clamp(low, high);
+        }
+        theta
     }
 
     /// What the noise of the inputs has done, by doing it again a few times.
@@ -256,9 +270,11 @@ impl<'a> Identifier<'a> {
 
     fn identified(&self, place: usize, fit: &Fit, sure: &Uncertainty) -> Identified {
         let free = &self.free[place];
-        let at = fit.point.theta[place] - sure.correction[place];
+        let (low, high) = free.parameters.coordinate_bounds();
+        let at = self.corrected(fit, sure)[place];
         let half = sure.factor * sure.std[place];
-        let ends = (free.parameters.value(at - half), free.parameters.value(at + half));
+        let end = |coordinate: f64| free.parameters.value(coordinate.clamp(low, high));
+        let ends = (end(at - half), end(at + half));
         let (identifiable, reason) = self.verdict(place, fit, sure);
         let profile =
             if self.config.profile { self.profile(place, fit, sure.std[place]) } else { Vec::new() };
@@ -279,10 +295,9 @@ impl<'a> Identifier<'a> {
     /// Does the recording say something of a parameter, and if not, why not?
     fn verdict(&self, place: usize, fit: &Fit, sure: &Uncertainty) -> (bool, String) {
         let free = &self.free[place];
-        let (low, high) = free.parameters.first().bounds();
         let value = free.parameters.value(fit.point.theta[place]);
-        let at_bound = (value - low).abs() < 1e-6 * low.abs() || (value - high).abs() < 1e-6 * high.abs();
-        if at_bound {
+        let (low, high) = free.parameters.coordinate_bounds();
+        if [low, high].iter().any(|bound| (fit.point.theta[place] - bound).abs() < 1e-6) {
             return (false, format!("the search ends at the bound {value}: the equations do not fit here"));
         }
         if !self.is_steered && excitation::needs_steering(free.parameters.first()) {
@@ -309,7 +324,7 @@ impl<'a> Identifier<'a> {
             return (false, format!("the recording leaves it open by more than half of its value{with}"));
         }
         if !fit.converged {
-            return (true, "the search stopped before it had come to rest".into());
+            return (false, "the search stopped before it had come to rest".into());
         }
         (true, partner.map_or(String::new(), |name| format!("its error goes with that of {name}")))
     }
@@ -324,7 +339,8 @@ impl<'a> Identifier<'a> {
             let theta = fit.point.theta.clone().remove_row(place);
             let mut at = Point { theta, ..fit.point.clone() };
             for by in [1.0, 2.0] {
-                let coordinate = fit.point.theta[place] + side * by * std;
+                let (low, high) = fixed.parameters.coordinate_bounds();
+                let coordinate = (fit.point.theta[place] + side * by * std).clamp(low, high);
                 let mut values = self.search_in().values_at(&fit.point.theta);
                 fixed.parameters.put(&mut values, fixed.parameters.value(coordinate));
                 let search = Search { values: &values, free: &others, ..self.search_in() };

@@ -1,5 +1,6 @@
 //! What can be identified: the vehicle's named numbers, and the offsets of its sensors.
 
+use super::car::Drive;
 use crate::model::{DrivenAxle, TireKind, Uncertain, Vehicle};
 use crate::{Quantity, Wheel};
 
@@ -233,25 +234,38 @@ impl Parameter {
         }
     }
 
-    /// What is free where nobody says otherwise: all that the vehicle's table calls uncertain and the
-    /// equations use, and the offsets of the sensors there are.
-    pub fn usual(vehicle: &Vehicle, has: impl Fn(Quantity) -> bool) -> Vec<Self> {
-        let has_torque = has(Quantity::DriveTorque);
-        let is_used = |parameter: &Self| match parameter {
+    /// Do the equations use it, and do the sensors see it?
+    pub fn is_used(self, vehicle: &Vehicle, drive: Drive, has: impl Fn(Quantity) -> bool) -> bool {
+        match self {
             Self::MagicShape | Self::MagicCurvature => vehicle.tire == TireKind::MagicFormula,
             Self::Friction => vehicle.tire != TireKind::Linear,
-            Self::DriveTorqueRatio => has_torque,
-            Self::BrakePerBarFront | Self::BrakePerBarRear => has(Quantity::BrakePressure),
+            Self::DriveTorqueRatio => drive == Drive::Torque,
+            Self::BrakePerBarFront | Self::BrakePerBarRear => {
+                drive == Drive::Torque && has(Quantity::BrakePressure)
+            }
             Self::YawRateOffset => has(Quantity::YawRate),
             Self::LateralAccelerationOffset => has(Quantity::LateralAcceleration),
-            Self::LongitudinalAccelerationOffset => has(Quantity::LongitudinalAcceleration),
+            Self::LongitudinalAccelerationOffset => {
+                drive != Drive::WheelSpeeds && has(Quantity::LongitudinalAcceleration)
+            }
             Self::SteeringOffset => has(Quantity::SteeringWheelAngle),
-            // One radius is the nominal one; the undriven wheels (rear, where all are driven) set it.
-            Self::SlipOffsetFl | Self::SlipOffsetFr => vehicle.driven_axle != DrivenAxle::Rear,
-            Self::SlipOffsetRl | Self::SlipOffsetRr => vehicle.driven_axle == DrivenAxle::Rear,
             _ => true,
+        }
+    }
+
+    /// What is free where nobody says otherwise: all that the vehicle's table calls uncertain and the
+    /// equations use, and the offsets of the sensors there are.
+    pub fn usual(vehicle: &Vehicle, drive: Drive, has: impl Fn(Quantity) -> bool) -> Vec<Self> {
+        let is_free = |parameter: &Self| {
+            // One radius is the nominal one; the undriven wheels (rear, where all are driven) set it.
+            let sets_the_radius = match parameter {
+                Self::SlipOffsetFl | Self::SlipOffsetFr => vehicle.driven_axle == DrivenAxle::Rear,
+                Self::SlipOffsetRl | Self::SlipOffsetRr => vehicle.driven_axle != DrivenAxle::Rear,
+                _ => false,
+            };
+            let is_uncertain = parameter.prior(vehicle).std > 0.0;
+            is_uncertain && !sets_the_radius && parameter.is_used(vehicle, drive, &has)
         };
-        let is_free = |parameter: &Self| parameter.prior(vehicle).std > 0.0 && is_used(parameter);
         Self::ALL.into_iter().filter(is_free).collect()
     }
 

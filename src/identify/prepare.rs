@@ -5,20 +5,21 @@ use super::motion::Input;
 use super::parameter::Values;
 use super::record::Record;
 use super::segment::{Segment, measured};
-use crate::model::{DrivenAxle, Vehicle};
-use crate::{Quantity, Wheel};
+use crate::Quantity;
+use crate::model::Vehicle;
 
 /// λ h that a Runge–Kutta step may reach: its error is (λ h)⁵/120 then.
 const RATE_TIMES_STEP: f64 = 0.6;
 const MOST_SUBSTEPS: u32 = 50;
 
-/// Cuts all records into segments of so many seconds.
+/// Cuts all records into segments of about `segment_s` seconds; stretches shorter than `least_s` are left out.
 pub(super) fn segments(
     records: &[Record],
     vehicle: &Vehicle,
     values: &Values,
     drive: Drive,
     segment_s: f64,
+    least_s: f64,
 ) -> Vec<Segment> {
     let mut segments = Vec::new();
     for (number, record) in records.iter().enumerate() {
@@ -26,7 +27,7 @@ pub(super) fn segments(
             && record.sensors.has(Quantity::BrakePressure)
             && vehicle.brake_torque_per_bar_front_nm.is_some()
             && vehicle.brake_torque_per_bar_rear_nm.is_some();
-        for (from, to) in record.stretches(vehicle, 0.5 * segment_s, knows_brakes) {
+        for (from, to) in record.stretches(vehicle, least_s, drive, knows_brakes) {
             cut(record, number, (from, to), (vehicle, values, drive, segment_s), &mut segments);
         }
     }
@@ -54,7 +55,6 @@ fn cut(
         let slowest = rows.iter().map(speed).fold(f64::INFINITY, f64::min);
         let rate = car.fastest_rate(slowest) * record.period_s;
         let mut inputs: Vec<Input> = rows.iter().map(|row| Input::of(row, drive)).collect();
-        hold_inputs(&mut inputs, vehicle.driven_axle);
         for place in 1..inputs.len() {
             let turned = inputs[place].steering - inputs[place - 1].steering;
             inputs[place - 1].steering_rate = turned / record.period_s;
@@ -69,20 +69,6 @@ fn cut(
             continues: piece > 0,
             start: start(rows, radius),
         });
-    }
-}
-
-/// An input that is missing for a moment keeps its last value.
-fn hold_inputs(inputs: &mut [Input], driven_axle: DrivenAxle) {
-    for place in 1..inputs.len() {
-        let last = inputs[place - 1];
-        let now = &mut inputs[place];
-        for wheel in Wheel::ALL.into_iter().filter(|wheel| driven_axle.drives(*wheel)) {
-            let i = wheel as usize;
-            if !now.wheel[i].is_finite() {
-                now.wheel[i] = last.wheel[i];
-            }
-        }
     }
 }
 

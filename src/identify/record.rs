@@ -1,5 +1,6 @@
 //! A recording as identification sees it: rows on a uniform grid, cut where nothing can be learnt.
 
+use super::car::Drive;
 use crate::model::{DrivenAxle, Vehicle};
 use crate::{Micros, Quantity, Sample, Sensors, Wheel};
 
@@ -56,13 +57,21 @@ impl Record {
 
     /// Pieces of rows without gap, long enough, and fast enough to have slip angles: each gets a start
     /// of its own. With `braking`, braked stretches are in.
-    pub(super) fn stretches(&self, vehicle: &Vehicle, least_s: f64, braking: bool) -> Vec<(usize, usize)> {
+    pub(super) fn stretches(
+        &self,
+        vehicle: &Vehicle,
+        least_s: f64,
+        drive: Drive,
+        braking: bool,
+    ) -> Vec<(usize, usize)> {
         let mut stretches = Vec::new();
         let mut begin = None;
         let mut last_t = f64::NEG_INFINITY;
         let radius = vehicle.wheel_radius_m.value;
         for (place, row) in self.rows.iter().enumerate() {
-            let usable = row.is_usable(radius) && (braking || !row.braking);
+            let usable = row.is_usable(radius)
+                && row.has_inputs(vehicle, drive)
+                && if braking { row.brake_pressure.is_finite() } else { !row.braking };
             let follows = row.t - last_t < 1.5 * self.period_s;
             last_t = row.t;
             if let Some(from) = begin
@@ -124,6 +133,16 @@ impl Row {
         let speeds = Wheel::ALL.into_iter().filter(counts).map(|wheel| self.wheel_speed[wheel as usize]);
         let (sum, count) = speeds.fold((0.0, 0.0), |(sum, count), speed| (sum + speed, count + 1.0));
         vehicle.wheel_radius_m.value * sum / count
+    }
+
+    /// Is all there that the equations are driven by?
+    fn has_inputs(&self, vehicle: &Vehicle, drive: Drive) -> bool {
+        let driven = Wheel::ALL.into_iter().filter(|wheel| vehicle.driven_axle.drives(*wheel));
+        match drive {
+            Drive::Torque => self.drive_torque.is_finite(),
+            Drive::WheelSpeeds => driven.map(|w| self.wheel_speed[w as usize]).all(f64::is_finite),
+            Drive::Slips => self.slip.iter().all(|slip| slip.is_finite()),
+        }
     }
 
     fn is_usable(&self, radius: f64) -> bool {

@@ -41,7 +41,7 @@ pub(super) fn free(
     drive: Drive,
 ) -> Result<Vec<Free>, IdentifyError> {
     let chosen: Vec<Tied> = if config.parameters.is_empty() {
-        Parameter::usual(vehicle, &has).into_iter().map(Tied::One).collect()
+        Parameter::usual(vehicle, drive, &has).into_iter().map(Tied::One).collect()
     } else {
         config.parameters.iter().map(|name| config::named(name)).collect::<Result<_, _>>()?
     };
@@ -54,8 +54,8 @@ pub(super) fn free(
         if !prior.value.is_finite() {
             return Err(unusable("the vehicle's table has no value to start from"));
         }
-        if first == Parameter::DriveTorqueRatio && drive != Drive::Torque {
-            return Err(unusable("no drive torque goes into the equations"));
+        if !first.is_used(vehicle, drive, &has) {
+            return Err(unusable("with these tires, sensors and identify.drive the equations do not use it"));
         }
         let mean = parameters.coordinate(prior.value);
         let std = match prior.std {

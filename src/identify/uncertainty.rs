@@ -123,10 +123,13 @@ fn alone(data: &DMatrix<f64>, std: &DVector<f64>, inverse: &DMatrix<f64>) -> DVe
 }
 
 /// The 97.5 % quantile of Student's distribution (Hill's expansion about the normal one; exact to 1 %
-/// from 3 degrees of freedom).
+/// from 3 degrees of freedom, below from the table).
 fn student(dof: f64) -> f64 {
+    if dof < 2.5 {
+        return if dof < 1.5 { 12.706 } else { 4.303 };
+    }
     let z = 1.959_964_f64;
-    let n = dof.max(3.0);
+    let n = dof;
     let (z3, z5) = (z.powi(3), z.powi(5));
     let third = (3.0 * z.powi(7) + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n.powi(3));
     z + (z3 + z) / (4.0 * n) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n) + third
@@ -138,7 +141,9 @@ mod tests {
 
     #[test]
     fn quantiles_are_those_of_the_tables() {
-        for (dof, quantile) in [(5.0, 2.571), (10.0, 2.228), (30.0, 2.042), (1e6, 1.960)] {
+        for (dof, quantile) in
+            [(1.0, 12.706), (2.0, 4.303), (5.0, 2.571), (10.0, 2.228), (30.0, 2.042), (1e6, 1.960)]
+        {
             assert!((student(dof) / quantile - 1.0).abs() < 5e-3, "{dof}: {}", student(dof));
         }
     }

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)] // Tests.
 
 use gripd::cli::reproduce::{Drive as Driven, SIM1, steered};
-use gripd::identify::{Drive, Identifier, IdentifyConfig, Record};
+use gripd::identify::{Drive, Identifier, IdentifyConfig, Method, Record};
 use gripd::model::Vehicle;
 
 /// Sim1 with this steering amplitude, with or without noise.
@@ -36,6 +36,20 @@ fn every_corner_leads_home_without_noise() {
             for (value, truth) in path.to.iter().zip([50.0, 11.5]) {
                 assert!((value / truth - 1.0).abs() < 5e-3, "{drive:?} {amplitude} {from:?}: {:?}", path.to);
             }
+        }
+    }
+}
+
+#[test]
+fn a_free_run_through_everything_ends_there_too() {
+    let (record, vehicle) = sim1(0.01, true, 1);
+    let records = [record];
+    let config = IdentifyConfig { method: Method::FreeRun, ..config(Drive::WheelSpeeds) };
+    let identifier = Identifier::new(&records, &vehicle, &config).unwrap();
+    for from in [[36.0, 9.6], CORNERS[0]] {
+        let path = identifier.search(&from).unwrap();
+        for (value, truth) in path.to.iter().zip([50.0, 11.5]) {
+            assert!((value / truth - 1.0).abs() < 0.01, "{from:?}: {:?}", path.to);
         }
     }
 }

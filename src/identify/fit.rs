@@ -109,17 +109,15 @@ impl<'a> Search<'a> {
     /// And the last.
     pub(super) fn finish(&self, ahead: &Ahead, noise: &Noise) -> Option<Fit> {
         let begin = self.begin(ahead.theta.clone());
-        let mut fit = if self.method == Method::FreeRun {
-            self.descend(begin, &ahead.noise, noise, Tie::TIGHT, ENOUGH)?
-        } else {
-            let alone = self.descend(begin, &ahead.noise, noise, Tie::NONE, 5.0)?;
-            let tie = if self.method == Method::Auto { tie(&alone.all) } else { Tie::NONE };
-            let iterations = alone.iterations;
-            let mut fit = self.go_on(alone.point, Some(alone.all), &alone.noise, noise, tie, ENOUGH)?;
-            fit.iterations += iterations;
-            fit
+        // Even for a free run: tied at once, segments that begin as measured would pull the parameters.
+        let alone = self.descend(begin, &ahead.noise, noise, Tie::NONE, 5.0)?;
+        let tie = match self.method {
+            Method::Segments => Tie::NONE,
+            Method::FreeRun => Tie::TIGHT,
+            Method::Auto => tie(&alone.all),
         };
-        fit.iterations += ahead.iterations;
+        let mut fit = self.go_on(alone.point, Some(alone.all), &alone.noise, noise, tie, ENOUGH)?;
+        fit.iterations += ahead.iterations + alone.iterations;
         Some(fit)
     }
 

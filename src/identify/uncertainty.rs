@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::fit::Fit;
 use super::free::Free;
+use crate::filter::student;
 
 /// Covariance of the search's coordinates at its end.
 #[derive(Clone, Debug)]
@@ -89,7 +90,14 @@ pub(super) fn of(fit: &Fit, free: &[Free], shift: &Shift) -> Option<Uncertainty>
     // They belong together: with one that cannot be corrected, none is.
     let correction = if decided_by_noise.contains(&true) { 0.0 * &shift.mean } else { shift.mean.clone() };
     let by_data = alone(&(&information - &prior), &std, &inverse);
-    Some(Uncertainty { std, correlation, by_data, correction, decided_by_noise, factor: student(dof) })
+    Some(Uncertainty {
+        std,
+        correlation,
+        by_data,
+        correction,
+        decided_by_noise,
+        factor: student::quantile(0.95, dof),
+    })
 }
 
 fn scatter_of(scores: &[DVector<f64>]) -> DMatrix<f64> {
@@ -120,31 +128,4 @@ fn alone(data: &DMatrix<f64>, std: &DVector<f64>, inverse: &DMatrix<f64>) -> DVe
         }
         variance.sqrt() * (std[i] / inverse[(i, i)].sqrt())
     })
-}
-
-/// The 97.5 % quantile of Student's distribution (Hill's expansion about the normal one; exact to 1 %
-/// from 3 degrees of freedom, below from the table).
-fn student(dof: f64) -> f64 {
-    if dof < 2.5 {
-        return if dof < 1.5 { 12.706 } else { 4.303 };
-    }
-    let z = 1.959_964_f64;
-    let n = dof;
-    let (z3, z5) = (z.powi(3), z.powi(5));
-    let third = (3.0 * z.powi(7) + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n.powi(3));
-    z + (z3 + z) / (4.0 * n) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n) + third
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quantiles_are_those_of_the_tables() {
-        for (dof, quantile) in
-            [(1.0, 12.706), (2.0, 4.303), (5.0, 2.571), (10.0, 2.228), (30.0, 2.042), (1e6, 1.960)]
-        {
-            assert!((student(dof) / quantile - 1.0).abs() < 5e-3, "{dof}: {}", student(dof));
-        }
-    }
 }

@@ -4,8 +4,8 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::regression::{Point, Regression, Shape};
-use super::student;
 use super::{MappingConfig, MappingKind};
+use crate::filter::student;
 
 /// The slope that had settled on a surface, and what an ABS braking on it gave.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

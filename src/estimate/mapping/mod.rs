@@ -8,7 +8,6 @@ mod calibration;
 mod pairs;
 mod published;
 mod regression;
-mod student;
 
 pub use calibration::{Calibration, MappingFit, Pair, Refusal};
 pub use pairs::{Braking, NotAPair, PairFinder, mean_slope};

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::regression::Covariance;
-use super::student;
 use crate::estimates::Estimate;
+use crate::filter::student;
 
 /// Which function of the slope.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

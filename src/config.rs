@@ -8,6 +8,7 @@ use thiserror::Error;
 use crate::dbc::{Database, DbcError};
 use crate::estimate::EstimatorsConfig;
 use crate::identify::{IdentifyConfig, IdentifyError};
+use crate::model::effect::EffectConfig;
 use crate::model::{Vehicle, VehicleError};
 use crate::service::ServiceConfig;
 use crate::signals::SignalsConfig;
@@ -26,7 +27,7 @@ pub struct Config {
     pub signals: SignalsConfig,
     /// `[vehicle]`
     pub vehicle: Vehicle,
-    /// `[[effect]]`
+    /// `[[effect]]`: physics beyond the plain model.
     #[serde(default)]
     pub effect: Vec<EffectConfig>,
     /// `[estimators]`
@@ -70,13 +71,6 @@ pub struct DbcConfig {
     /// Ours; the built-in one if not given.
     #[serde(default)]
     pub output: Option<PathBuf>,
-}
-
-/// `[[effect]]`: physics beyond the plain model.
-#[derive(Clone, Debug, Deserialize)]
-pub struct EffectConfig {
-    /// Its name.
-    pub kind: String,
 }
 
 /// A configuration that cannot be used.
@@ -163,8 +157,8 @@ impl Config {
         let fail = |key: &str, reason: String| {
             Err(ConfigError::Value { path: path.to_owned(), key: key.to_owned(), reason })
         };
-        if let Some(effect) = self.effect.first() {
-            return fail("effect", format!("this version has no effect `{}`; remove the table", effect.kind));
+        if let Some((place, key, reason)) = EffectConfig::problem_among(&self.effect) {
+            return fail(&format!("effect[{place}].{key}"), reason);
         }
         if self.dbc.input.is_empty() {
             return fail("dbc.input", "name at least one DBC file of the car".into());

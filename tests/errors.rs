@@ -305,7 +305,7 @@ fn missing_and_mistyped_signals_are_all_named_at_once() {
 fn an_unknown_effect_is_named() {
     let garage = Garage::new();
     garage.write("car.toml", format!("{CAR}\n[[effect]]\nkind = \"flux_capacitor\"\n"));
-    garage.refused(&["car.toml", "effect", "flux_capacitor"]);
+    garage.refused(&["car.toml", "line", "effect kind", "flux_capacitor", "load_transfer"]);
 }
 
 #[test]
@@ -361,7 +361,7 @@ fn broken_scenarios_are_named() {
     simulate(&SCENARIO.replace("mass_kg = 1500", "mass_kg = -5")).with(2, &["vehicle.mass_kg", "-5"]);
     simulate(&SCENARIO.replace("duration_s = 1", "duration_s = -1")).with(2, &["duration_s"]);
     simulate(&format!("{SCENARIO}[[effect]]\nkind = \"flux_capacitor\"\n"))
-        .with(2, &["scenario.toml", "effect"]);
+        .with(2, &["scenario.toml", "line", "effect kind", "flux_capacitor", "load_transfer"]);
     garage.write("scenario.toml", SCENARIO);
     let nowhere = Path::new("no/such/folder/out.log");
     garage

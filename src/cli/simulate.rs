@@ -66,7 +66,10 @@ impl Simulate {
         let mut frames = SimulatedFrames::new(outputs);
         let mut log = Writer::create(&self.out, &config.bus.interface).map_err(Failure::work)?;
         let mut truth = match &self.truth {
-            Some(path) => Some(TruthWriter::new(Output::create(path)?).map_err(Failure::work)?),
+            Some(path) => {
+                let columns = simulation.effect_columns();
+                Some(TruthWriter::with_effects(Output::create(path)?, columns).map_err(Failure::work)?)
+            }
             None => None,
         };
         let mut failure = None;
@@ -77,7 +80,7 @@ impl Simulate {
                 }
             });
             if let Some(truth) = &mut truth {
-                truth.write(tick.truth).map_err(Failure::work)?;
+                truth.write_with(tick.truth, tick.effects).map_err(Failure::work)?;
             }
         }
         if let Some(error) = failure {

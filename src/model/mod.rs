@@ -8,6 +8,7 @@
 mod bicycle;
 pub mod body;
 mod dual;
+pub mod effect;
 pub mod friction;
 pub mod integrate;
 mod one_wheel;

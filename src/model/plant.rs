@@ -99,12 +99,37 @@ pub struct Response {
     pub acceleration: Acceleration,
     /// Slip of each wheel.
     pub slip: [f64; 4],
-    /// Slip angle of each wheel, rad, positive when it gives a force to the left.
+    /// Slip angle of each wheel as the motion gives it, rad, positive when it gives a force to the left.
     pub slip_angle: [f64; 4],
     /// Force along each wheel, N.
     pub fx: [f64; 4],
     /// Force across each wheel, N, to the left.
     pub fy: [f64; 4],
+}
+
+/// What comes between the car's motion and its tires' forces: nothing ([`Plainly`]), or what effects make
+/// of it. The plain equations are compiled without it.
+pub(super) trait Between {
+    /// The slip angles that the tires answer to, rad, from those of the motion.
+    fn answered(&self, slip_angle: [f64; 4]) -> [f64; 4];
+
+    /// Force along and across / normal load.
+    fn force(&self, tire: &Tire, contact: &Contact, slip: f64, slip_angle: f64) -> [f64; 2];
+}
+
+/// Nothing comes between.
+struct Plainly;
+
+impl Between for Plainly {
+    #[inline(always)]
+    fn answered(&self, slip_angle: [f64; 4]) -> [f64; 4] {
+        slip_angle
+    }
+
+    #[inline(always)]
+    fn force(&self, tire: &Tire, contact: &Contact, slip: f64, slip_angle: f64) -> [f64; 2] {
+        tire.combined(contact, slip, slip_angle)
+    }
 }
 
 /// The plain vehicle's equations with their numbers.
@@ -153,7 +178,18 @@ impl Plant {
     /// Slips, forces, accelerations and the derivative of the state. Brakes act against each
     /// wheel's rotation, or hold it.
     pub fn respond(&self, state: &State, controls: &Controls, conditions: &Conditions) -> Response {
-        let mut response = self.forces(state, controls, conditions);
+        self.respond_through(state, controls, conditions, &Plainly)
+    }
+
+    /// [`Self::respond`] with something between motion and forces.
+    pub(super) fn respond_through(
+        &self,
+        state: &State,
+        controls: &Controls,
+        conditions: &Conditions,
+        between: &impl Between,
+    ) -> Response {
+        let mut response = self.forces(state, controls, conditions, between);
         for i in 0..4 {
             let other = controls.drive_torque[i] - self.radius[i] * response.fx[i];
             let brake = controls.brake_torque[i];
@@ -172,23 +208,48 @@ impl Plant {
         conditions: &Conditions,
         braking: &[Braking; 4],
     ) -> State {
-        let mut response = self.forces(state, controls, conditions);
+        self.braked(state, controls, conditions, braking, &Plainly).rate
+    }
+
+    /// Everything with brakes that act as told and something between motion and forces.
+    #[inline]
+    pub(super) fn braked(
+        &self,
+        state: &State,
+        controls: &Controls,
+        conditions: &Conditions,
+        braking: &[Braking; 4],
+        between: &impl Between,
+    ) -> Response {
+        let mut response = self.forces(state, controls, conditions, between);
         for (i, braking) in braking.iter().enumerate() {
             let other = controls.drive_torque[i] - self.radius[i] * response.fx[i];
             response.rate.wheel_speed[i] =
                 braking.acceleration(other, controls.brake_torque[i], self.wheel_inertia);
         }
-        response.rate
+        response
     }
 
     /// The way each brake acts at the start of a step.
     #[inline]
     pub fn braking(&self, state: &State, controls: &Controls, conditions: &Conditions) -> [Braking; 4] {
+        self.braking_through(state, controls, conditions, &Plainly)
+    }
+
+    /// [`Self::braking`] with something between motion and forces.
+    #[inline]
+    pub(super) fn braking_through(
+        &self,
+        state: &State,
+        controls: &Controls,
+        conditions: &Conditions,
+        between: &impl Between,
+    ) -> [Braking; 4] {
         let stands = |i: usize| state.wheel_speed[i] == 0.0 && controls.brake_torque[i] > 0.0;
         if !(0..4).any(stands) {
             return state.wheel_speed.map(|speed| Braking::Against(speed.signum()));
         }
-        let fx = self.forces(state, controls, conditions).fx;
+        let fx = self.forces(state, controls, conditions, between).fx;
         std::array::from_fn(|i| {
             let other = controls.drive_torque[i] - self.radius[i] * fx[i];
             Braking::of(state.wheel_speed[i], controls.brake_torque[i], other)
@@ -197,7 +258,13 @@ impl Plant {
 
     /// Everything but the wheels' accelerations.
     #[inline]
-    fn forces(&self, state: &State, controls: &Controls, conditions: &Conditions) -> Response {
+    fn forces(
+        &self,
+        state: &State,
+        controls: &Controls,
+        conditions: &Conditions,
+        between: &impl Between,
+    ) -> Response {
         let velocity = &state.velocity;
         let steer = Steer::new(controls.steer);
         let along = self.body.contact_speeds(velocity, steer);
@@ -206,11 +273,14 @@ impl Plant {
         let [rear_along, rear_across] = self.body.rear_axle_velocity(velocity);
         let front = wheel::slip_angle(front_along, front_across);
         let rear = wheel::slip_angle(rear_along, rear_across);
-        let mut response = Response { slip_angle: [front, front, rear, rear], ..Response::default() };
+        let toe = &conditions.toe;
+        let slip_angle = [front + toe[0], front + toe[1], rear + toe[2], rear + toe[3]];
+        let answered = between.answered(slip_angle);
+        let mut response = Response { slip_angle, ..Response::default() };
         for (i, along) in along.into_iter().enumerate() {
             response.slip[i] = wheel::slip(self.radius[i] * state.wheel_speed[i], along);
-            response.slip_angle[i] += conditions.toe[i];
-            let [x, y] = self.tire.combined(&conditions.contact[i], response.slip[i], response.slip_angle[i]);
+            let contact = &conditions.contact[i];
+            let [x, y] = between.force(&self.tire, contact, response.slip[i], answered[i]);
             response.fx[i] = x * conditions.load[i];
             response.fy[i] = y * conditions.load[i];
         }

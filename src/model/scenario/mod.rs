@@ -1,6 +1,7 @@
 //! A scenario: one drive, with the car, its driver, the road and the sensors, as a TOML text.
 
 mod driver;
+mod effects;
 mod piece;
 mod road;
 mod sensors;
@@ -15,6 +16,7 @@ pub use piece::Piece;
 pub use road::{Side, Stretch};
 pub use sensors::{ClockConfig, SensorConfig, SensorsConfig, ToothWheelConfig};
 
+use super::effect::EffectConfig;
 use super::integrate::MAX_SUBSTEPS;
 use super::{Plant, State, Vehicle};
 
@@ -65,6 +67,9 @@ pub struct Scenario {
     /// Surfaces one after the other; before the first one the vehicle's own.
     #[serde(default)]
     pub road: Vec<Stretch>,
+    /// Physics beyond the plain model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effect: Vec<EffectConfig>,
     /// What is measured, and how well.
     #[serde(default)]
     pub sensors: SensorsConfig,
@@ -221,6 +226,7 @@ impl Scenario {
         }
         self.sensors.validate(&mut problems);
         self.clock.validate(&mut problems);
+        self.validate_effects(&mut problems);
         if problems.is_empty() {
             self.validate_stiffness(&mut problems);
         }
@@ -261,6 +267,7 @@ impl Scenario {
                 side.slope.map_or(side.longitudinal_factor.unwrap_or(1.0), |slope| slope / own)
             })
             .fold(1.0, f64::max);
+        let stiffest = stiffest * self.stiffer_by_effects();
         let rate = stiffest * plant.fastest_rate(&standing, &plant.nominal);
         let most = f64::from(MAX_SUBSTEPS) / (f64::from(self.step_us) * 1e-6);
         if rate > most {

@@ -31,6 +31,7 @@
 //! ```
 
 mod driver;
+mod effects;
 mod input;
 mod sensor;
 mod surface;
@@ -40,15 +41,18 @@ mod truth;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
+pub(super) use effects::OWN_STATES;
 pub use truth::{Truth, TruthWriter};
 
 use self::driver::{Abs, Demand, Driver};
+use self::effects::{Effects, Plain};
 use self::input::Input;
 use self::sensor::{History, Pending, Sensor};
 use self::surface::Surface;
 use self::tooth_wheel::ToothWheel;
 use super::scenario::{Piece, Scenario, ScenarioError};
-use super::{Conditions, Controls, Plant, Response, State, integrate};
+use super::tire::Contact;
+use super::{Conditions, Controls, Plant, Response, State, effect, integrate};
 use crate::{Micros, Quantity, Wheel};
 
 /// What a sensor says.
@@ -71,6 +75,8 @@ pub struct Tick<'a> {
     /// Readings that came after the last tick and up to this one, in order of time, at the same
     /// time in the order of [`Quantity::ALL`].
     pub readings: &'a [Reading],
+    /// What varies by effects, and their own states: the values of [`Simulation::effect_columns`].
+    pub effects: &'a [f64],
 }
 
 /// How torques reach the wheels: a share of the total for each wheel.
@@ -86,6 +92,8 @@ struct Shares {
 #[derive(Clone, Debug)]
 pub struct Simulation {
     plant: Plant,
+    effects: Option<Effects>,
+    effect_columns: Vec<String>,
     shares: Shares,
     steering_ratio: f64,
     drive_torque_ratio: f64,
@@ -106,7 +114,14 @@ pub struct Simulation {
     time: Micros,
     state: State,
     controls: Controls,
+    /// What the road is to the tires, before any effects.
+    on_road: [Contact; 4],
+    /// The plant as it is now, with what effects make of it.
+    car: Plant,
+    /// The same of the conditions.
     conditions: Conditions,
+    /// Angle of the front wheels, rad.
+    steer: f64,
     response: Response,
     pose: [f64; 3],
     /// Brake pressure asked for, bar.
@@ -117,6 +132,7 @@ pub struct Simulation {
     pending: Vec<Pending>,
     readings: Vec<Reading>,
     truth: Truth,
+    effect_series: Vec<f64>,
 }
 
 /// Places in the seed's space, so that a change of one random thing leaves the others as they were.
@@ -157,23 +173,35 @@ impl Simulation {
             .driver
             .as_ref()
             .map(|config| Driver::new(config, input(&config.speed_mps, Stream::Speed)));
-        let state = State::rolling(&plant, scenario.initial_speed_mps);
+        let steering = input(&scenario.steering_wheel_angle, Stream::Steering);
+        let mut surface = Surface::new(&plant.nominal.contact, &scenario.road);
+        let on_road = surface.at(0.0);
+        let mut effects = Effects::new(&scenario.effect, vehicle.steering_ratio.value);
+        let state = match &mut effects {
+            None => State::rolling(&plant, scenario.initial_speed_mps),
+            Some(effects) => {
+                let plain = Plain { plant: &plant, contact: &on_road };
+                effects.begin(&plain, scenario.initial_speed_mps, steering.at(0.0))
+            }
+        };
         let step_us = i64::from(scenario.step_us);
         let step_s = step_us as f64 * 1e-6;
         let sensors = sensors(scenario, seed, &state);
         // Readings look back by their delay; interpolation and scheduling need a few rows more.
-        let look_back = scenario.sensors.by_name.values().map(|s| s.delay_ms).fold(0.0, f64::max) * 1e-3;
+        let look_back = sensors.iter().map(Sensor::delay_s).fold(0.0, f64::max);
         let mut simulation = Self {
             shares: Shares::new(scenario, &plant),
             steering_ratio: vehicle.steering_ratio.value,
             drive_torque_ratio: vehicle.drive_torque_ratio.value,
-            steering: input(&scenario.steering_wheel_angle, Stream::Steering),
+            steering,
             drive: input(&scenario.drive_torque, Stream::Drive),
             brake: input(&scenario.brake_torque, Stream::Brake),
             pressure: input(&scenario.brake_pressure, Stream::Pressure),
             driver,
             abs: scenario.abs.as_ref().map(Abs::new),
-            surface: Surface::new(&plant.nominal.contact, &scenario.road),
+            surface,
+            effects,
+            effect_columns: effect::column_names(&scenario.effect),
             clock_scale: 1.0 + 1e-6 * scenario.clock.skew_ppm,
             step_us,
             steps_per_tick: scenario.truth_period_ms * 1000 / scenario.step_us,
@@ -182,7 +210,10 @@ impl Simulation {
             time: Micros(0),
             state,
             controls: Controls::default(),
-            conditions: plant.nominal,
+            on_road,
+            car: plant,
+            conditions: Conditions { contact: on_road, ..plant.nominal },
+            steer: 0.0,
             response: Response::default(),
             pose: [0.0; 3],
             pressure_bar: 0.0,
@@ -192,17 +223,22 @@ impl Simulation {
             readings: Vec::with_capacity(64 + 16 * sensors.len()),
             sensors,
             truth: Truth::default(),
+            effect_series: Vec::new(),
             plant,
         };
-        simulation.conditions.contact = simulation.surface.at(0.0);
         simulation.controls = simulation.command(0.0);
         simulation.observe();
         Ok(simulation)
     }
 
-    /// The plant that is driven, with its own wheel radii.
+    /// The plant that is driven, with its own wheel radii, without effects.
     pub fn plant(&self) -> &Plant {
         &self.plant
+    }
+
+    /// Names of what [`Tick::effects`] has.
+    pub fn effect_columns(&self) -> &[String] {
+        &self.effect_columns
     }
 
     /// Goes on by one truth period; the first call returns the start itself. `None` at the end.
@@ -219,21 +255,31 @@ impl Simulation {
         self.started = true;
         self.deliver();
         self.truth = self.row();
-        Some(Tick { truth: &self.truth, readings: &self.readings })
+        if let Some(effects) = &self.effects {
+            effects.series(self.time.seconds(), &mut self.effect_series);
+        }
+        Some(Tick { truth: &self.truth, readings: &self.readings, effects: &self.effect_series })
     }
 
     /// One integration step.
     fn step(&mut self) {
         let h = self.step_us as f64 * 1e-6;
+        let start = self.time.seconds();
         let next = self.time + Micros(self.step_us);
         let t = next.seconds();
         let controls = self.command(t);
         let before = self.state;
-        self.state = integrate::advance(&self.plant, &before, &self.controls, &controls, &self.conditions, h);
+        self.state = match &mut self.effects {
+            None => integrate::advance(&self.plant, &before, &self.controls, &controls, &self.conditions, h),
+            Some(effects) => {
+                let plain = Plain { plant: &self.plant, contact: &self.on_road };
+                effects.advance(&plain, start, h, &before, [&self.controls, &controls])
+            }
+        };
         self.controls = controls;
         self.time = next;
         self.follow(&before, h);
-        self.conditions.contact = self.surface.at(t);
+        self.on_road = self.surface.at(t);
         let turned = std::array::from_fn(|i| 0.5 * h * (before.wheel_speed[i] + self.state.wheel_speed[i]));
         for sensor in &mut self.sensors {
             sensor.turn(t, h, &turned);
@@ -257,7 +303,7 @@ impl Simulation {
         let mut brake_torque = self.shares.brake.map(|share| share * brake);
         if let Some(abs) = &mut self.abs {
             let now = (&self.state, &self.response);
-            self.abs_active = abs.step(t, h, now, &self.plant, &self.conditions, &mut brake_torque);
+            self.abs_active = abs.step(t, h, now, &self.car, &self.conditions, &mut brake_torque);
         }
         Controls {
             steer: self.steering.at(t) / self.steering_ratio,
@@ -280,10 +326,43 @@ impl Simulation {
 
     /// Evaluates the new state and lets the sensors look at it.
     fn observe(&mut self) {
-        self.response = self.plant.respond(&self.state, &self.controls, &self.conditions);
+        let t = self.time.seconds();
+        let plain = Plain { plant: &self.plant, contact: &self.on_road };
+        let felt = match &mut self.effects {
+            None => {
+                self.conditions.contact = self.on_road;
+                self.steer = self.controls.steer;
+                self.response = self.plant.respond(&self.state, &self.controls, &self.conditions);
+                None
+            }
+            Some(effects) => {
+                let (shaped, outcome) = effects.observe(&plain, t, &self.state, &self.controls);
+                (self.car, self.conditions, self.steer) = (shaped.plant, shaped.conditions, shaped.steer);
+                self.response = outcome.response;
+                Some(outcome.felt)
+            }
+        };
+        let mut row = self.true_readings();
+        if let (Some(effects), Some(felt)) = (&self.effects, felt) {
+            row[Quantity::LongitudinalAcceleration as usize] = felt.ax;
+            row[Quantity::LateralAcceleration as usize] = felt.ay;
+            // Effects change what the units make of the pulses, not the pulses.
+            for (quantity, speed) in self.sensors.iter().filter_map(|sensor| sensor.pulses(t)) {
+                row[quantity as usize] = speed;
+            }
+            effects.sense(&plain, t, &self.state, &felt, &mut row);
+        }
+        self.history.push(row);
+        for sensor in &mut self.sensors {
+            sensor.take(t, &self.history, &mut self.pending);
+        }
+    }
+
+    /// What perfect sensors at the centre of gravity say, by [`Quantity`].
+    fn true_readings(&self) -> [f64; Quantity::COUNT] {
         let [fl, fr, rl, rr] = self.state.wheel_speed;
         let brake: f64 = self.controls.brake_torque.iter().sum();
-        let row = [
+        [
             fl,
             fr,
             rl,
@@ -298,11 +377,7 @@ impl Simulation {
             self.state.velocity.vx,
             f64::from(u8::from(self.brake_active(brake))),
             f64::from(u8::from(self.abs_active)),
-        ];
-        self.history.push(row);
-        for sensor in &mut self.sensors {
-            sensor.take(self.time.seconds(), &self.history, &mut self.pending);
-        }
+        ]
     }
 
     fn brake_active(&self, brake_nm: f64) -> bool {
@@ -337,7 +412,7 @@ impl Simulation {
             if self.shares.drive[own] == 0.0 {
                 return f64::NAN;
             }
-            self.plant.radius[other] / self.plant.radius[own] - 1.0
+            self.car.radius[other] / self.car.radius[own] - 1.0
         };
         Truth {
             time: Micros::from_seconds(self.time.seconds() * self.clock_scale),
@@ -363,7 +438,7 @@ impl Simulation {
             y: self.pose[1],
             heading: self.pose[2],
             steering_wheel_angle: controls.steer * self.steering_ratio,
-            steer: controls.steer,
+            steer: self.steer,
             drive_torque: controls.drive_torque.iter().sum(),
             brake_torque: brake,
             brake_pressure: self.pressure_bar,
@@ -409,11 +484,13 @@ fn sensors(scenario: &Scenario, seed: u64, state: &State) -> Vec<Sensor> {
             tooth_wheel
         });
         let travels_with = (config.period_ms * 1000.0) as u64 * 1_000_003 + (config.phase_ms * 1000.0) as u64;
+        let mut config = config.clone();
+        config.delay_ms += 1e3 * scenario.delay_by_effects(quantity);
         Some(Sensor::new(
             quantity,
             config,
             scenario.clock,
-            tooth_wheel,
+            tooth_wheel.map(|wheel| (wheel, !scenario.effect.is_empty())),
             random(seed, Stream::Noise, quantity as u64),
             random(seed, Stream::Jitter, travels_with),
         ))

@@ -8,7 +8,7 @@ use super::tooth_wheel::ToothWheel;
 use crate::model::scenario::{ClockConfig, SensorConfig};
 use crate::{Micros, Quantity};
 
-/// The true values of all quantities over the last seconds, one row per integration step.
+/// The true values of all quantities (with effects: what they leave of them) over the last seconds, one row per integration step.
 #[derive(Clone, Debug)]
 pub(super) struct History {
     step_s: f64,
@@ -55,6 +55,8 @@ pub(super) struct Sensor {
     config: SensorConfig,
     clock: ClockConfig,
     tooth_wheel: Option<ToothWheel>,
+    /// The history has what the tooth wheel says: effects come between.
+    is_in_history: bool,
     noise: ChaCha8Rng,
     jitter: ChaCha8Rng,
     /// Readings taken so far.
@@ -69,16 +71,29 @@ pub(super) struct Pending {
 }
 
 impl Sensor {
-    /// `jitter` must be alike for sensors whose readings travel together.
+    /// `jitter` must be alike for sensors whose readings travel together. A tooth wheel comes with whether
+    /// the history has what it says.
     pub(super) fn new(
         quantity: Quantity,
-        config: &SensorConfig,
+        config: SensorConfig,
         clock: ClockConfig,
-        tooth_wheel: Option<ToothWheel>,
+        tooth_wheel: Option<(ToothWheel, bool)>,
         noise: ChaCha8Rng,
         jitter: ChaCha8Rng,
     ) -> Self {
-        Self { quantity, config: config.clone(), clock, tooth_wheel, noise, jitter, count: 0 }
+        let is_in_history = tooth_wheel.as_ref().is_some_and(|(_, is_in_history)| *is_in_history);
+        let tooth_wheel = tooth_wheel.map(|(tooth_wheel, _)| tooth_wheel);
+        Self { quantity, config, clock, tooth_wheel, is_in_history, noise, jitter, count: 0 }
+    }
+
+    /// How far it looks back, s.
+    pub(super) fn delay_s(&self) -> f64 {
+        1e-3 * self.config.delay_ms
+    }
+
+    /// What its tooth wheel says at `t`, if it has one.
+    pub(super) fn pulses(&self, t: f64) -> Option<(Quantity, f64)> {
+        Some((self.quantity, self.tooth_wheel.as_ref()?.speed(t)))
     }
 
     /// The wheel of this sensor, if it has a tooth wheel, turns by `turned` rad until `t`.
@@ -113,8 +128,8 @@ impl Sensor {
 
     fn value(&mut self, t: f64, history: &History) -> f64 {
         let truth = match &self.tooth_wheel {
-            Some(tooth_wheel) => tooth_wheel.speed(t),
-            None => history.at(self.quantity, t),
+            Some(tooth_wheel) if !self.is_in_history => tooth_wheel.speed(t),
+            _ => history.at(self.quantity, t),
         };
         let noise: f64 = StandardNormal.sample(&mut self.noise);
         let value = self.config.gain * truth + self.config.offset + self.config.noise_std * noise;

@@ -167,6 +167,8 @@ impl Truth {
 #[derive(Debug)]
 pub struct TruthWriter<W: io::Write> {
     csv: csv::Writer<W>,
+    /// Columns of effects.
+    further: usize,
     /// Reused, so that a row does not allocate.
     text: String,
 }
@@ -177,19 +179,35 @@ impl<W: io::Write> TruthWriter<W> {
     /// # Errors
     /// What the writer reports.
     pub fn new(writer: W) -> csv::Result<Self> {
-        let mut csv = csv::Writer::from_writer(writer);
-        csv.write_record(Truth::columns())?;
-        Ok(Self { csv, text: String::new() })
+        Self::with_effects(writer, &[])
     }
 
-    /// Writes one row; numbers are rounded to 9 decimals.
+    /// Writes the header with the columns of effects ([`super::Simulation::effect_columns`]) at its end.
+    ///
+    /// # Errors
+    /// What the writer reports.
+    pub fn with_effects(writer: W, columns: &[String]) -> csv::Result<Self> {
+        let mut csv = csv::Writer::from_writer(writer);
+        csv.write_record(Truth::columns().iter().chain(columns))?;
+        Ok(Self { csv, further: columns.len(), text: String::new() })
+    }
+
+    /// Writes one row, the columns of effects empty; numbers are rounded to 9 decimals.
     ///
     /// # Errors
     /// What the writer reports.
     pub fn write(&mut self, truth: &Truth) -> csv::Result<()> {
+        self.write_with(truth, &[])
+    }
+
+    /// Writes one row with what effects have ([`super::Tick::effects`]).
+    ///
+    /// # Errors
+    /// What the writer reports.
+    pub fn write_with(&mut self, truth: &Truth, effects: &[f64]) -> csv::Result<()> {
         let (csv, text) = (&mut self.csv, &mut self.text);
         let mut result = Ok(());
-        truth.visit(&mut |_, _, value| {
+        let mut write = |value: f64| {
             text.clear();
             if value.is_finite() {
                 // Adding zero turns −0 into 0. Writing to a string does not fail.
@@ -198,7 +216,10 @@ impl<W: io::Write> TruthWriter<W> {
             if result.is_ok() {
                 result = csv.write_field(text.as_bytes());
             }
-        });
+        };
+        truth.visit(&mut |_, _, value| write(value));
+        let missing = std::iter::repeat(f64::NAN);
+        effects.iter().copied().chain(missing).take(self.further).for_each(write);
         result?;
         csv.write_record(None::<&[u8]>)
     }

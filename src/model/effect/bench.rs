@@ -1,0 +1,97 @@
+//! A car on which effects are tried, for their tests.
+
+use super::{Acting, Channel, Course, Effect, Felt, Kind, Now, Readings, Setting};
+use crate::Quantity;
+use crate::model::body::Velocity;
+use crate::model::{Plant, Vehicle};
+
+/// A plain car and one instant of its drive.
+pub(super) struct Bench {
+    pub(super) plant: Plant,
+    pub(super) now: Now<'static>,
+}
+
+impl Bench {
+    /// The thesis's car, straight ahead at `speed`, m/s; nothing it borrows is ever changed.
+    pub(super) fn driving(speed: f64) -> Self {
+        Self::of(&Vehicle::thesis(), speed)
+    }
+
+    /// Another one.
+    pub(super) fn of(vehicle: &Vehicle, speed: f64) -> Self {
+        let plant = Plant::new(vehicle);
+        let kept: &'static Plant = Box::leak(Box::new(plant));
+        let now = Now {
+            t: 0.0,
+            velocity: Velocity { vx: speed, vy: 0.0, yaw_rate: 0.0 },
+            ax: 0.0,
+            ay: 0.0,
+            front_force: 0.0,
+            steering_wheel: 0.0,
+            steering_ratio: vehicle.steering_ratio.value,
+            body: &kept.body,
+            static_load: &kept.nominal.load,
+            live: &[],
+        };
+        Self { plant, now }
+    }
+
+    /// What the plain model has.
+    pub(super) fn plain(&self) -> Acting {
+        Acting::plain(&self.plant, self.now.steering_wheel, self.now.steering_ratio)
+    }
+
+    /// What an effect makes of it.
+    pub(super) fn acted(&self, effect: &dyn Effect, states: &[f64]) -> Acting {
+        let mut on = self.plain();
+        effect.act(&self.now, states, &mut on);
+        on
+    }
+
+    /// What a stateless effect makes of readings that are all zero.
+    pub(super) fn sensed(
+        &self,
+        kind: &Kind,
+        values: &[f64],
+        channel: Option<Channel>,
+        felt: &Felt,
+    ) -> Readings {
+        let mut readings = [0.0; Quantity::COUNT];
+        made(kind, values, channel, &Course::None).sense(&self.now, felt, &[], &mut readings);
+        readings
+    }
+
+    /// The rates of an effect's states.
+    pub(super) fn rates(&self, effect: &dyn Effect, felt: &Felt, states: &[f64]) -> Vec<f64> {
+        let mut rates = vec![f64::NAN; effect.states()];
+        effect.rates(&self.now, felt, states, &mut rates);
+        rates
+    }
+
+    /// The effect's states at its beginning.
+    pub(super) fn begun(&self, effect: &dyn Effect) -> Vec<f64> {
+        let mut states = vec![f64::NAN; effect.states()];
+        effect.begin(&self.now, &mut states);
+        states
+    }
+}
+
+/// An effect of a kind.
+pub(super) fn made(
+    kind: &Kind,
+    values: &[f64],
+    channel: Option<Channel>,
+    course: &Course,
+) -> Box<dyn Effect> {
+    kind.effect(&Setting { values, channel, course })
+}
+
+/// An effect of the car without a course.
+pub(super) fn simple(kind: &Kind, values: &[f64]) -> Box<dyn Effect> {
+    made(kind, values, None, &Course::None)
+}
+
+/// An effect of the car whose course always has this value.
+pub(super) fn constant(kind: &Kind, values: &[f64], value: f64) -> Box<dyn Effect> {
+    made(kind, values, None, &Course::Constant(value))
+}

@@ -1,0 +1,106 @@
+//! What an effect of the sensors is of.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::Quantity;
+
+/// One quantity, or two that are taken for each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Channel {
+    /// One.
+    One(Quantity),
+    /// Two, the first one in the order of [`Quantity::ALL`] first.
+    Pair(Quantity, Quantity),
+}
+
+/// What can be late, wrong in scale or zero.
+pub(super) const MEASURED: &[Channel] = &[
+    Channel::One(Quantity::YawRate),
+    Channel::One(Quantity::LateralAcceleration),
+    Channel::One(Quantity::LongitudinalAcceleration),
+    Channel::One(Quantity::SteeringWheelAngle),
+    Channel::One(Quantity::WheelSpeedFl),
+    Channel::One(Quantity::WheelSpeedFr),
+    Channel::One(Quantity::WheelSpeedRl),
+    Channel::One(Quantity::WheelSpeedRr),
+    Channel::One(Quantity::DriveTorque),
+    Channel::One(Quantity::BrakePressure),
+];
+
+impl Channel {
+    /// The quantity, if it is one.
+    pub const fn quantity(self) -> Option<Quantity> {
+        match self {
+            Self::One(quantity) => Some(quantity),
+            Self::Pair(..) => None,
+        }
+    }
+
+    /// The unit, and a slowly varying error that such a sensor of series production may have.
+    ///
+    /// Drive torque is in the bus's unit, which may be of the engine or of the axle: the size suits both
+    /// within a small factor.
+    pub const fn usual_error(self) -> Option<(&'static str, f64)> {
+        let Self::One(quantity) = self else { return None };
+        let size = match quantity {
+            Quantity::WheelSpeedFl
+            | Quantity::WheelSpeedFr
+            | Quantity::WheelSpeedRl
+            | Quantity::WheelSpeedRr => 0.3,
+            Quantity::YawRate => 0.01,
+            Quantity::LateralAcceleration | Quantity::LongitudinalAcceleration => 0.2,
+            Quantity::SteeringWheelAngle => 0.05,
+            Quantity::DriveTorque | Quantity::BrakeTorque => 40.0,
+            Quantity::BrakePressure => 2.0,
+            Quantity::VehicleSpeed => 0.2,
+            Quantity::BrakeActive | Quantity::AbsActive => return None,
+        };
+        Some((quantity.unit(), size))
+    }
+}
+
+impl From<Quantity> for Channel {
+    fn from(quantity: Quantity) -> Self {
+        Self::One(quantity)
+    }
+}
+
+impl fmt::Display for Channel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::One(quantity) => quantity.fmt(f),
+            Self::Pair(first, second) => write!(f, "{first}/{second}"),
+        }
+    }
+}
+
+impl FromStr for Channel {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let Some((first, second)) = text.split_once('/') else { return text.parse().map(Self::One) };
+        let (first, second) = (first.parse::<Quantity>()?, second.parse::<Quantity>()?);
+        if first == second {
+            return Err(format!("`{text}` names the same quantity twice"));
+        }
+        Ok(Self::Pair(first.min(second), first.max(second)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_come_back() {
+        for text in ["yaw_rate", "wheel_speed_fl/wheel_speed_fr"] {
+            let channel: Channel = text.parse().unwrap();
+            assert_eq!(channel.to_string(), text);
+        }
+        let swapped: Channel = "wheel_speed_rr/wheel_speed_fl".parse().unwrap();
+        assert_eq!(swapped.to_string(), "wheel_speed_fl/wheel_speed_rr", "one name for each pair");
+        assert!("yaw_rate/yaw_rate".parse::<Channel>().is_err());
+        assert!("yaw_rate/speed".parse::<Channel>().is_err());
+    }
+}

@@ -1,0 +1,73 @@
+//! Patches of another friction, not the same left and right.
+
+use super::{Acting, Course, Effect, Kind, Now, Scale, Setting, Spec, Surroundings, grip};
+
+/// The same share of all contacts lies on another surface, which differs from side to side.
+#[derive(Clone, Debug, PartialEq)]
+struct FrictionSplit {
+    /// Left, right.
+    inverse: [f64; 2],
+    share: Course,
+}
+
+/// See [`super::KINDS`].
+pub static KIND: Kind = Kind {
+    name: "friction_split",
+    about: "for a while the road has another friction, and not the same left and right",
+    equation: "1/μ = (1 − s)/μ_plain + s/friction_left (right) at the left (right) wheels; a linear tire \
+               becomes a magic formula (C = 1.35, E = −0.3)",
+    source: "thesis 4.3; friction of two surfaces side by side",
+    place: "the tires' forces",
+    to_tell_apart: "braking straight ahead on the patch: unequal friction turns the car, equal friction \
+                    does not",
+    channels: &[],
+    parameters: &[
+        Spec {
+            name: "friction_left",
+            unit: "1",
+            scale: Scale::Inverse,
+            mean: 0.0,
+            std: 1.5,
+            bounds: (0.0, 33.0),
+            step: 0.5,
+            is_main: true,
+        },
+        Spec {
+            name: "friction_right",
+            unit: "1",
+            scale: Scale::Inverse,
+            mean: 0.0,
+            std: 1.5,
+            bounds: (0.0, 33.0),
+            step: 0.5,
+            is_main: true,
+        },
+    ],
+    course: Some(Surroundings { unit: "1", rms_name: "share_rms", size: 1.0, length_s: 3.0, sign: 1.0 }),
+    make: |setting: &Setting<'_>| {
+        let inverse = std::array::from_fn(|side| setting.values[side].recip());
+        Box::new(FrictionSplit { inverse, share: setting.course.clone() })
+    },
+};
+
+impl Effect for FrictionSplit {
+    fn act(&self, now: &Now<'_>, _states: &[f64], on: &mut Acting) {
+        let [left, right] = self.inverse;
+        grip::mix(on, self.share.at(now), [left, right, left, right]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bench::{Bench, constant};
+    use super::*;
+
+    #[test]
+    fn each_side_has_its_own() {
+        let on = Bench::driving(20.0).acted(&*constant(&KIND, &[0.2, 0.8], 1.0), &[]);
+        let friction = on.contact.map(|contact| contact.friction_y);
+        for (friction, expected) in friction.into_iter().zip([0.2, 0.8, 0.2, 0.8]) {
+            assert!((friction - expected).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Accelerating moves load between the wheels.
+
+use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec, load};
+
+/// The height of the centre of gravity moves load in proportion to the accelerations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct LoadTransfer {
+    height: f64,
+    load_sensitivity: f64,
+    load_sensitivity_along: f64,
+    front_roll_share: f64,
+    radius_loss: f64,
+}
+
+/// See [`super::KINDS`].
+pub static KIND: Kind = Kind {
+    name: "load_transfer",
+    about: "accelerating, braking and turning move load between the wheels, and tires grow less stiff than \
+            their load",
+    equation: "F_z = static ∓ m h a_x/(2 L) ± (front share) m h a_y/t;  C ∝ F_z^(1 − e);  r = r_0 − c (F_z − static)",
+    source: "Pacejka, Tire and Vehicle Dynamics, ch. 1.3; rigid-body statics",
+    place: "the tires' loads and stiffnesses",
+    to_tell_apart: "hard turns without braking, hard braking straight ahead, and both at once: load \
+                    transfer grows with the square of the lateral acceleration and turns the car in under \
+                    braking",
+    channels: &[],
+    parameters: &[
+        Spec {
+            name: "cg_height_m",
+            unit: "m",
+            scale: Scale::Linear,
+            mean: 0.0,
+            std: 0.5,
+            bounds: (0.0, 1.5),
+            step: 0.1,
+            is_main: true,
+        },
+        Spec {
+            name: "load_sensitivity",
+            unit: "1",
+            scale: Scale::Linear,
+            mean: 0.45,
+            std: 0.2,
+            bounds: (0.0, 1.0),
+            step: 0.05,
+            is_main: false,
+        },
+        Spec {
+            name: "load_sensitivity_along",
+            unit: "1",
+            scale: Scale::Linear,
+            mean: 0.4,
+            std: 0.4,
+            bounds: (0.0, 1.0),
+            step: 0.05,
+            is_main: false,
+        },
+        Spec {
+            name: "front_roll_share",
+            unit: "1",
+            scale: Scale::Linear,
+            mean: 0.55,
+            std: 0.08,
+            bounds: (0.2, 0.9),
+            step: 0.02,
+            is_main: false,
+        },
+        Spec {
+            name: "radius_loss_m_per_n",
+            unit: "m/N",
+            scale: Scale::Linear,
+            mean: 0.5e-6,
+            std: 1e-6,
+            bounds: (0.0, 1e-5),
+            step: 1e-7,
+            is_main: false,
+        },
+    ],
+    course: None,
+    make: |setting: &Setting<'_>| {
+        let [height, load_sensitivity, load_sensitivity_along, front_roll_share, radius_loss] =
+            std::array::from_fn(|i| setting.values[i]);
+        Box::new(LoadTransfer {
+            height,
+            load_sensitivity,
+            load_sensitivity_along,
+            front_roll_share,
+            radius_loss,
+        })
+    },
+};
+
+impl Effect for LoadTransfer {
+    fn act(&self, now: &Now<'_>, _states: &[f64], on: &mut Acting) {
+        let body = &on.body;
+        let lever = body.mass * self.height;
+        let rearwards = 0.5 * lever * now.ax / (body.a + body.b);
+        let front = self.front_roll_share * lever * now.ay / (2.0 * body.half_track_front);
+        let rear = (1.0 - self.front_roll_share) * lever * now.ay / (2.0 * body.half_track_rear);
+        let more = [-rearwards - front, -rearwards + front, rearwards - rear, rearwards + rear];
+        for (wheel, more) in more.into_iter().enumerate() {
+            let sensitivity = [self.load_sensitivity_along, self.load_sensitivity];
+            let static_load = on.load[wheel];
+            load::change(on, wheel, 1.0 + more / static_load, sensitivity);
+            on.radius[wheel] -= self.radius_loss * (on.load[wheel] - static_load);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bench::{Bench, simple};
+    use super::*;
+
+    fn acted(ax: f64, ay: f64, values: [f64; 5]) -> (Acting, Acting) {
+        let mut bench = Bench::driving(20.0);
+        (bench.now.ax, bench.now.ay) = (ax, ay);
+        (bench.plain(), bench.acted(&*simple(&KIND, &values), &[]))
+    }
+
+    #[test]
+    fn moments_balance() {
+        let (plain, on) = acted(2.0, 4.0, [0.5, 0.45, 0.4, 0.55, 0.0]);
+        let more: [f64; 4] = std::array::from_fn(|i| on.load[i] - plain.load[i]);
+        let moment = 1700.0 * 0.5;
+        assert!(more.iter().sum::<f64>().abs() < 1e-9);
+        assert!((more[2] + more[3] - moment * 2.0 / 3.0).abs() < 1e-9, "driving loads the rear");
+        let front = 0.75 * (more[1] - more[0]);
+        let rear = 0.75 * (more[3] - more[2]);
+        assert!((front + rear - moment * 4.0).abs() < 1e-9, "a left turn loads the right");
+        assert!((front / (front + rear) - 0.55).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_axle_with_unequal_loads_is_softer() {
+        let axle = |on: &Acting| (0..2).map(|i| on.load[i] * on.contact[i].stiffness_y).sum::<f64>();
+        let (plain, on) = acted(0.0, 6.0, [0.5, 0.45, 0.4, 0.55, 0.0]);
+        assert!(axle(&on) < 0.99 * axle(&plain));
+        let share = on.load[1] / plain.load[1];
+        let stiffer = on.load[1] * on.contact[1].stiffness_y / (plain.load[1] * 11.5);
+        assert!((stiffer - share.powf(0.55)).abs() < 1e-12);
+        let (plain, on) = acted(0.0, 6.0, [0.5, 0.0, 0.0, 0.55, 0.0]);
+        assert!((axle(&on) - axle(&plain)).abs() < 1e-6, "in proportion to the load nothing is lost");
+    }
+
+    #[test]
+    fn wheels_stay_on_the_ground() {
+        let (plain, on) = acted(0.0, 30.0, [0.5, 0.45, 0.4, 0.55, 0.0]);
+        assert!((on.load[0] - 0.05 * plain.load[0]).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,112 @@
+//! Leaning, the body steers its front wheels.
+
+use super::roll::Roll;
+use super::{Acting, Effect, Felt, Kind, Now, Scale, Setting, Spec};
+
+/// The suspension turns the front wheels with the roll angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct RollSteer {
+    roll_steer: f64,
+    roll: Roll,
+}
+
+/// See [`super::KINDS`].
+pub static KIND: Kind = Kind {
+    name: "roll_steer",
+    about: "leaning in a turn, the suspension steers the front wheels",
+    equation: "δ = δ_sw / i + c φ,  φ̈ = ω² (k a_y − φ) − 2 ζ ω φ̇",
+    source: "suspension kinematics; roll as a mass on springs",
+    place: "front tires' slip angle",
+    to_tell_apart: "as it is a softer or stiffer front axle in steady turns: steering steps and a sine \
+                    sweep through the roll frequency (1 to 2 Hz), where the roll angle is late",
+    channels: &[],
+    parameters: &[
+        Spec {
+            name: "roll_steer_rad_per_rad",
+            unit: "rad/rad",
+            scale: Scale::Linear,
+            mean: 0.0,
+            std: 0.1,
+            bounds: (-1.0, 1.0),
+            step: 0.02,
+            is_main: true,
+        },
+        Spec {
+            name: "roll_gain_rad_per_mps2",
+            unit: "rad/(m/s²)",
+            scale: Scale::Linear,
+            mean: 0.006,
+            std: 0.001,
+            bounds: (0.001, 0.02),
+            step: 0.0003,
+            is_main: false,
+        },
+        Spec {
+            name: "roll_frequency_rad_per_s",
+            unit: "rad/s",
+            scale: Scale::Linear,
+            mean: 9.0,
+            std: 2.5,
+            bounds: (3.0, 25.0),
+            step: 0.5,
+            is_main: false,
+        },
+        Spec {
+            name: "roll_damping",
+            unit: "1",
+            scale: Scale::Linear,
+            mean: 0.3,
+            std: 0.1,
+            bounds: (0.05, 1.5),
+            step: 0.03,
+            is_main: false,
+        },
+    ],
+    course: None,
+    make: |setting: &Setting<'_>| {
+        let roll = Roll { gain: setting.values[1], frequency: setting.values[2], damping: setting.values[3] };
+        Box::new(RollSteer { roll_steer: setting.values[0], roll })
+    },
+};
+
+impl Effect for RollSteer {
+    fn states(&self) -> usize {
+        2
+    }
+
+    fn state_names(&self) -> &'static [&'static str] {
+        &["angle", "rate"]
+    }
+
+    fn begin(&self, now: &Now<'_>, states: &mut [f64]) {
+        self.roll.begin(now.ay, states);
+    }
+
+    fn act(&self, _now: &Now<'_>, states: &[f64], on: &mut Acting) {
+        let Some(angle) = states.first() else { return };
+        on.toe[0] += self.roll_steer * angle;
+        on.toe[1] += self.roll_steer * angle;
+    }
+
+    fn rates(&self, _now: &Now<'_>, felt: &Felt, states: &[f64], rates: &mut [f64]) {
+        self.roll.rates(felt.ay, states, rates);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bench::{Bench, simple};
+    use super::*;
+
+    #[test]
+    fn in_a_steady_left_turn_it_steers_the_front_by_the_lean() {
+        let mut bench = Bench::driving(20.0);
+        bench.now.ay = 5.0;
+        let effect = simple(&KIND, &[-0.2, 0.006, 9.0, 0.3]);
+        let states = bench.begun(&*effect);
+        let toe = bench.acted(&*effect, &states).toe;
+        assert!((toe[0] + 0.2 * 0.03).abs() < 1e-12 && toe[1] == toe[0] && toe[2] == 0.0);
+        let felt = Felt { ay: 5.0, ..Felt::default() };
+        assert!(bench.rates(&*effect, &felt, &states).iter().all(|rate| rate.abs() < 1e-12));
+    }
+}

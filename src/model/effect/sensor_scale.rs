@@ -1,0 +1,86 @@
+//! A sensor with a wrong scale.
+
+use super::{Effect, Felt, Kind, Now, Readings, Recorded, Scale, Setting, Spec, channel};
+use crate::Quantity;
+
+/// A sensor reads too much in proportion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SensorScale {
+    quantity: Option<Quantity>,
+    relative_error: f64,
+}
+
+/// See [`super::KINDS`].
+pub static KIND: Kind = Kind {
+    name: "sensor_scale",
+    about: "a sensor reads too much (or too little) in proportion",
+    equation: "y = x (1 + e)",
+    source: "signal chain",
+    place: "a sensor",
+    to_tell_apart: "steady turns (steady braking) of several strengths, both ways: the error is in \
+                    proportion to the reading, at every speed and frequency",
+    channels: channel::MEASURED,
+    parameters: &[Spec {
+        name: "relative_error",
+        unit: "1",
+        scale: Scale::Linear,
+        mean: 0.0,
+        std: 0.05,
+        bounds: (-0.9, 4.0),
+        step: 0.01,
+        is_main: true,
+    }],
+    course: None,
+    make: |setting: &Setting<'_>| {
+        Box::new(SensorScale { quantity: setting.quantity(), relative_error: setting.values[0] })
+    },
+};
+
+impl Effect for SensorScale {
+    fn sense(&self, _now: &Now<'_>, _felt: &Felt, _states: &[f64], readings: &mut Readings) {
+        if let Some(quantity) = self.quantity {
+            readings[quantity as usize] *= 1.0 + self.relative_error;
+        }
+    }
+
+    fn undo(&self, _t: f64, recorded: &mut Recorded) {
+        if let Some(value) = self.quantity.and_then(|quantity| recorded.get_mut(quantity)) {
+            *value /= 1.0 + self.relative_error;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Course;
+    use super::super::bench::{Bench, made};
+    use super::*;
+
+    #[test]
+    fn it_multiplies_its_own_channel() {
+        let bench = Bench::driving(20.0);
+        let effect = made(&KIND, &[0.1], Some(Quantity::YawRate.into()), &Course::None);
+        let mut readings = [2.0; Quantity::COUNT];
+        effect.sense(&bench.now, &Felt::default(), &[], &mut readings);
+        assert!((readings[Quantity::YawRate as usize] - 2.2).abs() < 1e-12);
+        assert_eq!(readings.iter().filter(|reading| **reading == 2.0).count(), Quantity::COUNT - 1);
+    }
+
+    #[test]
+    fn what_it_does_to_inputs_is_undone() {
+        let inputs = [Quantity::SteeringWheelAngle, Quantity::DriveTorque, Quantity::BrakePressure];
+        let mut bench = Bench::driving(20.0);
+        bench.now.t = 5.0;
+        for quantity in inputs {
+            let effect = made(&KIND, &[0.1], Some(quantity.into()), &Course::None);
+            let mut readings = [3.0; Quantity::COUNT];
+            effect.sense(&bench.now, &Felt::default(), &[], &mut readings);
+            assert_ne!(readings[quantity as usize], 3.0);
+            let [steering_wheel, drive_torque, brake_pressure] = inputs.map(|input| readings[input as usize]);
+            let mut recorded = Recorded { steering_wheel, drive_torque, brake_pressure };
+            effect.undo(5.0, &mut recorded);
+            let undone = [recorded.steering_wheel, recorded.drive_torque, recorded.brake_pressure];
+            assert!(undone.iter().all(|value| (value - 3.0).abs() < 1e-12), "{undone:?}");
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! What effects see of the car, and what they can change.
+
+use crate::Quantity;
+use crate::model::Plant;
+use crate::model::body::{Body, External, Steer, Velocity};
+use crate::model::tire::{Contact, Tire};
+use crate::model::wheel;
+
+/// What an effect may look at before the tires' forces are known.
+#[derive(Clone, Copy, Debug)]
+pub struct Now<'a> {
+    /// Seconds from the recording's (or the simulation's) start.
+    pub t: f64,
+    /// The body's motion.
+    pub velocity: Velocity,
+    /// Acceleration of the centre of gravity forward, m/s², a moment ago: an effect that needs the
+    /// forces' outcome to say what the forces are (load transfer) takes the last one.
+    pub ax: f64,
+    /// The same to the left, m/s².
+    pub ay: f64,
+    /// Lateral force of the front axle a moment ago, N.
+    pub front_force: f64,
+    /// Angle of the steering wheel, rad, as it truly is.
+    pub steering_wheel: f64,
+    /// Steering wheel angle / road wheel angle of the plain model.
+    pub steering_ratio: f64,
+    /// The plain body.
+    pub body: &'a Body,
+    /// Static load of each wheel, N.
+    pub static_load: &'a [f64; 4],
+    /// Courses that a filter estimates while it runs ([`super::Course::Live`]).
+    pub live: &'a [f64],
+}
+
+/// What an effect may change; it finds the plain model's values there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Acting {
+    /// The body: mass, inertia, where the centre of gravity is, resistances.
+    pub body: Body,
+    /// Angle of the steering wheel as the steering gear sees it, rad.
+    pub steering_wheel: f64,
+    /// Steering wheel angle / road wheel angle.
+    pub steering_ratio: f64,
+    /// Further angle of each wheel, rad, positive to the left.
+    pub toe: [f64; 4],
+    /// Normal load of each wheel, N.
+    pub load: [f64; 4],
+    /// Tire and surface at each wheel.
+    pub contact: [Contact; 4],
+    /// The tires' model.
+    pub tire: Tire,
+    /// What is left across of the friction ellipse when force along is used: 0 nothing is taken away
+    /// below the limit, 1 a whole ellipse.
+    pub ellipse_factor: f64,
+    /// Rolling radius of each wheel, m.
+    pub radius: [f64; 4],
+    /// Force of a brake that nobody records along each wheel, N, against its rolling.
+    pub brake: [f64; 4],
+    /// Forces and moment on the body that an accelerometer feels, too.
+    pub external: External,
+    /// Gravity in the road's plane, forward and to the left, m/s²: it moves the car and no
+    /// accelerometer feels it.
+    pub gravity: [f64; 2],
+}
+
+impl Acting {
+    /// The plain model.
+    pub fn plain(plant: &Plant, steering_wheel: f64, steering_ratio: f64) -> Self {
+        Self {
+            body: plant.body,
+            steering_wheel,
+            steering_ratio,
+            toe: plant.nominal.toe,
+            load: plant.nominal.load,
+            contact: plant.nominal.contact,
+            tire: plant.tire,
+            ellipse_factor: 0.0,
+            radius: plant.radius,
+            brake: [0.0; 4],
+            external: plant.nominal.external,
+            gravity: [0.0; 2],
+        }
+    }
+
+    /// Angle of the front wheels, rad, without their toe.
+    pub fn steer(&self) -> f64 {
+        self.steering_wheel / self.steering_ratio
+    }
+
+    /// Slip angle of the front axle's middle, rad, without toe or lag.
+    pub fn front_slip_angle(&self, velocity: &Velocity) -> f64 {
+        let [along, across] = self.body.front_axle_velocity(velocity, Steer::new(self.steer()));
+        wheel::slip_angle(along, across)
+    }
+}
+
+/// What came of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Felt {
+    /// Specific force at the centre of gravity forward, m/s²: what an accelerometer there says.
+    pub ax: f64,
+    /// The same to the left, m/s².
+    pub ay: f64,
+    /// Yaw acceleration, rad/s².
+    pub yaw_acceleration: f64,
+    /// Slip angle of each wheel as the motion gives it, rad.
+    pub slip_angle: [f64; 4],
+    /// Force along each wheel, N.
+    pub fx: [f64; 4],
+    /// Force across each wheel, N.
+    pub fy: [f64; 4],
+}
+
+/// What each sensor says, by [`Quantity`]; not-a-number: none.
+pub type Readings = [f64; Quantity::COUNT];
+
+/// What was recorded of the driver's inputs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Recorded {
+    /// Steering wheel angle, rad.
+    pub steering_wheel: f64,
+    /// Drive torque in the bus's unit.
+    pub drive_torque: f64,
+    /// Brake pressure, bar.
+    pub brake_pressure: f64,
+}
+
+impl Recorded {
+    /// What was recorded of a quantity, if it is one of these.
+    pub fn get_mut(&mut self, quantity: Quantity) -> Option<&mut f64> {
+        match quantity {
+            Quantity::SteeringWheelAngle => Some(&mut self.steering_wheel),
+            Quantity::DriveTorque => Some(&mut self.drive_torque),
+            Quantity::BrakePressure => Some(&mut self.brake_pressure),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,376 @@
+//! Effects at work in a simulation.
+//!
+//! Effects change the right-hand side of the car's equations at every stage of every substep, and their
+//! own states are integrated together with the car's by the same Runge–Kutta steps: a tire's slip angle
+//! that lags behind and the body that it moves are one fast system (a relaxation length of 0.3 m at
+//! 40 m/s is 7 ms), and holding one of them still for a step would make it first order in the step and
+//! less damped. What an effect takes from a moment ago ([`Now::ax`], [`Now::ay`], [`Now::front_force`])
+//! is that of the substep's start, because the forces it is made of follow from it.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use crate::model::body::External;
+use crate::model::effect::{Acting, Course, Effect, EffectConfig, Felt, MOST_STATES, Now, Readings};
+use crate::model::integrate;
+use crate::model::plant::Between;
+use crate::model::tire::{Contact, Tire, ellipse};
+use crate::model::{Conditions, Controls, Plant, Response, State};
+use crate::{Quantity, Wheel};
+
+/// States that all effects may have together.
+pub(in crate::model) const OWN_STATES: usize = 4 * MOST_STATES;
+
+/// The effects' own states, one after the other.
+type Own = [f64; OWN_STATES];
+
+/// Fastest rate of a state of an effect, 1/s: lags are 5 ms or more.
+const FASTEST_RATE: f64 = 200.0;
+
+/// Share of the lateral force that is left, at least, squared: a spinning wheel still has some.
+const LEFT_ACROSS_SQUARED: f64 = 1e-4;
+
+/// The effects of a drive, their own states, and what was a moment ago.
+#[derive(Clone, Debug)]
+pub(super) struct Effects {
+    list: Arc<[Placed]>,
+    own: Own,
+    before: Before,
+    steering_ratio: f64,
+}
+
+/// An effect and where its states are.
+#[derive(Debug)]
+struct Placed {
+    effect: Box<dyn Effect>,
+    own: Range<usize>,
+    course: Option<Course>,
+}
+
+/// What was a moment ago, for effects that need the outcome to say what it is.
+#[derive(Clone, Copy, Debug, Default)]
+struct Before {
+    ax: f64,
+    ay: f64,
+    front_force: f64,
+}
+
+/// The car without effects, on the road as it is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plain<'a> {
+    pub(super) plant: &'a Plant,
+    pub(super) contact: &'a [Contact; 4],
+}
+
+/// The car as effects make it at one instant.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shaped {
+    pub(super) plant: Plant,
+    pub(super) conditions: Conditions,
+    /// Angle of the front wheels, rad.
+    pub(super) steer: f64,
+    gravity: [f64; 2],
+    /// Torque of brakes that nobody records, N m; negative where it drives.
+    hidden_brake: [f64; 4],
+    ellipse_factor: f64,
+}
+
+/// What came of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Outcome {
+    pub(super) response: Response,
+    pub(super) felt: Felt,
+}
+
+/// What effects do between motion and tire force.
+struct Through<'a> {
+    list: &'a [Placed],
+    now: &'a Now<'a>,
+    own: &'a Own,
+    ellipse_factor: f64,
+}
+
+impl Between for Through<'_> {
+    fn answered(&self, mut slip_angle: [f64; 4]) -> [f64; 4] {
+        for placed in self.list {
+            placed.effect.slip_angles(self.now, &self.own[placed.own.clone()], &mut slip_angle);
+        }
+        slip_angle
+    }
+
+    /// With a share e of the friction ellipse below the limit: F_y = F_y,pure √(1 − (e F_x/(μ F_z))²),
+    /// then the limit itself. A brush has its combined slip already, and a linear tire no limit.
+    fn force(&self, tire: &Tire, contact: &Contact, slip: f64, slip_angle: f64) -> [f64; 2] {
+        if self.ellipse_factor == 0.0 {
+            return tire.combined(contact, slip, slip_angle);
+        }
+        let left = |x: f64, friction: f64| {
+            let used = self.ellipse_factor * x / friction;
+            (1.0 - used * used).max(LEFT_ACROSS_SQUARED).sqrt()
+        };
+        match tire {
+            Tire::Linear(_) => {
+                let [x, y] = tire.combined(contact, slip, slip_angle);
+                [x, y * left(x, 1.0)]
+            }
+            Tire::Brush(_) => {
+                let [x, y] = tire.combined(contact, slip, slip_angle);
+                [x, y * left(x, contact.friction_x)]
+            }
+            Tire::PiecewiseLinear(_) | Tire::MagicFormula(_) => {
+                let x = tire.longitudinal(contact, slip);
+                let y = tire.lateral(contact, slip_angle) * left(x, contact.friction_x);
+                ellipse::scaled_back(contact, [x, y])
+            }
+        }
+    }
+}
+
+impl Effects {
+    /// The effects of these tables; none if there are no tables.
+    pub(super) fn new(configs: &[EffectConfig], steering_ratio: f64) -> Option<Self> {
+        if configs.is_empty() {
+            return None;
+        }
+        let mut first = 0;
+        let list = EffectConfig::in_order(configs)
+            .into_iter()
+            .map(|config| {
+                let effect = config.effect();
+                // More than there is room for has been refused with the scenario.
+                let end = (first + effect.states()).min(OWN_STATES);
+                let own = first..end;
+                first = end;
+                Placed { effect, own, course: config.kind().course.map(|_| config.course().clone()) }
+            })
+            .collect();
+        Some(Self { list, own: [0.0; OWN_STATES], before: Before::default(), steering_ratio })
+    }
+
+    /// Free rolling straight ahead, on wheels of the radius they have; the own states begin there.
+    pub(super) fn begin(&mut self, plain: &Plain<'_>, speed: f64, steering_wheel: f64) -> State {
+        let mut state = State::rolling(plain.plant, speed);
+        let mut own = self.own;
+        let now = self.now(plain, 0.0, &state, steering_wheel);
+        for placed in &*self.list {
+            placed.effect.begin(&now, &mut own[placed.own.clone()]);
+        }
+        let radius = self.shaped(plain, &now, &own).plant.radius;
+        self.own = own;
+        state.wheel_speed = radius.map(|radius| speed / radius);
+        state
+    }
+
+    fn now<'a>(&self, plain: &Plain<'a>, t: f64, state: &State, steering_wheel: f64) -> Now<'a> {
+        let Before { ax, ay, front_force } = self.before;
+        Now {
+            t,
+            velocity: state.velocity,
+            ax,
+            ay,
+            front_force,
+            steering_wheel,
+            steering_ratio: self.steering_ratio,
+            body: &plain.plant.body,
+            static_load: &plain.plant.nominal.load,
+            live: &[],
+        }
+    }
+
+    /// What the effects make of the car before its tires' forces are known.
+    fn shaped(&self, plain: &Plain<'_>, now: &Now<'_>, own: &Own) -> Shaped {
+        let mut on = Acting::plain(plain.plant, now.steering_wheel, now.steering_ratio);
+        on.contact = *plain.contact;
+        for placed in &*self.list {
+            placed.effect.act(now, &own[placed.own.clone()], &mut on);
+        }
+        let steer = on.steer();
+        let Acting {
+            body, tire, radius, contact, load, toe, brake, external, gravity, ellipse_factor, ..
+        } = on;
+        let External { fx, fy, moment } = external;
+        let external = External { fx: fx + body.mass * gravity[0], fy: fy + body.mass * gravity[1], moment };
+        Shaped {
+            plant: Plant { body, tire, radius, ..*plain.plant },
+            conditions: Conditions { contact, load, toe, external },
+            steer,
+            gravity,
+            hidden_brake: std::array::from_fn(|i| brake[i] * radius[i]),
+            ellipse_factor,
+        }
+    }
+
+    fn through<'a>(&'a self, shaped: &Shaped, now: &'a Now<'a>, own: &'a Own) -> Through<'a> {
+        Through { list: &self.list, now, own, ellipse_factor: shaped.ellipse_factor }
+    }
+
+    /// How the own states change, per second.
+    fn rates(&self, now: &Now<'_>, felt: &Felt, own: &Own) -> Own {
+        let mut rates = [0.0; OWN_STATES];
+        for placed in &*self.list {
+            let place = placed.own.clone();
+            placed.effect.rates(now, felt, &own[place.clone()], &mut rates[place]);
+        }
+        rates
+    }
+
+    /// Evaluates a state, and remembers what effects look back at.
+    pub(super) fn observe(
+        &mut self,
+        plain: &Plain<'_>,
+        t: f64,
+        state: &State,
+        controls: &Controls,
+    ) -> (Shaped, Outcome) {
+        let now = self.now(plain, t, state, self.steering_wheel(controls));
+        let shaped = self.shaped(plain, &now, &self.own);
+        let between = self.through(&shaped, &now, &self.own);
+        let controls = shaped.steered(controls);
+        let response = shaped.plant.respond_through(state, &controls, &shaped.conditions, &between);
+        let outcome = shaped.outcome(response);
+        self.before = Before::of(&outcome);
+        (shaped, outcome)
+    }
+
+    /// What the sensors make of the truth.
+    pub(super) fn sense(
+        &self,
+        plain: &Plain<'_>,
+        t: f64,
+        state: &State,
+        felt: &Felt,
+        readings: &mut Readings,
+    ) {
+        let now = self.now(plain, t, state, readings[Quantity::SteeringWheelAngle as usize]);
+        for placed in &*self.list {
+            placed.effect.sense(&now, felt, &self.own[placed.own.clone()], readings);
+        }
+    }
+
+    /// The state after `h` seconds from `t` on, with the controls going linearly from `from` to `to`, in as
+    /// many substeps as wheels and effects need.
+    pub(super) fn advance(
+        &mut self,
+        plain: &Plain<'_>,
+        t: f64,
+        h: f64,
+        state: &State,
+        [from, to]: [&Controls; 2],
+    ) -> State {
+        let now = self.now(plain, t, state, self.steering_wheel(from));
+        let shaped = self.shaped(plain, &now, &self.own);
+        let wheels = integrate::substeps(&shaped.plant, state, &shaped.conditions, h);
+        let substeps = wheels.max((FASTEST_RATE * h).ceil() as u32);
+        let share = 1.0 / f64::from(substeps);
+        let mut state = *state;
+        let mut start = *from;
+        for i in 0..substeps {
+            let middle = from.towards(to, share * (f64::from(i) + 0.5));
+            let end = from.towards(to, share * f64::from(i + 1));
+            let t = t + h * share * f64::from(i);
+            state = self.runge_kutta(plain, t, h * share, &state, [&start, &middle, &end]);
+            start = end;
+        }
+        state
+    }
+
+    /// One step, with the controls at its start, middle and end: that of [`integrate`] with the own states.
+    fn runge_kutta(
+        &mut self,
+        plain: &Plain<'_>,
+        t: f64,
+        h: f64,
+        state: &State,
+        [start, middle, end]: [&Controls; 3],
+    ) -> State {
+        let own = self.own;
+        let braking = {
+            let now = self.now(plain, t, state, self.steering_wheel(start));
+            let shaped = self.shaped(plain, &now, &own);
+            let between = self.through(&shaped, &now, &own);
+            let controls = shaped.steered(start);
+            shaped.plant.braking_through(state, &controls, &shaped.conditions, &between)
+        };
+        let stage = |effects: &Self, t: f64, state: &State, own: &Own, controls: &Controls| {
+            let now = effects.now(plain, t, state, effects.steering_wheel(controls));
+            let shaped = effects.shaped(plain, &now, own);
+            let between = effects.through(&shaped, &now, own);
+            let controls = shaped.steered(controls);
+            let response = shaped.plant.braked(state, &controls, &shaped.conditions, &braking, &between);
+            let outcome = shaped.outcome(response);
+            (effects.rates(&now, &outcome.felt, own), outcome)
+        };
+        let (own1, first) = stage(self, t, state, &own, start);
+        self.before = Before::of(&first);
+        let k1 = first.response.rate;
+        let next =
+            |own_rate: &Own, rate: &State, h: f64| (advanced(&own, own_rate, h), state.advanced(rate, h));
+        let (own_at, at) = next(&own1, &k1, 0.5 * h);
+        let (own2, second) = stage(self, t + 0.5 * h, &at, &own_at, middle);
+        let k2 = second.response.rate;
+        let (own_at, at) = next(&own2, &k2, 0.5 * h);
+        let (own3, third) = stage(self, t + 0.5 * h, &at, &own_at, middle);
+        let k3 = third.response.rate;
+        let (own_at, at) = next(&own3, &k3, h);
+        let (own4, fourth) = stage(self, t + h, &at, &own_at, end);
+        let k4 = fourth.response.rate;
+        for (i, own) in self.own.iter_mut().enumerate() {
+            *own += h / 6.0 * (own1[i] + 2.0 * (own2[i] + own3[i]) + own4[i]);
+        }
+        let mut next =
+            state.advanced(&k1, h / 6.0).advanced(&k2, h / 3.0).advanced(&k3, h / 3.0).advanced(&k4, h / 6.0);
+        for (i, brake) in braking.iter().enumerate() {
+            next.wheel_speed[i] = brake.stopped(next.wheel_speed[i], end.brake_torque[i]);
+        }
+        next
+    }
+
+    fn steering_wheel(&self, controls: &Controls) -> f64 {
+        controls.steer * self.steering_ratio
+    }
+
+    /// The courses at `t` and the own states, in the order of [`crate::model::effect::column_names`].
+    pub(super) fn series(&self, t: f64, series: &mut Vec<f64>) {
+        series.clear();
+        for placed in &*self.list {
+            series.extend(placed.course.as_ref().map(|course| course.at_time(t)));
+            series.extend_from_slice(&self.own[placed.own.clone()]);
+        }
+    }
+}
+
+fn advanced(own: &Own, rate: &Own, h: f64) -> Own {
+    std::array::from_fn(|i| own[i] + h * rate[i])
+}
+
+impl Before {
+    fn of(outcome: &Outcome) -> Self {
+        let Felt { ax, ay, fy, .. } = outcome.felt;
+        Self { ax, ay, front_force: fy[Wheel::Fl as usize] + fy[Wheel::Fr as usize] }
+    }
+}
+
+impl Shaped {
+    /// The controls with the front wheels and the hidden brakes where the effects leave them.
+    fn steered(&self, controls: &Controls) -> Controls {
+        let mut controls = Controls { steer: self.steer, ..*controls };
+        for (i, hidden) in self.hidden_brake.into_iter().enumerate() {
+            controls.brake_torque[i] += hidden.max(0.0);
+            controls.drive_torque[i] -= hidden.min(0.0);
+        }
+        controls
+    }
+
+    fn outcome(&self, response: Response) -> Outcome {
+        // An accelerometer does not feel gravity in the road's plane.
+        let felt = Felt {
+            ax: response.acceleration.ax - self.gravity[0],
+            ay: response.acceleration.ay - self.gravity[1],
+            yaw_acceleration: response.acceleration.yaw,
+            slip_angle: response.slip_angle,
+            fx: response.fx,
+            fy: response.fy,
+        };
+        Outcome { response, felt }
+    }
+}

@@ -8,8 +8,12 @@ mod decimate;
 mod intervals;
 mod page;
 mod plot;
+mod shifts;
+mod timeline;
 
 pub use color::Color;
 pub use intervals::Interval;
 pub use page::{Page, escape, number};
 pub use plot::{Mark, Marker, Plot, PlotError, Segment, Span, Stroke};
+pub use shifts::Shift;
+pub use timeline::{Panel, Row, Timeline};

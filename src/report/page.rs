@@ -1,6 +1,6 @@
 //! A page: one HTML file with its style in it.
 
-use super::{Interval, Plot, PlotError, intervals};
+use super::{Interval, Plot, PlotError, Shift, Timeline, intervals, shifts};
 
 const STYLE: &str = include_str!("page.css");
 
@@ -9,6 +9,8 @@ const STYLE: &str = include_str!("page.css");
 pub struct Page {
     title: String,
     body: String,
+    /// Of the headings that are to come.
+    level: u8,
 }
 
 impl Page {
@@ -16,12 +18,32 @@ impl Page {
     pub fn new(title: &str, lead: &str) -> Self {
         let body =
             format!("<header><h1>{}</h1><p class=\"lead\">{}</p></header>\n", escape(title), escape(lead));
-        Self { title: title.into(), body }
+        Self { title: title.into(), body, level: 2 }
+    }
+
+    /// Begins with nothing; `title` is the window's.
+    pub fn empty(title: &str) -> Self {
+        Self { title: title.into(), body: String::new(), level: 2 }
+    }
+
+    /// Begins a part: what comes until the next one has smaller headings. `id` is where links find it.
+    pub fn section(&mut self, id: &str, title: &str, lead: &str) {
+        self.level = 3;
+        self.body += &format!("<h2 class=\"section\" id=\"{}\">{}</h2>\n", escape(id), escape(title));
+        if !lead.is_empty() {
+            self.paragraph(lead);
+        }
     }
 
     /// A heading.
     pub fn heading(&mut self, text: &str) {
-        self.body += &format!("<h2>{}</h2>\n", escape(text));
+        self.body += &format!("<h{0}>{1}</h{0}>\n", self.level, escape(text));
+    }
+
+    /// Markup as it is. What it is made of must have been through [`escape`].
+    pub fn raw(&mut self, markup: &str) {
+        self.body += markup;
+        self.body.push('\n');
     }
 
     /// A paragraph.
@@ -43,17 +65,32 @@ impl Page {
     /// # Errors
     /// If it cannot be drawn.
     pub fn plot(&mut self, heading: &str, plot: &Plot, caption: &str) -> Result<(), PlotError> {
-        self.body += &format!(
-            "<figure><h2>{}</h2>{}<div class=\"scroll\">{}</div>",
-            escape(heading),
-            plot.legend(),
-            plot.svg()?
-        );
+        let svg = plot.svg()?;
+        self.figure(heading, &plot.legend(), &svg, caption);
+        Ok(())
+    }
+
+    /// The same of a picture that comes with its legend. Without a heading if that is empty.
+    fn figure(&mut self, heading: &str, legend: &str, svg: &str, caption: &str) {
+        self.body += "<figure>";
+        if !heading.is_empty() {
+            self.body += &format!("<h{0}>{1}</h{0}>", self.level, escape(heading));
+        }
+        self.body += &format!("{legend}<div class=\"scroll\">{svg}</div>");
         if !caption.is_empty() {
             self.body += &format!("<figcaption>{}</figcaption>", escape(caption));
         }
         self.body += "</figure>\n";
-        Ok(())
+    }
+
+    /// What was when.
+    pub fn timeline(&mut self, heading: &str, timeline: &Timeline, caption: &str) {
+        self.figure(heading, &timeline.legend(), &timeline.svg(), caption);
+    }
+
+    /// How numbers moved when something was learnt.
+    pub fn shifts(&mut self, heading: &str, names: (&str, &str), rows: &[Shift], caption: &str) {
+        self.figure(heading, &shifts::legend(names.0, names.1), &shifts::svg(heading, rows), caption);
     }
 
     /// Intervals before and after something was learnt, below one another.
@@ -64,13 +101,7 @@ impl Page {
         rows: &[Interval],
         caption: &str,
     ) {
-        self.body += &format!(
-            "<figure><h2>{}</h2>{}<div class=\"scroll\">{}</div><figcaption>{}</figcaption></figure>\n",
-            escape(heading),
-            intervals::legend(before, after),
-            intervals::svg(heading, rows),
-            escape(caption)
-        );
+        self.figure(heading, &intervals::legend(before, after), &intervals::svg(heading, rows), caption);
     }
 
     /// A table: the first cell of a row is its name, the others are numbers.

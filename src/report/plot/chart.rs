@@ -4,7 +4,7 @@ use plotters::prelude::*;
 use plotters::style::Color as _;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::{Area, Chart, Drawn, Marker, Plot, Series, Stroke, said};
+use super::{Area, Chart, Drawn, Marker, Plot, Series, said};
 use crate::report::{Color, decimate};
 
 impl Plot {
@@ -67,10 +67,10 @@ impl Plot {
     fn draw_series(&self, chart: &mut Chart, series: &Series) -> Drawn {
         let clip = |y: f64| y.clamp(self.y.start, self.y.end);
         match series {
-            Series::Line(color, points) => {
+            Series::Line(color, stroke, points) => {
                 let inside = points.iter().filter(|point| self.x.contains(&point.0)).copied();
-                let stroke = Stroke::of(*color);
-                let style = color.stroked(stroke).stroke_width(if stroke == Stroke::Solid { 3 } else { 2 });
+                let width = if *color == Color::OtherTruth { 2 } else { 3 };
+                let style = color.stroked(*stroke).stroke_width(width);
                 for piece in decimate::lines(inside, self.column()) {
                     let piece = piece.into_iter().map(|(x, y)| (x, clip(y)));
                     chart.draw_series(LineSeries::new(piece, style)).map_err(said)?;

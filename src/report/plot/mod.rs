@@ -112,7 +112,7 @@ pub struct Plot {
 #[derive(Clone, Debug)]
 enum Series {
     /// In order of x.
-    Line(Color, Vec<(f64, f64)>),
+    Line(Color, Stroke, Vec<(f64, f64)>),
     /// In any order.
     Curve(Color, Stroke, Vec<(f64, f64)>),
     Points(Color, Marker, Vec<(f64, f64)>),
@@ -195,9 +195,21 @@ impl Plot {
 
     /// A line, points in order of x.
     #[must_use]
-    pub fn line(mut self, name: &str, color: Color, points: impl Iterator<Item = (f64, f64)>) -> Self {
-        self.legend.push((name.into(), color, Swatch::Line(Stroke::of(color))));
-        self.series.push(Series::Line(color, points.collect()));
+    pub fn line(self, name: &str, color: Color, points: impl Iterator<Item = (f64, f64)>) -> Self {
+        self.stroked(name, color, Stroke::of(color), points)
+    }
+
+    /// A line of another stroke than its colour has, points in order of x.
+    #[must_use]
+    pub fn stroked(
+        mut self,
+        name: &str,
+        color: Color,
+        stroke: Stroke,
+        points: impl Iterator<Item = (f64, f64)>,
+    ) -> Self {
+        self.legend.push((name.into(), color, Swatch::Line(stroke)));
+        self.series.push(Series::Line(color, stroke, points.collect()));
         self
     }
 

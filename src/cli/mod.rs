@@ -4,6 +4,7 @@ mod calibrate;
 mod check;
 mod demo;
 mod demo_car;
+mod explain;
 mod identify;
 mod output;
 mod player;
@@ -104,6 +105,8 @@ enum Command {
     Simulate(simulate::Simulate),
     /// Identify the vehicle's parameters from recordings.
     Identify(identify::Identify),
+    /// Where simulation and recording differ: locate it, name the missing physics, prove it on held-out data.
+    Explain(explain::Explain),
     /// Carry out the thesis's experiments again and tell which claims hold.
     Reproduce(reproduce::Reproduce),
     /// Find ABS brakings in recordings and map the slip slope to friction.
@@ -123,6 +126,7 @@ pub fn main() -> ExitCode {
         Command::Replay(command) => command.run(),
         Command::Simulate(command) => command.run(),
         Command::Identify(command) => command.run(),
+        Command::Explain(command) => command.run(),
         Command::Reproduce(command) => command.run(),
         Command::Calibrate(command) => command.run(),
         Command::Check(command) => command.run(),

@@ -119,8 +119,14 @@ impl Sampler {
 
     /// Time of a quantity's newest value that could be used.
     pub fn last_seen(&self, quantity: Quantity) -> Option<Micros> {
+        self.newest(quantity).map(|(time, _)| time)
+    }
+
+    /// A quantity's newest value that could be used, in SI, and its time.
+    pub fn newest(&self, quantity: Quantity) -> Option<(Micros, f64)> {
         let channel = self.channels.iter().find(|channel| channel.quantity == quantity)?;
-        channel.history.last().filter(|point| !point.value.is_nan()).map(|point| point.time)
+        let newest = channel.history.last().filter(|point| !point.value.is_nan())?;
+        Some((newest.time, newest.value))
     }
 
     /// Takes a frame. Frames that are not needed change nothing, not even the time.

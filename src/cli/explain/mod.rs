@@ -1,0 +1,117 @@
+//! `gripd explain`: where simulation and recording differ, and why.
+
+mod apply;
+mod numbers;
+mod page;
+mod recordings;
+mod text;
+mod words;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::Failure;
+use super::output::{Output, same_file, write_json};
+use super::progress::Progress;
+use crate::Config;
+use crate::explain::Case;
+
+pub(super) use text::print;
+
+/// What differs, where, what is missing, how sure that is, and how much better it gets on data it has not
+/// seen.
+#[derive(Args)]
+pub struct Explain {
+    /// Configuration of the car. What its [vehicle] table calls uncertain is refitted before anything is
+    /// called missing.
+    #[arg(short, long)]
+    config: PathBuf,
+    /// Recordings of one car (candump -L; plain, gzip or zstd; `-` is the standard input). Every third 20 s
+    /// of them are kept for the proof.
+    #[arg(required = true)]
+    logs: Vec<PathBuf>,
+    /// Keep these recordings for the proof instead.
+    #[arg(long, value_name = "LOG", num_args = 1..)]
+    holdout: Vec<PathBuf>,
+    /// Write the answer as JSON (`-`: to the standard output, instead of the text).
+    #[arg(long, value_name = "JSON")]
+    json: Option<PathBuf>,
+    /// Write a page with the answer and its plots.
+    #[arg(long, value_name = "HTML")]
+    html: Option<PathBuf>,
+    /// Write the configuration with what was found and the corrected numbers.
+    #[arg(long, value_name = "TOML")]
+    apply: Option<PathBuf>,
+    /// Seed of what is drawn at random (the bootstrap of the improvement).
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+impl Explain {
+    /// Runs it.
+    pub fn run(self) -> Result<(), Failure> {
+        self.outputs_are_no_inputs()?;
+        let config = Config::load(&self.config)?;
+        let logs: Vec<PathBuf> = self.logs.iter().chain(&self.holdout).cloned().collect();
+        let read = recordings::read(&logs, &config)?;
+        let case = Case {
+            vehicle: &config.vehicle,
+            effects: &config.effect,
+            recordings: &read.recordings,
+            held_out: self.holdout.len(),
+            chain: &read.chain,
+            seed: self.seed,
+        };
+        let progress = Progress::of_share();
+        let answer = case.explain(&|stage, share| progress.at(stage, share));
+        progress.finish();
+        let explanation = &answer.explanation;
+        // With `--json -` the standard output is for programs.
+        let to_stdout = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
+        if !to_stdout(&self.json) && !to_stdout(&self.html) && !to_stdout(&self.apply) {
+            let mut stdout = std::io::stdout().lock();
+            print(explanation, &mut stdout)?;
+            stdout.flush()?;
+        }
+        if let Some(path) = &self.json {
+            write_json(path, explanation)?;
+        }
+        if let Some(path) = &self.html {
+            write(path, &page::page(explanation))?;
+        }
+        if let Some(path) = &self.apply {
+            write(path, &apply::toml(&self.config, path, &answer)?)?;
+        }
+        if read.broken.is_empty() { Ok(()) } else { Err(Failure::Work(read.broken.join("; "))) }
+    }
+
+    /// A recording or a configuration is never overwritten by what is made of it, nor one result by another.
+    fn outputs_are_no_inputs(&self) -> Result<(), Failure> {
+        let inputs = self.logs.iter().chain(&self.holdout).chain([&self.config]);
+        let inputs: Vec<&PathBuf> = inputs.filter(|path| path.as_os_str() != "-").collect();
+        let outputs: Vec<&PathBuf> = self.json.iter().chain(&self.html).chain(&self.apply).collect();
+        for (place, output) in outputs.iter().enumerate() {
+            if inputs.iter().any(|input| same_file(input, output)) {
+                return Err(Failure::usage(format_args!(
+                    "{} is read from and would be written to; give the result another name",
+                    output.display()
+                )));
+            }
+            if outputs[..place].iter().any(|other| same_file(other, output)) {
+                return Err(Failure::usage(format_args!(
+                    "two results cannot both go to {}",
+                    output.display()
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    let mut output = Output::create(path)?;
+    output.write_all(text.as_bytes())?;
+    output.finish()
+}

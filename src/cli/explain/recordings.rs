@@ -1,0 +1,101 @@
+//! Recordings as they are explained: every reading at its own time, and what the audit of the chain says.
+
+use std::path::PathBuf;
+
+use crate::Config;
+use crate::can::candump::Reader;
+use crate::cli::Failure;
+use crate::cli::progress::Progress;
+use crate::explain::Recording;
+use crate::explain::chain::{self, ChainReport};
+use crate::service::sensors;
+use crate::signals::{Inputs, Pushed, Sampler};
+use crate::{Micros, Quantity};
+
+/// Everything that was read.
+pub struct Read {
+    /// The recordings.
+    pub recordings: Vec<Recording>,
+    /// The audit of each.
+    pub chain: Vec<ChainReport>,
+    /// Why some could not be read to their end.
+    pub broken: Vec<String>,
+}
+
+/// Reads all recordings.
+pub fn read(logs: &[PathBuf], config: &Config) -> Result<Read, Failure> {
+    let database = config.input_database()?;
+    let inputs = Inputs::compile(&config.signals, &database, config.vehicle.wheel_radius_m.value)
+        .map_err(Failure::usage)?;
+    let mut read = Read { recordings: Vec::new(), chain: Vec::new(), broken: Vec::new() };
+    let progress = Progress::of_files(logs);
+    for path in logs {
+        // What is implausible is what there is to explain: nothing is taken out.
+        let mut unchecked = config.signals.sampling;
+        unchecked.cross_checks = false;
+        let mut sampler = Sampler::new(inputs.clone(), &unchecked);
+        let mut reader = Reader::open(path).map_err(Failure::work)?;
+        let mut tracks = Tracks::new(path.display().to_string());
+        let mut samples = Vec::new();
+        loop {
+            match reader.next_frame() {
+                Ok(None) => break,
+                // What could be read before the damage is still worth something.
+                Err(error) => {
+                    read.broken.push(error.to_string());
+                    break;
+                }
+                Ok(Some(frame)) => {
+                    if sampler.push(&frame) == Pushed::Used {
+                        tracks.take(frame.time, &sampler);
+                    }
+                    samples.extend(std::iter::from_fn(|| sampler.next_sample()));
+                    progress.advance(reader.stats().lines);
+                }
+            }
+        }
+        sampler.flush();
+        samples.extend(std::iter::from_fn(|| sampler.next_sample()));
+        if tracks.recording.seconds() == 0.0 && read.broken.is_empty() {
+            let ids: Vec<_> = inputs.ids().iter().map(ToString::to_string).collect();
+            return Err(Failure::work(format_args!(
+                "{}: nothing to explain: none of the needed identifiers ({}) are in it; is it of this car and bus? \
+                 `gripd check` tells more",
+                path.display(),
+                ids.join(", ")
+            )));
+        }
+        read.chain.push(chain::audit(&samples, &config.vehicle, &sensors(&inputs)));
+        read.recordings.push(tracks.recording);
+    }
+    progress.finish();
+    Ok(read)
+}
+
+/// Readings as they come.
+struct Tracks {
+    recording: Recording,
+    start: Option<Micros>,
+    last: [Option<Micros>; Quantity::COUNT],
+}
+
+impl Tracks {
+    fn new(name: String) -> Self {
+        let recording = Recording { name, ..Recording::default() };
+        Self { recording, start: None, last: [None; Quantity::COUNT] }
+    }
+
+    /// Takes what a frame has brought.
+    fn take(&mut self, time: Micros, sampler: &Sampler) {
+        let start = *self.start.get_or_insert(time);
+        for quantity in Quantity::ALL {
+            let place = quantity as usize;
+            if let Some((time, value)) = sampler.newest(quantity)
+                && self.last[place].is_none_or(|last| time > last)
+            {
+                self.last[place] = Some(time);
+                self.recording.tracks[place].push(((time - start).seconds(), value));
+            }
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! Is a course the road's and the weather's, or does it follow what the driver does? What follows the
+//! car's own motion is no wind and no bank: it is a term that is missing in the equations.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::predict::Drive;
+use super::predict::drive::STEP_S;
+use super::smooth::Smoothed;
+
+/// Distance of the points that are compared, grid points.
+const EVERY: usize = 10;
+
+/// Share of a course's variance that follows from the driver's inputs and the speed, the number of
+/// regressors counted against the course's independent pieces: 0 none, 1 all.
+pub fn follows_motion(drive: &Drive, course: &Smoothed, length_s: f64) -> f64 {
+    let points: Vec<(usize, f64)> = course
+        .t
+        .iter()
+        .zip(&course.value)
+        .map(|(t, value)| ((t / STEP_S).round() as usize, *value))
+        .filter(|(k, _)| k % EVERY == 0 && *k >= 20 && k + 20 < drive.inputs.len())
+        .collect();
+    if points.len() < 50 {
+        return 0.0;
+    }
+    let played = PLAYS.map(|width| play(drive, width));
+    let demand = |k: usize| drive.inputs[k].steering_wheel * drive.speed[k] * drive.speed[k] * 0.0025;
+    let row = |k: usize| {
+        let input = &drive.inputs[k];
+        let speed = drive.speed[k];
+        let steering = input.steering_wheel;
+        let faster = (drive.speed[k + 10] - drive.speed[k - 10]) / (20.0 * STEP_S);
+        let mut row = [0.0; REGRESSORS];
+        let motion = [
+            1.0,
+            steering,
+            steering * speed * 0.05,
+            steering.abs(),
+            demand(k) * demand(k),
+            speed * 0.05,
+            speed * speed * 0.0025,
+            faster,
+            faster * steering,
+            input.brake_pressure * 0.1,
+        ];
+        row[..motion.len()].copy_from_slice(&motion);
+        // The car answers within tenths of a second; what swings or settles in it, within seconds.
+        for (place, points) in LAGS.into_iter().enumerate() {
+            row[motion.len() + place] = demand(k.saturating_sub(points));
+        }
+        for (place, played) in played.iter().enumerate() {
+            row[motion.len() + LAGS.len() + place] = played[k];
+        }
+        row
+    };
+    let rows: Vec<[f64; REGRESSORS]> = points.iter().map(|(k, _)| row(*k)).collect();
+    let x = DMatrix::from_fn(rows.len(), REGRESSORS, |i, j| rows[i][j]);
+    let y = DVector::from_iterator(points.len(), points.iter().map(|(_, value)| *value));
+    if x.iter().any(|value| !value.is_finite()) {
+        return 0.0;
+    }
+    let mean = y.mean();
+    let total: f64 = y.iter().map(|value| (value - mean).powi(2)).sum();
+    let normal = x.tr_mul(&x) + DMatrix::identity(REGRESSORS, REGRESSORS) * 1e-6;
+    let Some(fit) = normal.cholesky().map(|c| c.solve(&x.tr_mul(&y))) else { return 0.0 };
+    let left = (&y - &x * fit).norm_squared();
+    if total <= 0.0 {
+        return 0.0;
+    }
+    // Independent pieces: two for each correlation length.
+    let seconds = points.len() as f64 * EVERY as f64 * STEP_S;
+    let pieces = (2.0 * seconds / length_s.max(0.5)).max(2.0 * REGRESSORS as f64);
+    let adjusted = 1.0 - left / total * (pieces - 1.0) / (pieces - REGRESSORS as f64);
+    adjusted.clamp(0.0, 1.0)
+}
+
+const REGRESSORS: usize = 10 + LAGS.len() + PLAYS.len();
+
+/// Lags, grid points.
+const LAGS: [usize; 6] = [0, 15, 30, 60, 100, 150];
+
+/// Widths of a play between steering wheel and road wheels, rad at the steering wheel.
+const PLAYS: [f64; 3] = [0.01, 0.03, 0.1];
+
+/// What a play of this width takes away, as a share of it: the sign of the last steering, softened.
+fn play(drive: &Drive, width: f64) -> Vec<f64> {
+    let mut behind = f64::NAN;
+    let step = |input: &crate::model::effect::Recorded| {
+        let angle = input.steering_wheel;
+        if !angle.is_finite() {
+            return 0.0;
+        }
+        behind = if behind.is_nan() { angle } else { behind.clamp(angle - 0.5 * width, angle + 0.5 * width) };
+        (angle - behind) / (0.5 * width)
+    };
+    drive.inputs.iter().map(step).collect()
+}

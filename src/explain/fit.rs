@@ -1,0 +1,225 @@
+//! Fitting a model to drives: its numbers and its noise, by the likelihood of predictions.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::model::{Free, Model};
+use super::predict::Drive;
+use super::predict::noise::{Noise, floor};
+use super::predict::pass::{Ask, Sums, pass};
+use super::split::{Part, Split};
+use crate::Quantity;
+
+/// The drives and which of their blocks may be looked at.
+#[derive(Clone, Debug)]
+pub struct Data<'a> {
+    /// All drives.
+    pub drives: &'a [Drive],
+    /// Their blocks.
+    pub split: &'a Split,
+    /// Which of them count.
+    pub part: Part,
+    /// Noise of the sensors as it shows from one reading to the next.
+    pub own_noise: Noise,
+}
+
+/// A fitted model.
+#[derive(Clone, Debug)]
+pub struct Fit<'a> {
+    /// With its numbers.
+    pub model: Model<'a>,
+    /// With its noise.
+    pub noise: Noise,
+    /// What was free.
+    pub free: Vec<Free>,
+    /// −2 ln likelihood, without prior.
+    pub minus_two_ln: f64,
+    /// What the prior adds.
+    pub prior: f64,
+    /// Covariance of the free numbers, in their coordinates.
+    pub covariance: DMatrix<f64>,
+    /// Sums of the last pass.
+    pub sums: Vec<Sums>,
+}
+
+impl<'d> Data<'d> {
+    /// The same drives, another part.
+    pub fn of(&self, part: Part) -> Self {
+        Self { part, ..self.clone() }
+    }
+
+    /// One pass over all drives.
+    pub fn pass(&self, model: &Model<'_>, varied: &[(Model<'_>, f64)], noise: &Noise) -> Vec<Sums> {
+        let mut cars = vec![model.car()];
+        cars.extend(varied.iter().map(|(model, _)| model.car()));
+        let differences: Vec<f64> = varied.iter().map(|(_, by)| *by).collect();
+        let drives = self.drives.iter().enumerate();
+        drives.flat_map(|drive| pass(drive, &cars, &differences, noise, Ask::default())).collect()
+    }
+
+    /// The sums that count.
+    pub fn counted<'s>(&self, sums: &'s [Sums]) -> impl Iterator<Item = &'s Sums> + use<'_, 's, 'd> {
+        sums.iter().filter(|sum| self.split.counts(self.part, sum.drive, 0.5 * (sum.t.0 + sum.t.1)))
+    }
+
+    /// −2 ln likelihood of what counts.
+    pub fn minus_two_ln(&self, sums: &[Sums]) -> f64 {
+        self.counted(sums).map(|sum| sum.log_s + sum.square.iter().sum::<f64>()).sum()
+    }
+
+    /// Noise of the sensors as the innovations have it.
+    pub fn sensor_noise(&self, sums: &[Sums], noise: &Noise) -> Noise {
+        let mut new = noise.clone();
+        for channel in Quantity::ALL {
+            let place = channel as usize;
+            let (mut excess, mut count) = (0.0, 0);
+            for sum in self.counted(sums) {
+                excess += sum.excess[place];
+                count += sum.of[place];
+            }
+            if count > 0 {
+                // What readings jump from one to the next is their noise, whatever the model says.
+                let own = self.own_noise.sensor[place];
+                let variance = (excess / count as f64).clamp(0.8 * own * own, 2.0 * own * own);
+                new.sensor[place] = variance.sqrt().max(floor(channel));
+            }
+        }
+        new
+    }
+
+    /// Fits until nothing gets better any more, noise included: what candidates are measured against must
+    /// have no room left of its own.
+    pub fn fit_thoroughly<'a>(&self, model: &Model<'a>, free: &[Free], noise: &Noise) -> Fit<'a> {
+        let mut best = self.fit(model, free, noise, 8);
+        // Much noise of the equations hides that there is little: from that end, too.
+        let little =
+            Noise { diffusion: Noise::LEAST_DIFFUSION.map(|least| 2.0 * least), ..best.noise.clone() };
+        let other = self.fit(&best.model, free, &little, 4);
+        if other.minus_two_ln + other.prior < best.minus_two_ln + best.prior {
+            best = other;
+        }
+        for _ in 0..4 {
+            let noise = self.diffusion(&best.model, &best.noise, &[4.0, 2.0]);
+            let next = self.fit(&best.model, free, &noise, 5);
+            let gained = best.minus_two_ln + best.prior - next.minus_two_ln - next.prior;
+            if gained > 0.0 {
+                best = next;
+            }
+            if gained < 1.0 {
+                break;
+            }
+        }
+        best
+    }
+
+    /// Fits the free numbers and the noise, from where the model is.
+    pub fn fit<'a>(&self, model: &Model<'a>, free: &[Free], noise: &Noise, rounds: usize) -> Fit<'a> {
+        let mut model = model.clone();
+        let mut noise = noise.clone();
+        let mut last = None;
+        for round in 0..rounds {
+            let varied: Vec<_> = free.iter().map(|free| model.varied(free)).collect();
+            let sums = self.pass(&model, &varied, &noise);
+            let (information, gradient) = self.normal(&sums, &model, free);
+            let Some(inverse) = information.clone().cholesky().map(|c| c.inverse()) else { break };
+            let step = &inverse * gradient;
+            let before = self.minus_two_ln(&sums) + prior(&model, free);
+            last = Some((inverse, sums));
+            // Halve a step that makes it worse.
+            let mut share: f64 = 1.0;
+            for (free, step) in free.iter().zip(step.iter()) {
+                share = share.min(4.0 * free.std / step.abs().max(1e-300));
+            }
+            let mut better = None;
+            for _ in 0..4 {
+                let mut moved = model.clone();
+                for (free, step) in free.iter().zip(step.iter()) {
+                    moved.set(free.place, model.get(free.place) + share * step);
+                }
+                let sums = self.pass(&moved, &[], &noise);
+                let after = self.minus_two_ln(&sums) + prior(&moved, free);
+                if after < before {
+                    better = Some((moved, sums, before - after));
+                    break;
+                }
+                share *= 0.3;
+            }
+            let gained = match better {
+                Some((moved, sums, gained)) => {
+                    model = moved;
+                    noise = self.sensor_noise(&sums, &noise);
+                    gained
+                }
+                None => 0.0,
+            };
+            // The noise settles with the numbers: now and then is enough.
+            if round == 0 || round == 2 || round == 5 {
+                noise = self.diffusion(&model, &noise, if round == 0 { &[4.0] } else { &[2.0] });
+            }
+            if gained < 0.5 && round > 2 {
+                break;
+            }
+        }
+        let sums = self.pass(&model, &free.iter().map(|free| model.varied(free)).collect::<Vec<_>>(), &noise);
+        let (information, _) = self.normal(&sums, &model, free);
+        let covariance = information.cholesky().map(|c| c.inverse());
+        let covariance = covariance.or(last.map(|(inverse, _)| inverse)).unwrap_or_default();
+        let minus_two_ln = self.minus_two_ln(&sums);
+        let prior = prior(&model, free);
+        Fit { model, noise, free: free.to_vec(), minus_two_ln, prior, covariance, sums }
+    }
+
+    /// The normal equations, prior included.
+    fn normal(&self, sums: &[Sums], model: &Model<'_>, free: &[Free]) -> (DMatrix<f64>, DVector<f64>) {
+        let count = free.len();
+        let mut information = DMatrix::zeros(count, count);
+        let mut gradient = DVector::zeros(count);
+        for sum in self.counted(sums) {
+            information += sum.gram.view((1, 1), (count, count));
+            gradient += sum.gram.view((1, 0), (count, 1));
+        }
+        for (place, free) in free.iter().enumerate() {
+            let weight = 1.0 / (free.std * free.std);
+            information[(place, place)] += weight;
+            gradient[place] += weight * (free.mean - model.get(free.place));
+        }
+        (information, gradient)
+    }
+
+    /// Diffusion of each equation, size and length of each course, one after the other, by factors, as
+    /// long as it helps.
+    fn diffusion(&self, model: &Model<'_>, noise: &Noise, factors: &[f64]) -> Noise {
+        let mut best = noise.clone();
+        let value = |noise: &Noise| self.minus_two_ln(&self.pass(model, &[], noise));
+        let mut lowest = value(&best);
+        for factor in factors.iter().copied() {
+            for place in 0..best.scales() {
+                let tried: Vec<(f64, Noise, f64)> = [1.0 / factor, factor]
+                    .into_par_iter()
+                    .filter_map(|by: f64| {
+                        let noise = best.scaled(place, by)?;
+                        let value = value(&noise);
+                        Some((by, noise, value))
+                    })
+                    .collect();
+                let best_of = tried.into_iter().min_by(|a, b| a.2.total_cmp(&b.2));
+                let Some((by, mut noise, mut found)) = best_of else { continue };
+                let mut left = 6;
+                while found < lowest - 0.5 {
+                    (best, lowest) = (noise, found);
+                    // Go on in that direction.
+                    let Some(further) = best.scaled(place, by).filter(|_| left > 0) else { break };
+                    left -= 1;
+                    found = value(&further);
+                    noise = further;
+                }
+            }
+        }
+        best
+    }
+}
+
+/// What the prior says against a model.
+pub fn prior(model: &Model<'_>, free: &[Free]) -> f64 {
+    free.iter().map(|free| ((model.get(free.place) - free.mean) / free.std).powi(2)).sum()
+}

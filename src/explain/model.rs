@@ -1,0 +1,310 @@
+//! A model of the car as a search sees it: its numbers, its effects, and which of them are free.
+
+use super::predict::car::INERTIAL;
+use super::predict::{Car, Settings};
+use crate::Quantity;
+use crate::identify::{Parameter, Values};
+use crate::model::Vehicle;
+use crate::model::effect::{Channel, Course, EffectConfig, KINDS, Kind, Setting, Spec};
+
+/// An effect with its numbers.
+#[derive(Clone, Debug)]
+pub struct Chosen {
+    /// What it is.
+    pub kind: &'static Kind,
+    /// What it is of.
+    pub channel: Option<Channel>,
+    /// The coordinate of each of its parameters ([`Spec::scale`]).
+    pub numbers: Vec<f64>,
+    /// Which of them a search may change.
+    pub free: Vec<usize>,
+    /// How it varies.
+    pub course: Course,
+}
+
+impl Chosen {
+    /// With the usual numbers, at which nothing happens; all of them free.
+    pub fn usual(kind: &'static Kind, channel: Option<Channel>, course: Course) -> Self {
+        let mut chosen = Self { kind, channel, numbers: Vec::new(), free: Vec::new(), course };
+        chosen.numbers = chosen.specs().map(|spec| spec.mean).collect();
+        chosen.free = (0..chosen.numbers.len()).collect();
+        chosen
+    }
+
+    /// What is known of its numbers.
+    pub fn specs(&self) -> impl Iterator<Item = Spec> + '_ {
+        (0..self.kind.parameters.len()).filter_map(|place| self.kind.spec(place, self.channel))
+    }
+
+    /// Its numbers in their units.
+    pub fn values(&self) -> Vec<f64> {
+        self.specs().zip(&self.numbers).map(|(spec, number)| spec.value(*number)).collect()
+    }
+
+    /// Where it stands in the list of all effects: they act in that order.
+    fn order(&self) -> usize {
+        KINDS.iter().position(|kind| std::ptr::eq(*kind, self.kind)).unwrap_or(usize::MAX)
+    }
+}
+
+/// The plain model with any effects.
+#[derive(Clone, Debug)]
+pub struct Model<'a> {
+    /// What does not change.
+    pub vehicle: &'a Vehicle,
+    /// Is the drive torque on the bus?
+    pub knows_torque: bool,
+    /// Ordinary numbers.
+    pub values: Values,
+    /// How late the wheel speeds are, front and rear, s.
+    pub wheel_delay: [f64; 2],
+    /// How late drive and brake torque act, s.
+    pub torque_delay: f64,
+    /// How late the inertial sensors are, s.
+    pub inertial_delay: [f64; 3],
+    /// How much of the lateral curve's bend the longitudinal one has.
+    pub bend_along: f64,
+    /// Physics beyond the plain model.
+    pub effects: Vec<Chosen>,
+}
+
+/// A number that a search may change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// Of the vehicle, or a sensor's offset.
+    Ordinary(Parameter),
+    /// How late the wheel speeds of an axle are: front (0) or rear.
+    WheelDelay(usize),
+    /// How late drive and brake torque act.
+    TorqueDelay,
+    /// How late one of the inertial sensors is.
+    InertialDelay(usize),
+    /// How much of the lateral curve's bend the longitudinal one has: friction along and across are
+    /// seldom the same, and one limit is all that the vehicle's table has.
+    BendAlong,
+    /// Of an effect: which effect, which number.
+    Effect(usize, usize),
+}
+
+/// A free number: its place, its prior and a step, all in the coordinate that is searched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Free {
+    /// Where it is.
+    pub place: Place,
+    /// Mean of the prior.
+    pub mean: f64,
+    /// Standard deviation of the prior.
+    pub std: f64,
+    /// Step of differences.
+    pub step: f64,
+}
+
+/// Tooth wheels are read over some milliseconds; so late are wheel speeds usually, s, give or take.
+const WHEEL_DELAY: (f64, f64) = (0.005, 0.005);
+
+/// From the torque's frame to the road, s, give or take.
+const TORQUE_DELAY: (f64, f64) = (0.005, 0.005);
+
+/// No chain is exact to the millisecond: each sensor is sampled and filtered before its frame goes out, s.
+const INERTIAL_DELAY: [f64; 3] = [0.002, 0.002, 0.005];
+
+/// Mean and standard deviation of what is thought of the longitudinal curve's bend.
+const BEND_ALONG: (f64, f64) = (0.5, 0.5);
+
+impl<'a> Model<'a> {
+    /// The plain model as the vehicle's table has it.
+    pub fn plain(vehicle: &'a Vehicle, knows_torque: bool) -> Self {
+        Self {
+            vehicle,
+            knows_torque,
+            values: Values::of(vehicle),
+            wheel_delay: [WHEEL_DELAY.0; 2],
+            torque_delay: TORQUE_DELAY.0,
+            inertial_delay: [0.0; 3],
+            bend_along: BEND_ALONG.0,
+            effects: Vec::new(),
+        }
+    }
+
+    /// The same with effects that a configuration switches on, as it has them.
+    pub fn with_configured(&self, effects: &[EffectConfig]) -> Self {
+        let mut model = self.clone();
+        model.effects.extend(effects.iter().map(|config| Chosen {
+            kind: config.kind(),
+            channel: config.channel(),
+            numbers: config.coordinates().iter().map(|coordinate| coordinate.value).collect(),
+            free: Vec::new(),
+            course: config.course().clone(),
+        }));
+        model
+    }
+
+    /// The car it describes.
+    pub fn car(&self) -> Car {
+        let mut effects: Vec<&Chosen> = self.effects.iter().collect();
+        effects.sort_by_key(|chosen| chosen.order());
+        let effects = effects.into_iter().map(|chosen| {
+            let values = chosen.values();
+            chosen.kind.effect(&Setting { values: &values, channel: chosen.channel, course: &chosen.course })
+        });
+        Car::new(Settings {
+            vehicle: self.vehicle,
+            values: &self.values,
+            knows_torque: self.knows_torque,
+            wheel_delay: self.wheel_delay,
+            bend_along: self.bend_along,
+            torque_delay: self.torque_delay,
+            inertial_delay: self.inertial_delay,
+            effects: effects.collect(),
+        })
+    }
+
+    /// The same with another effect.
+    pub fn with(&self, chosen: Chosen) -> Self {
+        let mut model = self.clone();
+        model.effects.push(chosen);
+        model
+    }
+
+    /// What is free in the plain model: all that the vehicle's table calls uncertain, and the sensors'
+    /// offsets.
+    pub fn ordinary(&self, has: impl Fn(Quantity) -> bool) -> Vec<Free> {
+        let drive = if self.knows_torque {
+            crate::identify::Drive::Torque
+        } else {
+            crate::identify::Drive::WheelSpeeds
+        };
+        let is_slip_offset = |p: &Parameter| {
+            use Parameter::{SlipOffsetFl, SlipOffsetFr, SlipOffsetRl, SlipOffsetRr};
+            matches!(p, SlipOffsetFl | SlipOffsetFr | SlipOffsetRl | SlipOffsetRr)
+        };
+        let usual = Parameter::usual(self.vehicle, drive, &has);
+        let mut parameters: Vec<Parameter> = usual.into_iter().filter(|p| !is_slip_offset(p)).collect();
+        if !self.knows_torque && has(Quantity::LongitudinalAcceleration) {
+            parameters.push(Parameter::LongitudinalAccelerationOffset);
+        }
+        let mut free: Vec<Free> = parameters.into_iter().map(|p| self.free_ordinary(p)).collect();
+        for axle in 0..2 {
+            let (mean, std) = WHEEL_DELAY;
+            free.push(Free { place: Place::WheelDelay(axle), mean, std, step: 0.002 });
+        }
+        for (number, quantity) in INERTIAL.into_iter().enumerate() {
+            if has(quantity) {
+                let std = INERTIAL_DELAY[number];
+                free.push(Free { place: Place::InertialDelay(number), mean: 0.0, std, step: 0.001 });
+            }
+        }
+        if self.knows_torque {
+            free.push(Free {
+                place: Place::TorqueDelay,
+                mean: TORQUE_DELAY.0,
+                std: TORQUE_DELAY.1,
+                step: 0.002,
+            });
+        }
+        if self.knows_torque && self.vehicle.tire != crate::model::TireKind::Linear {
+            free.push(Free { place: Place::BendAlong, mean: BEND_ALONG.0, std: BEND_ALONG.1, step: 0.05 });
+        }
+        free
+    }
+
+    fn free_ordinary(&self, parameter: Parameter) -> Free {
+        let prior = parameter.prior(self.vehicle);
+        let place = Place::Ordinary(parameter);
+        if is_logarithmic(parameter) {
+            let std = prior.std / prior.value;
+            return Free { place, mean: prior.value.ln(), std, step: (0.1 * std).clamp(1e-3, 0.05) };
+        }
+        Free { place, mean: prior.value, std: prior.std, step: 0.05 * prior.std }
+    }
+
+    /// The numbers of one of its effects that a search may change.
+    pub fn free_of_effect(&self, effect: usize) -> Vec<Free> {
+        let chosen = &self.effects[effect];
+        let free = chosen.specs().enumerate().filter(|(place, _)| chosen.free.contains(place));
+        let free = free.map(|(place, spec)| Free {
+            place: Place::Effect(effect, place),
+            mean: spec.mean,
+            std: spec.std,
+            step: spec.step,
+        });
+        free.collect()
+    }
+
+    /// The coordinate of a free number.
+    pub fn get(&self, place: Place) -> f64 {
+        match place {
+            Place::Ordinary(p) if is_logarithmic(p) => self.values.get(p).ln(),
+            Place::Ordinary(p) => self.values.get(p),
+            Place::WheelDelay(axle) => self.wheel_delay[axle],
+            Place::TorqueDelay => self.torque_delay,
+            Place::InertialDelay(number) => self.inertial_delay[number],
+            Place::BendAlong => self.bend_along,
+            Place::Effect(effect, number) => self.effects[effect].numbers[number],
+        }
+    }
+
+    /// Name and value of an ordinary number in its unit, and how the value changes with the coordinate;
+    /// none of an effect's.
+    pub fn ordinary_number(&self, place: Place) -> Option<(String, f64, f64)> {
+        Some(match place {
+            Place::Ordinary(p) => {
+                let value = self.values.get(p);
+                (p.name().into(), value, if is_logarithmic(p) { value } else { 1.0 })
+            }
+            Place::WheelDelay(axle) => {
+                let name = ["wheel_speed_front_delay_s", "wheel_speed_rear_delay_s"][axle];
+                (name.into(), self.wheel_delay[axle], 1.0)
+            }
+            Place::TorqueDelay => ("torque_delay_s".into(), self.torque_delay, 1.0),
+            Place::InertialDelay(number) => {
+                (format!("{}_delay_s", INERTIAL[number]), self.inertial_delay[number], 1.0)
+            }
+            Place::BendAlong => ("longitudinal_bend".into(), self.bend_along, 1.0),
+            Place::Effect(..) => return None,
+        })
+    }
+
+    /// Changes a free number, within its bounds.
+    pub fn set(&mut self, place: Place, coordinate: f64) {
+        match place {
+            Place::Ordinary(p) => {
+                let value = if is_logarithmic(p) { coordinate.exp() } else { coordinate };
+                let (low, high) = p.bounds();
+                self.values.set(p, value.clamp(low, high));
+            }
+            Place::WheelDelay(axle) => self.wheel_delay[axle] = coordinate.clamp(-0.02, 0.1),
+            Place::InertialDelay(number) => self.inertial_delay[number] = coordinate.clamp(-0.03, 0.1),
+            Place::TorqueDelay => self.torque_delay = coordinate.clamp(-0.03, 0.1),
+            Place::BendAlong => self.bend_along = coordinate.clamp(0.0, 1.2),
+            Place::Effect(effect, number) => {
+                let chosen = &mut self.effects[effect];
+                if let Some(spec) = chosen.kind.spec(number, chosen.channel) {
+                    chosen.numbers[number] = coordinate.clamp(spec.bounds.0, spec.bounds.1);
+                }
+            }
+        }
+    }
+
+    /// The same, one number changed by so much (in the other direction at its bound). Returns the change
+    /// made.
+    pub fn varied(&self, free: &Free) -> (Self, f64) {
+        let at = self.get(free.place);
+        let mut model = self.clone();
+        for step in [free.step, -free.step] {
+            model.set(free.place, at + step);
+            let made = model.get(free.place) - at;
+            if made.abs() > 0.5 * free.step {
+                return (model, made);
+            }
+        }
+        (model, free.step)
+    }
+}
+
+/// Is its logarithm searched for?
+fn is_logarithmic(parameter: Parameter) -> bool {
+    use Parameter::{Drag, DriveTorqueRatio, MagicCurvature, RollingResistance};
+    !parameter.is_offset()
+        && !matches!(parameter, DriveTorqueRatio | Drag | RollingResistance | MagicCurvature)
+}

@@ -1,0 +1,254 @@
+//! Which effect is it? Every candidate is scored after all that ordinary numbers could explain is taken
+//! out; the best ones are fitted together with everything else.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::candidates::Candidate;
+use super::fit::{Data, Fit};
+use super::model::{Free, Model, Place};
+use super::predict::noise::{Live, Noise};
+
+/// A candidate with its score.
+#[derive(Clone, Debug)]
+pub struct Scored {
+    /// What.
+    pub candidate: Candidate,
+    /// By how much −2 ln likelihood would fall, to first order.
+    pub gain: f64,
+    /// Coordinates of its main numbers, to first order.
+    pub numbers: Vec<(usize, f64)>,
+    /// What the ordinary numbers would change by then.
+    pub ordinary: Vec<f64>,
+}
+
+/// A candidate fitted together with all ordinary numbers.
+#[derive(Clone, Debug)]
+pub struct Refitted<'a> {
+    /// What.
+    pub candidate: Candidate,
+    /// The whole fit.
+    pub fit: Fit<'a>,
+    /// Twice the logarithm of how much more probable the data are with it than without, its prior
+    /// counted in.
+    pub evidence: f64,
+}
+
+/// All candidates, best first; of the same effect with different onsets only the best one.
+pub fn scan(data: &Data<'_>, fit: &Fit<'_>, library: &[Candidate]) -> Vec<Scored> {
+    let ordinary: Vec<(Model<'_>, f64)> = fit.free.iter().map(|free| fit.model.varied(free)).collect();
+    let mut best: BTreeMap<String, Scored> = BTreeMap::new();
+    let mut keep = |scored: Scored| {
+        let name = scored.candidate.name();
+        if best.get(&name).is_none_or(|other| other.gain < scored.gain) {
+            best.insert(name, scored);
+        }
+    };
+    // So many at a time, for memory.
+    for some in library.chunks(64) {
+        let mut varied = ordinary.clone();
+        let mut owners: Vec<(usize, Free)> = Vec::new();
+        for (number, candidate) in some.iter().enumerate().filter(|(_, c)| c.live.is_none()) {
+            let model = fit.model.with(candidate.chosen(0));
+            for free in model.free_of_effect(model.effects.len() - 1) {
+                let Place::Effect(_, place) = free.place else { continue };
+                let spec = &candidate.kind.parameters[place];
+                if !spec.is_main {
+                    continue;
+                }
+                let usual = Free { step: 0.7 * free.std, ..free };
+                varied.push(model.varied(if spec.bounds.0 < 0.0 { &free } else { &usual }));
+                owners.push((number, free));
+            }
+        }
+        let normal = Normal::new(data, fit, &varied);
+        for (number, candidate) in some.iter().enumerate().filter(|(_, c)| c.live.is_none()) {
+            let places = owners.iter().enumerate().filter(|(_, owner)| owner.0 == number);
+            let columns: Vec<(usize, Free)> = places.map(|(place, owner)| (place, owner.1)).collect();
+            if let Some(scored) = normal.score(candidate, &columns) {
+                keep(scored);
+            }
+        }
+    }
+    let live: Vec<Scored> = library
+        .par_iter()
+        .filter_map(|candidate| {
+            let live = candidate.live?;
+            let model = fit.model.with(candidate.chosen(fit.noise.live.len()));
+            // What the equations seem to miss may be just this: so it is tried with less of that, too.
+            let tried = [(0.1, 2.0, 0.1), (0.4, 0.7, 1.0), (0.4, 2.0, 0.1), (1.0, 0.7, 0.1)].map(
+                |(size, length, less)| {
+                    let length_s = (live.length_s * length).max(live.least_s);
+                    let live = Live { size: live.size * size, length_s, ..live };
+                    let mut noise = fit.noise.with(live);
+                    for (diffusion, least) in noise.diffusion.iter_mut().zip(Noise::LEAST_DIFFUSION) {
+                        *diffusion = (*diffusion * less).max(2.0 * least);
+                    }
+                    let sums = data.pass(&model, &[], &noise);
+                    (fit.minus_two_ln - data.minus_two_ln(&sums), live)
+                },
+            );
+            let (gain, live) = tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+            let candidate = Candidate { live: Some(live), ..candidate.clone() };
+            Some(Scored { candidate, gain, numbers: Vec::new(), ordinary: Vec::new() })
+        })
+        .collect();
+    for scored in live {
+        keep(scored);
+    }
+    let mut all: Vec<Scored> = best.into_values().collect();
+    all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    all
+}
+
+/// Fits a candidate together with all that was free before.
+pub fn refit<'a>(data: &Data<'_>, before: &Fit<'a>, scored: &Scored, rounds: usize) -> Refitted<'a> {
+    let mut model = before.model.with(scored.candidate.chosen(before.noise.live.len()));
+    let effect = model.effects.len() - 1;
+    let mut noise = before.noise.clone();
+    if let Some(live) = scored.candidate.live {
+        noise = noise.with(live);
+    }
+    let own = model.free_of_effect(effect);
+    if !scored.numbers.is_empty() {
+        // The first order may be far off where the influence is not linear: from less, too.
+        let starts = [1.0, 0.5, 0.25].map(|share| {
+            let mut model = model.clone();
+            for (place, number) in &scored.numbers {
+                let Some(free) = own.iter().find(|free| free.place == Place::Effect(effect, *place)) else {
+                    continue;
+                };
+                let by = (share * (number - free.mean)).clamp(-3.0 * free.std, 3.0 * free.std);
+                // At nothing at all some have no derivative.
+                let by = if by.abs() < free.step { free.step.copysign(by) } else { by };
+                model.set(free.place, free.mean + by);
+            }
+            for (free, by) in before.free.iter().zip(&scored.ordinary) {
+                model.set(free.place, before.model.get(free.place) + share * by);
+            }
+            let cost = data.minus_two_ln(&data.pass(&model, &[], &noise));
+            (if cost.is_finite() { cost } else { f64::INFINITY }, model)
+        });
+        let best = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, start)) = best {
+            model = start;
+        }
+    }
+    let free: Vec<Free> = before.free.iter().copied().chain(own.iter().copied()).collect();
+    let mut fit = data.fit(&model, &free, &noise, rounds);
+    // When it began was on a grid so far.
+    if let Some(place) =
+        scored.candidate.kind.place_of("at_s").filter(|place| fit.model.effects[effect].numbers[*place] > 0.0)
+    {
+        let before = fit.model.effects[effect].numbers[place];
+        let refined = onset(data, &fit, effect, place);
+        if refined.effects[effect].numbers[place] != before {
+            fit = data.fit(&refined, &free, &fit.noise, rounds);
+            let again = onset(data, &fit, effect, place);
+            fit = data.fit(&again, &free, &fit.noise, 2);
+        }
+    }
+    let evidence = evidence(before, &fit, own.len(), scored.candidate.live.is_some());
+    Refitted { candidate: scored.candidate.clone(), fit, evidence }
+}
+
+/// The model with the moment at which an effect begins where it fits best, nearby.
+fn onset<'a>(data: &Data<'_>, fit: &Fit<'a>, effect: usize, place: usize) -> Model<'a> {
+    let mut best = (fit.minus_two_ln, fit.model.clone());
+    let mut step = 3.0;
+    while step > 0.04 {
+        let at = best.1.effects[effect].numbers[place];
+        let tried: Vec<(f64, Model<'a>)> = [at - step, at + step]
+            .into_par_iter()
+            .map(|at| {
+                let mut model = best.1.clone();
+                model.effects[effect].numbers[place] = at;
+                (data.minus_two_ln(&data.pass(&model, &[], &fit.noise)), model)
+            })
+            .collect();
+        let better = tried.into_iter().filter(|(cost, _)| *cost < best.0).min_by(|a, b| a.0.total_cmp(&b.0));
+        match better {
+            Some(better) => best = better,
+            None => step *= 0.5,
+        }
+    }
+    best.1
+}
+
+/// Laplace's approximation: the gain less what the new numbers' freedom is worth.
+fn evidence(before: &Fit<'_>, after: &Fit<'_>, new: usize, is_live: bool) -> f64 {
+    let gain = before.minus_two_ln + before.prior - after.minus_two_ln - after.prior;
+    let count = after.free.len();
+    let freedom: f64 = (count - new..count)
+        .map(|place| {
+            let posterior = after.covariance.get((place, place)).copied().unwrap_or(0.0);
+            (after.free[place].std.powi(2) / posterior.max(1e-300)).ln().max(0.0)
+        })
+        .sum();
+    // Size and length of a course were searched for, too.
+    gain - freedom - if is_live { 8.0 } else { 0.0 }
+}
+
+/// The normal equations of ordinary numbers and candidates.
+struct Normal {
+    gram: DMatrix<f64>,
+    ordinary: usize,
+    inverse: DMatrix<f64>,
+}
+
+impl Normal {
+    fn new(data: &Data<'_>, fit: &Fit<'_>, varied: &[(Model<'_>, f64)]) -> Self {
+        let sums = data.pass(&fit.model, varied, &fit.noise);
+        let ordinary = fit.free.len();
+        let mut gram = DMatrix::zeros(varied.len() + 1, varied.len() + 1);
+        for sum in data.counted(&sums) {
+            gram += &sum.gram;
+        }
+        for (place, free) in fit.free.iter().enumerate() {
+            let weight = 1.0 / (free.std * free.std);
+            gram[(place + 1, place + 1)] += weight;
+            gram[(place + 1, 0)] += weight * (free.mean - fit.model.get(free.place));
+        }
+        let own = gram.view((1, 1), (ordinary, ordinary)).into_owned();
+        let inverse = own.cholesky().map_or_else(|| DMatrix::zeros(ordinary, ordinary), |c| c.inverse());
+        Self { gram, ordinary, inverse }
+    }
+
+    /// Gain and coordinates of some columns together, the ordinary numbers refitted.
+    fn score(&self, candidate: &Candidate, columns: &[(usize, Free)]) -> Option<Scored> {
+        let n = self.ordinary;
+        let count = columns.len();
+        let at = |i: usize| n + 1 + columns[i].0;
+        let with = |i: usize| self.gram.view((1, at(i)), (n, 1));
+        let own = self.gram.view((1, 0), (n, 1));
+        let mut information = DMatrix::zeros(count, count);
+        let mut gradient = DVector::zeros(count);
+        for i in 0..count {
+            let taken = &self.inverse * with(i);
+            gradient[i] = self.gram[(at(i), 0)] - taken.dot(&own);
+            for j in 0..count {
+                information[(i, j)] = self.gram[(at(i), at(j))] - taken.dot(&with(j));
+            }
+            information[(i, i)] += columns[i].1.std.powi(-2);
+        }
+        let step = information.cholesky()?.solve(&gradient);
+        let gain = gradient.dot(&step);
+        let numbers = columns.iter().zip(step.iter()).filter_map(|((_, free), step)| match free.place {
+            Place::Effect(_, place) => Some((place, free.mean + step)),
+            _ => None,
+        });
+        let mut rest = own.into_owned();
+        for (i, step) in step.iter().enumerate() {
+            rest -= with(i) * *step;
+        }
+        let ordinary = &self.inverse * rest;
+        Some(Scored {
+            candidate: candidate.clone(),
+            gain,
+            numbers: numbers.collect(),
+            ordinary: ordinary.iter().copied().collect(),
+        })
+    }
+}

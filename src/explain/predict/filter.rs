@@ -1,0 +1,235 @@
+//! The filter that holds a car to a recording as tightly as sensors and equations allow.
+
+use super::car::{self, BODY_STATES, Car, Instant, MOST_LIVE, State};
+use super::drive::{Drive, STEP_S};
+use super::lane::Lane;
+use super::noise::{Live, Noise};
+use super::pass::{Ask, Filtered, Innovation, Out};
+use crate::Quantity;
+use crate::model::effect::Readings;
+
+/// Most states that the filter corrects.
+pub const FILTERED: usize = BODY_STATES + MOST_LIVE;
+
+/// A square of the filtered states.
+pub type Square = [[f64; FILTERED]; FILTERED];
+/// A number for each filtered state.
+pub type Column = [f64; FILTERED];
+
+/// Differences by which the filter linearizes, in the state's units.
+const DIFFERENCE: [f64; BODY_STATES] = [1e-3, 1e-3, 1e-4];
+
+/// What is known of a start: measured speed and yaw rate, and that no car drifts much.
+const START_STD: [f64; BODY_STATES] = [0.3, 0.5, 0.03];
+
+/// How one reading corrects the state.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gain {
+    /// The correction of the state per unit of the innovation.
+    pub(super) k: Column,
+    /// Derivatives of the reading by the state.
+    pub(super) c: Column,
+    /// Variance of the innovation.
+    pub(super) s: f64,
+}
+
+/// A run in progress: state and covariance of the filter, and the cars beside it.
+pub(super) struct Filter {
+    pub(super) lane: Lane,
+    p: Square,
+    n: usize,
+    /// Derivatives of the rates by the state, where the last step ended.
+    by_state: Option<Square>,
+}
+
+impl Filter {
+    /// Where a run begins.
+    pub(super) fn new(lane: Lane, noise: &Noise) -> Self {
+        Self { lane, p: start_covariance(noise), n: BODY_STATES + noise.live.len(), by_state: None }
+    }
+
+    /// One step: predicts, compares, corrects.
+    pub(super) fn step(
+        &mut self,
+        (car, drive, noise): (&Car, &Drive, &Noise),
+        (k, begins): (usize, bool),
+        out: &mut Out,
+        ask: &mut Ask<'_>,
+    ) {
+        let Out { gains, errors, sums } = out;
+        let n = self.n;
+        let from = self.lane.state;
+        let before = self.lane.before;
+        let predicted = self.lane.predict(car, drive, k, &noise.live);
+        let t = k as f64 * STEP_S;
+        let j = self.by_state.unwrap_or_else(|| {
+            let input = &predicted.ends.input[0];
+            let rates = &predicted.ends.rates;
+            let at = |state: &State| {
+                let state = car.settled(t, state, input, &before);
+                car.instant(t, &state, input, rates, &before, car::Ask::Rates)
+            };
+            derivatives(&from, &noise.live, at).0
+        });
+        let a = transition(&j, n, noise);
+        let mut p = sandwich(&a, &self.p, n);
+        for (i, diffusion) in noise.diffusion.iter().enumerate() {
+            p[i][i] += diffusion * diffusion * STEP_S;
+        }
+        for (i, live) in noise.live.iter().enumerate() {
+            let keeps = (-STEP_S / live.length_s).exp();
+            p[BODY_STATES + i][BODY_STATES + i] += live.size * live.size * (1.0 - keeps * keeps);
+        }
+        let (p_before, x_before) = (p, column_of(&predicted.next));
+        // Derivatives at the step's end serve its readings and the next step's transition.
+        let (input, rates) = (&predicted.ends.input[1], &predicted.ends.rates);
+        let first = predicted.first.before();
+        let at = |state: &State| {
+            let state = car.settled(t + STEP_S, state, input, &first);
+            car.instant(t + STEP_S, &state, input, rates, &first, car::Ask::Readings)
+        };
+        let (by_state, by) = derivatives(&predicted.next, &noise.live, at);
+        self.by_state = Some(by_state);
+        let mut correction = [0.0; FILTERED];
+        let (_, measured) = drive.of_step(k);
+        for reading in measured {
+            let channel = usize::from(reading.channel);
+            let noise = noise.sensor[channel];
+            let at = t + f64::from(reading.share) * STEP_S;
+            if !noise.is_finite() || !ask.readers.see(at) {
+                continue;
+            }
+            let c: Column = std::array::from_fn(|i| by[i][channel]);
+            let pc: Column = std::array::from_fn(|i| (0..n).map(|j| p[i][j] * c[j]).sum());
+            let own: f64 = (0..n).map(|i| c[i] * pc[i]).sum();
+            let s = own + noise * noise;
+            let shift: f64 = (0..n).map(|i| c[i] * correction[i]).sum();
+            let says = self.lane.reading(car, &predicted, channel, f64::from(reading.share));
+            let error = reading.value - says - shift;
+            let mut k_: Column = [0.0; FILTERED];
+            for i in 0..n {
+                k_[i] = pc[i] / s;
+                for (j, pc) in pc.iter().enumerate().take(n) {
+                    p[i][j] -= k_[i] * pc;
+                }
+                correction[i] += k_[i] * error;
+            }
+            gains.push(Gain { k: k_, c, s });
+            errors.push(error);
+            sums.log_s += s.ln();
+            sums.count += 1;
+            sums.square[channel] += error * error / s;
+            sums.excess[channel] += error * error - own;
+            sums.of[channel] += 1;
+            if let Some(innovations) = &mut ask.innovations {
+                innovations.push(Innovation {
+                    t: at,
+                    channel: reading.channel,
+                    value: reading.value,
+                    error,
+                    std: s.sqrt(),
+                });
+            }
+        }
+        make_symmetric(&mut p, n);
+        self.p = p;
+        self.lane.finish(&predicted, &correction);
+        if let Some(steps) = &mut ask.steps {
+            let filtered = (column_of(&self.lane.state), p);
+            steps.push(Filtered { k: k + 1, begins, a, predicted: (x_before, p_before), filtered });
+        }
+    }
+}
+
+fn start_covariance(noise: &Noise) -> Square {
+    let mut p = [[0.0; FILTERED]; FILTERED];
+    for (i, std) in START_STD.iter().enumerate() {
+        p[i][i] = std * std;
+    }
+    for (i, live) in noise.live.iter().enumerate() {
+        p[BODY_STATES + i][BODY_STATES + i] = live.size * live.size;
+    }
+    p
+}
+
+/// Derivatives of rates and readings by the filtered states.
+fn derivatives(
+    state: &State,
+    live: &[Live],
+    at: impl Fn(&State) -> Instant,
+) -> (Square, [Readings; FILTERED]) {
+    let here = at(state);
+    let mut rates = [[0.0; FILTERED]; FILTERED];
+    let mut readings = [[0.0; Quantity::COUNT]; FILTERED];
+    for column in 0..BODY_STATES + live.len() {
+        let mut moved = *state;
+        let difference = match column.checked_sub(BODY_STATES) {
+            None => {
+                moved.body[column] += DIFFERENCE[column];
+                DIFFERENCE[column]
+            }
+            Some(place) => {
+                moved.live[place] += live[place].difference;
+                live[place].difference
+            }
+        };
+        let there = at(&moved);
+        let by = 1.0 / difference;
+        for (row, rates) in rates.iter_mut().enumerate().take(BODY_STATES) {
+            rates[column] = (there.rate.body[row] - here.rate.body[row]) * by;
+        }
+        for (channel, reading) in readings[column].iter_mut().enumerate() {
+            *reading = (there.readings[channel] - here.readings[channel]) * by;
+        }
+    }
+    (rates, readings)
+}
+
+/// Rounding must not grow into a covariance that is none.
+fn make_symmetric(p: &mut Square, n: usize) {
+    for (i, j) in (0..n).flat_map(|i| (0..i).map(move |j| (i, j))) {
+        let mean = 0.5 * (p[i][j] + p[j][i]);
+        p[i][j] = mean;
+        p[j][i] = mean;
+    }
+}
+
+fn column_of(state: &State) -> Column {
+    std::array::from_fn(|i| match i.checked_sub(BODY_STATES) {
+        None => state.body[i],
+        Some(live) => state.live[live],
+    })
+}
+
+/// exp(J h) to second order; courses decay on their own.
+fn transition(j: &Square, n: usize, noise: &Noise) -> Square {
+    let mut a = [[0.0; FILTERED]; FILTERED];
+    for i in 0..n {
+        for k in 0..n {
+            let square: f64 = (0..BODY_STATES).map(|m| j[i][m] * j[m][k]).sum();
+            a[i][k] = STEP_S * j[i][k] + 0.5 * STEP_S * STEP_S * square;
+        }
+        a[i][i] += 1.0;
+    }
+    for (i, live) in noise.live.iter().enumerate() {
+        a[BODY_STATES + i][BODY_STATES + i] = (-STEP_S / live.length_s).exp();
+    }
+    a
+}
+
+/// A P Aᵀ.
+fn sandwich(a: &Square, p: &Square, n: usize) -> Square {
+    let mut ap = [[0.0; FILTERED]; FILTERED];
+    for i in 0..n {
+        for j in 0..n {
+            ap[i][j] = (0..n).map(|k| a[i][k] * p[k][j]).sum();
+        }
+    }
+    let mut out = [[0.0; FILTERED]; FILTERED];
+    for i in 0..n {
+        for j in 0..n {
+            out[i][j] = (0..n).map(|k| ap[i][k] * a[j][k]).sum();
+        }
+    }
+    out
+}

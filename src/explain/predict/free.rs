@@ -1,0 +1,49 @@
+//! A free simulation: from the measured state at the start of each block, then by the inputs alone.
+
+use super::car::Car;
+use super::drive::{Drive, STEP_S};
+use super::lane::Lane;
+use super::noise::Noise;
+use super::pass::pass_with;
+
+/// What a free simulation says of a reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Said {
+    /// Time, s.
+    pub t: f64,
+    /// Quantity.
+    pub channel: u8,
+    /// Measured.
+    pub measured: f64,
+    /// Simulated.
+    pub simulated: f64,
+}
+
+/// The block restarts so often, s.
+const RESTART_S: f64 = 20.0;
+
+/// Simulates a drive. `held` holds the state to the recording up to each block's start; `free` goes on from
+/// there. They may differ in how they come by a course: one estimates it, the other is told.
+pub fn run(drive: &Drive, held: &Car, free: &Car, noise: &Noise) -> Vec<Said> {
+    let mut said = Vec::new();
+    let per_block = (RESTART_S / STEP_S) as usize;
+    let mut watch = |lane: &Lane, k: usize, to: usize, begins: bool| {
+        if !begins && !k.is_multiple_of(per_block) {
+            return;
+        }
+        let mut lane = lane.clone();
+        // What it is told it need not remember.
+        let keeps = usize::from(!free.knows_torque());
+        lane.forget_courses(keeps);
+        let end = ((k / per_block + 1) * per_block).min(to);
+        for step in k..end {
+            if !free.knows_torque() {
+                // Nobody knows what drives the car: its speed is the measured one.
+                lane.set_speed(drive, step);
+            }
+            lane.run_free(free, drive, step, &mut said);
+        }
+    };
+    pass_with((0, drive), held, noise, &mut watch);
+    said
+}

@@ -1,0 +1,182 @@
+//! A car on its way beside a recording: what it says of each reading, and what it is told.
+
+use super::car::{self, BODY_STATES, Before, Car, Ends, Instant, State};
+use super::drive::{Drive, STEP_S};
+use super::filter::{Column, FILTERED, Gain};
+use super::free::Said;
+use super::noise::{Live, Noise};
+use crate::model::effect::Readings;
+
+/// Readings may be so many grid points late.
+const LATEST: usize = 64;
+
+/// The last rows of readings.
+#[derive(Clone, Debug)]
+struct Rows {
+    rows: Vec<Readings>,
+    newest: usize,
+}
+
+impl Rows {
+    fn filled(row: &Readings) -> Self {
+        Self { rows: vec![*row; LATEST], newest: 0 }
+    }
+
+    fn push(&mut self, row: &Readings) {
+        self.newest = (self.newest + 1) % LATEST;
+        self.rows[self.newest] = *row;
+    }
+
+    /// So many grid points before the newest (not a whole number).
+    fn ago(&self, channel: usize, points: f64) -> f64 {
+        let points = points.clamp(0.0, (LATEST - 2) as f64);
+        let whole = points as usize;
+        let share = points - whole as f64;
+        let at = |back: usize| self.rows[(self.newest + LATEST - back) % LATEST][channel];
+        at(whole) + share * (at(whole + 1) - at(whole))
+    }
+}
+
+/// A car on its way.
+#[derive(Clone, Debug)]
+pub(super) struct Lane {
+    /// Where it is.
+    pub(super) state: State,
+    /// What was a moment ago.
+    pub(super) before: Before,
+    rows: Option<Rows>,
+}
+
+/// What the equations say of a step.
+pub(super) struct Predicted {
+    /// Its beginning.
+    pub(super) first: Instant,
+    /// The state at its end.
+    pub(super) next: State,
+    /// Its end.
+    pub(super) end: Instant,
+    /// The inputs.
+    pub(super) ends: Ends,
+}
+
+impl Lane {
+    pub(super) fn start(car: &Car, drive: &Drive, k: usize, yaw_rate: f64) -> Self {
+        let t = k as f64 * STEP_S;
+        let input = car.undo(t, drive.input_after(k, car.steering_delay()));
+        let state = car.rolling(t, drive.speed[k], yaw_rate, &input);
+        Self { state, before: Before::default(), rows: None }
+    }
+
+    pub(super) fn predict(&mut self, car: &Car, drive: &Drive, k: usize, live: &[Live]) -> Predicted {
+        let t = k as f64 * STEP_S;
+        let input =
+            [k, k + 1].map(|k| car.undo(k as f64 * STEP_S, drive.input_after(k, car.steering_delay())));
+        let ends = Ends::new(input, STEP_S);
+        let first = car.instant(t, &self.state, &input[0], &ends.rates, &self.before, car::Ask::Readings);
+        let substeps = (car.fastest_rate(self.state.body[0]) * STEP_S / 0.8).ceil().clamp(1.0, 20.0);
+        let mut next = self.state;
+        if substeps == 1.0 {
+            next = car.step(&next, &first, t, STEP_S, &ends);
+        } else {
+            let h = STEP_S / substeps;
+            for part in 0..substeps as usize {
+                let share = |part: usize| part as f64 / substeps;
+                let ends = Ends { input: [ends.at(share(part)), ends.at(share(part + 1))], ..ends };
+                let t = t + part as f64 * h;
+                let here =
+                    car.instant(t, &next, &ends.input[0], &ends.rates, &first.before(), car::Ask::Readings);
+                next = car.step(&next, &here, t, h, &ends);
+            }
+        }
+        for (value, live) in next.live.iter_mut().zip(live) {
+            *value *= (-STEP_S / live.length_s).exp();
+        }
+        let end = car.instant(t + STEP_S, &next, &input[1], &ends.rates, &first.before(), car::Ask::Readings);
+        match &mut self.rows {
+            Some(rows) => rows.push(&first.readings),
+            none => *none = Some(Rows::filled(&first.readings)),
+        }
+        Predicted { first, next, end, ends }
+    }
+
+    /// What a sensor says in the step.
+    pub(super) fn reading(&self, car: &Car, predicted: &Predicted, channel: usize, share: f64) -> f64 {
+        let at = share - car.delay(channel) / STEP_S;
+        let row = predicted.first.readings[channel];
+        if at >= 0.0 {
+            return row + at * (predicted.end.readings[channel] - row);
+        }
+        self.rows.as_ref().map_or(row, |rows| rows.ago(channel, -at))
+    }
+
+    pub(super) fn finish(&mut self, predicted: &Predicted, correction: &Column) {
+        self.state = predicted.next;
+        for (value, by) in self.state.body.iter_mut().zip(correction) {
+            *value += by;
+        }
+        for (value, by) in self.state.live.iter_mut().zip(&correction[BODY_STATES..]) {
+            *value += by;
+        }
+        self.state.body[0] = self.state.body[0].max(0.1);
+        self.before = predicted.end.before();
+    }
+}
+
+impl Lane {
+    /// Forgets estimated courses but the first `keeps`.
+    pub(super) fn forget_courses(&mut self, keeps: usize) {
+        self.state.live[keeps..].fill(0.0);
+    }
+
+    /// Takes the speed from the wheels.
+    pub(super) fn set_speed(&mut self, drive: &Drive, k: usize) {
+        let around = |by: isize| k.checked_add_signed(by).and_then(|k| drive.speed.get(k)).copied();
+        let (Some(before), Some(after)) = (around(-10), around(10)) else { return };
+        if before.is_finite() && after.is_finite() {
+            self.state.body[0] = 0.5 * (before + after);
+            self.state.live[0] = (after - before) / (20.0 * STEP_S);
+        }
+    }
+
+    /// One step without any correction.
+    pub(super) fn run_free(&mut self, car: &Car, drive: &Drive, k: usize, said: &mut Vec<Said>) {
+        let predicted = self.predict(car, drive, k, &[]);
+        for reading in drive.of_step(k).1 {
+            let channel = usize::from(reading.channel);
+            let simulated = self.reading(car, &predicted, channel, f64::from(reading.share));
+            let t = (k as f64 + f64::from(reading.share)) * STEP_S;
+            said.push(Said { t, channel: reading.channel, measured: reading.value, simulated });
+        }
+        self.finish(&predicted, &[0.0; FILTERED]);
+    }
+
+    pub(super) fn follow(
+        &mut self,
+        car: &Car,
+        drive: &Drive,
+        k: usize,
+        noise: &Noise,
+        gains: &[Gain],
+        errors: &mut Vec<f64>,
+    ) {
+        let predicted = self.predict(car, drive, k, &noise.live);
+        let mut correction = [0.0; FILTERED];
+        let (_, measured) = drive.of_step(k);
+        let n = BODY_STATES + noise.live.len();
+        for reading in measured {
+            let channel = usize::from(reading.channel);
+            if !noise.sensor[channel].is_finite() {
+                continue;
+            }
+            let gain = &gains[errors.len()];
+            let says = self.reading(car, &predicted, channel, f64::from(reading.share));
+            let shift: f64 = (0..n).map(|i| gain.c[i] * correction[i]).sum();
+            let error = reading.value - says - shift;
+            for (correction, k) in correction.iter_mut().zip(gain.k).take(n) {
+                *correction += k * error;
+            }
+            errors.push(error);
+        }
+        self.finish(&predicted, &correction);
+    }
+}

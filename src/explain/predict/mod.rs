@@ -1,0 +1,19 @@
+//! The car simulated beside a recording, and held to it as tightly as the noise allows.
+//!
+//! ```text
+//! Recording ─► Drive (inputs on a grid, readings at their own times)
+//!                └─► Pass: one filter, many cars (Lane) side by side ─► Sums by block
+//! ```
+
+pub(super) mod car;
+pub(super) mod drive;
+mod filter;
+pub(super) mod free;
+mod lane;
+pub(super) mod noise;
+pub(super) mod pass;
+
+pub(super) use car::{Car, Settings};
+pub(super) use drive::Drive;
+pub use drive::Recording;
+pub(super) use filter::FILTERED;

@@ -1,0 +1,213 @@
+//! One pass over a drive: a filter holds the car to the recording, and other cars, a little different,
+//! are held to it by the same gains.
+//!
+//! With the gains kept, what a car of the lane says minus what the first one says is the exact effect of
+//! their difference on the innovations, whatever states and delays it has; so derivatives by any number
+//! of any effect come by differences, all with one pass and without storing the drive.
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::car::Car;
+use super::drive::{Drive, STEP_S};
+use super::filter::{Column, Filter, Gain, Square};
+use super::lane::Lane;
+use super::noise::Noise;
+use crate::Quantity;
+use crate::model::effect::Readings;
+
+/// Blocks in which sums are kept, s.
+pub const BLOCK_S: f64 = 5.0;
+
+/// Which readings the filter may look at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Readers {
+    /// All.
+    #[default]
+    All,
+    /// Those of every other second, from the first or from the second one.
+    EveryOther(bool),
+}
+
+impl Readers {
+    /// May it look at a reading of this time, s?
+    pub fn see(self, t: f64) -> bool {
+        match self {
+            Self::All => true,
+            Self::EveryOther(odd) => (t.floor() as i64 % 2 == 1) == odd,
+        }
+    }
+}
+
+/// What a pass shall also say.
+#[derive(Default)]
+pub struct Ask<'a> {
+    /// Which readings the filter may look at.
+    pub readers: Readers,
+    /// Every innovation of the first car.
+    pub innovations: Option<&'a mut Vec<Innovation>>,
+    /// Every step of the first car.
+    pub steps: Option<&'a mut Vec<Filtered>>,
+}
+
+/// Sums over one block of a drive.
+#[derive(Clone, Debug)]
+pub struct Sums {
+    /// Which drive.
+    pub drive: usize,
+    /// From, to, s.
+    pub t: (f64, f64),
+    /// Products of the whitened innovations (first) and their derivatives by each difference (the others,
+    /// with changed sign: how much a step takes away).
+    pub gram: DMatrix<f64>,
+    /// Σ ln s.
+    pub log_s: f64,
+    /// Readings.
+    pub count: usize,
+    /// Σ e²/s by quantity.
+    pub square: Readings,
+    /// Σ e² − (s − r²): estimates r² with `of`.
+    pub excess: Readings,
+    /// Readings by quantity.
+    pub of: [usize; Quantity::COUNT],
+}
+
+/// What comes of the steps of a block.
+pub(super) struct Out {
+    pub(super) gains: Vec<Gain>,
+    pub(super) errors: Vec<f64>,
+    pub(super) sums: Sums,
+}
+
+impl Out {
+    fn new(drive: usize, between: (usize, usize)) -> Self {
+        Self { gains: Vec::new(), errors: Vec::new(), sums: Sums::empty(drive, between) }
+    }
+}
+
+/// What the first car said of a reading.
+#[derive(Clone, Copy, Debug)]
+pub struct Innovation {
+    /// Time, s.
+    pub t: f64,
+    /// Quantity.
+    pub channel: u8,
+    /// Measured.
+    pub value: f64,
+    /// Measured minus predicted.
+    pub error: f64,
+    /// Standard deviation it should have.
+    pub std: f64,
+}
+
+/// A step of the first car, for smoothing.
+#[derive(Clone, Copy, Debug)]
+pub struct Filtered {
+    /// Grid point at the step's end.
+    pub k: usize,
+    /// Does the step begin a run?
+    pub begins: bool,
+    /// From the last filtered state to the predicted one.
+    pub a: Square,
+    /// Predicted state and covariance.
+    pub predicted: (Column, Square),
+    /// Filtered state and covariance.
+    pub filtered: (Column, Square),
+}
+
+/// Goes over a drive. `cars[0]` is the one the filter is made for; each other one differs from it by
+/// `difference` in something.
+pub fn pass(
+    (number, drive): (usize, &Drive),
+    cars: &[Car],
+    differences: &[f64],
+    noise: &Noise,
+    mut ask: Ask<'_>,
+) -> Vec<Sums> {
+    let mut all = Vec::new();
+    let Some((car, others)) = cars.split_first() else { return all };
+    let per_block = (BLOCK_S / STEP_S) as usize;
+    for &(from, to) in &drive.runs {
+        let yaw_rate = yaw_rate_at(drive, from);
+        let mut filter = Filter::new(Lane::start(car, drive, from, yaw_rate), noise);
+        let mut lanes: Vec<Lane> = others.iter().map(|car| Lane::start(car, drive, from, yaw_rate)).collect();
+        let mut k = from;
+        while k < to {
+            // The blocks' borders are the drive's, not the run's.
+            let end = ((k / per_block + 1) * per_block).min(to);
+            let mut out = Out::new(number, (k, end));
+            for step in k..end {
+                filter.step((car, drive, noise), (step, step == from), &mut out, &mut ask);
+            }
+            let Out { gains, errors, mut sums } = out;
+            let rows = errors.len();
+            let lane_errors: Vec<Vec<f64>> = lanes
+                .par_iter_mut()
+                .zip(others)
+                .map(|(lane, car)| {
+                    let mut errors = Vec::with_capacity(rows);
+                    for step in k..end {
+                        lane.follow(car, drive, step, noise, &gains, &mut errors);
+                    }
+                    errors
+                })
+                .collect();
+            let mut z = DMatrix::zeros(rows, others.len() + 1);
+            for (row, (gain, error)) in gains.iter().zip(&errors).enumerate() {
+                let weight = 1.0 / gain.s.sqrt();
+                z[(row, 0)] = error * weight;
+                for (column, (lane, by)) in lane_errors.iter().zip(differences).enumerate() {
+                    z[(row, column + 1)] = (error - lane[row]) * weight / by;
+                }
+            }
+            sums.gram = z.tr_mul(&z);
+            all.push(sums);
+            k = end;
+        }
+    }
+    all
+}
+
+/// Goes over a drive with one car only; `watch` sees it at the beginning of each step: the step, the end of
+/// its run, and whether it begins one.
+pub(super) fn pass_with(
+    (number, drive): (usize, &Drive),
+    car: &Car,
+    noise: &Noise,
+    watch: &mut impl FnMut(&Lane, usize, usize, bool),
+) {
+    for &(from, to) in &drive.runs {
+        let lane = Lane::start(car, drive, from, yaw_rate_at(drive, from));
+        let mut filter = Filter::new(lane, noise);
+        let mut out = Out::new(number, (from, to));
+        for step in from..to {
+            watch(&filter.lane, step, to, step == from);
+            out.gains.clear();
+            out.errors.clear();
+            filter.step((car, drive, noise), (step, step == from), &mut out, &mut Ask::default());
+        }
+    }
+}
+
+fn yaw_rate_at(drive: &Drive, k: usize) -> f64 {
+    let to = (k + 10).min(drive.first.len() - 1);
+    let (from, to) = (drive.first[k] as usize, drive.first[to] as usize);
+    let rates = drive.measured[from..to].iter().filter(|m| m.channel == Quantity::YawRate as u8);
+    let (sum, count) = rates.fold((0.0, 0.0), |(sum, count), m| (sum + m.value, count + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+impl Sums {
+    fn empty(drive: usize, (from, to): (usize, usize)) -> Self {
+        Self {
+            drive,
+            t: (from as f64 * STEP_S, to as f64 * STEP_S),
+            gram: DMatrix::zeros(0, 0),
+            log_s: 0.0,
+            count: 0,
+            square: [0.0; Quantity::COUNT],
+            excess: [0.0; Quantity::COUNT],
+            of: [0; Quantity::COUNT],
+        }
+    }
+}

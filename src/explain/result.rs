@@ -1,0 +1,225 @@
+//! What an explanation says. Serialized, it is the JSON of the contract.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+/// What the comparison came to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Something is missing in the plain model, and it has a name.
+    MissingPhysics,
+    /// The plain model says all there is to say.
+    Adequate,
+    /// Something is missing that no effect of the library is.
+    UnknownPhysics,
+    /// The drive says too little.
+    InsufficientExcitation,
+}
+
+/// A number with its standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Estimate {
+    /// In its unit.
+    pub value: f64,
+    /// Of the same unit.
+    pub std: f64,
+}
+
+/// Where simulation and recording differ.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Where {
+    /// The equation, or the sensor, in words.
+    pub equation: String,
+    /// Quantities in which it shows, the clearest one first.
+    pub channels: Vec<String>,
+    /// In which driving, in words.
+    pub regimes: Vec<String>,
+    /// When, s from the recording's start.
+    pub intervals: Vec<[f64; 2]>,
+    /// The recording that the intervals are of.
+    pub recording: String,
+}
+
+/// Something that is missing in the plain model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// Its name in the library.
+    pub effect: String,
+    /// The quantity it is of.
+    pub channel: Option<String>,
+    /// How probable it is among all that was tried.
+    pub probability: f64,
+    /// What this recording cannot tell it from.
+    pub indistinguishable_from: Vec<String>,
+    /// The manoeuvre that would.
+    pub to_tell_apart: String,
+    /// Its numbers.
+    pub parameters: BTreeMap<String, Estimate>,
+    /// How it varied, if it did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub series: Option<Course>,
+    /// Where it shows.
+    #[serde(rename = "where")]
+    pub place: Where,
+    /// In one sentence.
+    pub about: String,
+    /// Its equation.
+    pub equation: String,
+    /// Twice the logarithm of the odds for it.
+    pub evidence: f64,
+}
+
+/// How something varied, with what is known of it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Course {
+    /// Times, s.
+    pub t: Vec<f64>,
+    /// Values.
+    pub value: Vec<f64>,
+    /// Standard deviations.
+    pub std: Vec<f64>,
+    /// Their unit.
+    pub unit: String,
+}
+
+/// A candidate and its score.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Ranked {
+    /// Its name.
+    pub effect: String,
+    /// The quantity it is of.
+    pub channel: Option<String>,
+    /// Twice the logarithm of the odds for it, alone.
+    pub score: f64,
+    /// Was it fitted together with everything else, or judged to first order only?
+    pub refitted: bool,
+}
+
+/// Fit by channel, %, or a likelihood, of the two parts of the recordings.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Parts<T> {
+    /// What was fitted to.
+    pub train: T,
+    /// What was not looked at.
+    pub holdout: T,
+}
+
+/// The same of both models.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Models<T> {
+    /// The plain model, its uncertain numbers refitted.
+    pub baseline: T,
+    /// With the findings.
+    pub extended: T,
+}
+
+/// By channel.
+pub type ByChannel = BTreeMap<String, f64>;
+
+/// The whole answer.
+#[derive(Clone, Debug, Serialize)]
+pub struct Explanation {
+    /// What it came to.
+    pub verdict: Verdict,
+    /// What is missing, the most important first.
+    pub findings: Vec<Finding>,
+    /// Everything that was tried, best first.
+    pub ranking: Vec<Ranked>,
+    /// 100 (1 − |y − ŷ|/|y − mean y|) of a free simulation restarted every 20 s, %.
+    pub fit: Models<Parts<ByChannel>>,
+    /// The same of predictions by one step.
+    pub prediction_fit: Models<Parts<ByChannel>>,
+    /// ln likelihood.
+    pub log_likelihood: Models<Parts<f64>>,
+    /// Percentage points that the fit on held-out data improves, by channel: 95 % interval.
+    pub improvement_ci95: BTreeMap<String, [f64; 2]>,
+    /// The ordinary numbers.
+    pub parameters: Models<BTreeMap<String, Estimate>>,
+    /// Share of the residual variance above the noise that is still left, by channel.
+    pub unexplained: ByChannel,
+    /// The mismatch as a whole.
+    #[serde(rename = "where")]
+    pub place: Where,
+    /// What to drive, in words, where that would help.
+    pub to_drive: Vec<String>,
+    /// How much each equation misses: diffusion, per √s, with twice the log-likelihood ratio against none.
+    pub equations: Models<Vec<Missing>>,
+    /// What the measurement chain's audit found, in words.
+    pub measurement_chain: Vec<String>,
+    /// Which stretches were held out.
+    pub split: Vec<Block>,
+    /// Seconds that were used.
+    pub seconds: f64,
+    /// For plots; not in the JSON.
+    #[serde(skip)]
+    pub traces: Vec<Trace>,
+}
+
+impl Explanation {
+    /// Nothing but the verdict yet.
+    pub fn empty(verdict: Verdict) -> Self {
+        Self {
+            verdict,
+            findings: Vec::new(),
+            ranking: Vec::new(),
+            fit: Models::default(),
+            prediction_fit: Models::default(),
+            log_likelihood: Models::default(),
+            improvement_ci95: BTreeMap::new(),
+            parameters: Models::default(),
+            unexplained: ByChannel::new(),
+            place: Where::default(),
+            to_drive: Vec::new(),
+            equations: Models::default(),
+            measurement_chain: Vec::new(),
+            split: Vec::new(),
+            seconds: 0.0,
+            traces: Vec::new(),
+        }
+    }
+}
+
+/// How much an equation misses.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Missing {
+    /// Which equation.
+    pub equation: String,
+    /// Unit of the diffusion.
+    pub unit: String,
+    /// Its diffusion, per √s.
+    pub diffusion: f64,
+    /// Twice the log-likelihood ratio against an equation that misses nothing.
+    pub ratio: f64,
+}
+
+/// A stretch of a recording.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Block {
+    /// Its recording.
+    pub recording: String,
+    /// From, to, s.
+    pub t: [f64; 2],
+    /// Was it held out?
+    pub is_holdout: bool,
+}
+
+/// One channel of one recording, with both simulations.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trace {
+    /// The recording.
+    pub recording: String,
+    /// The quantity.
+    pub channel: String,
+    /// Its unit.
+    pub unit: String,
+    /// Times, s.
+    pub t: Vec<f64>,
+    /// As recorded.
+    pub measured: Vec<f64>,
+    /// By the plain model, free-running from the start of each block.
+    pub baseline: Vec<f64>,
+    /// By the extended one.
+    pub extended: Vec<f64>,
+}

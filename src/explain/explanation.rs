@@ -121,7 +121,10 @@ impl<'a> Judge<'_, 'a> {
     fn answer(self, usable: f64) -> Answer<'a> {
         let selection = &self.selection;
         let cost = |fit: &Fit<'_>| fit.minus_two_ln + fit.prior;
-        let missing = cost(&selection.baseline) - cost(&self.corrected) - 24.0;
+        // What unknown forces explain, or a course that had to be refused.
+        let following = selection.rounds.iter().take(1).flat_map(|round| &round.following);
+        let refused = following.map(|(_, evidence)| *evidence).fold(0.0, f64::max);
+        let missing = (cost(&selection.baseline) - cost(&self.corrected) - 24.0).max(refused);
         let explained = cost(&selection.baseline) - cost(&selection.extended);
         let mut verdict = match selection.chosen.is_empty() {
             false if explained > LEAST_EXPLAINED * missing => Verdict::MissingPhysics,

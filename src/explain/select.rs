@@ -43,7 +43,7 @@ pub struct Round<'a> {
     pub scanned: Vec<Scored>,
     /// Those fitted together, best first; what was refused is left out.
     pub refitted: Vec<Refitted<'a>>,
-    /// Candidates refused for following the driver's inputs.
+    /// Candidates refused for following the driver's inputs, each with its evidence.
     pub following: Vec<(Candidate, f64)>,
 }
 
@@ -106,7 +106,7 @@ pub fn select<'a>(
         refitted.retain(|refitted| {
             let share = following_share(data, refitted);
             if share > MOST_FOLLOWING {
-                following.push((refitted.candidate.clone(), share));
+                following.push((refitted.candidate.clone(), refitted.evidence));
             }
             share <= MOST_FOLLOWING
         });

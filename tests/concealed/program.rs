@@ -79,9 +79,8 @@ impl Program {
         }
     }
 
-    /// Answers every recording of a set that has no answer yet, into its folder `answers`.
-    pub fn answer(&self, set: &Set) -> PathBuf {
-        let answers = set.folder.join("answers");
+    /// Answers every recording of a set that has no answer yet in `answers`.
+    pub fn answer(&self, set: &Set, answers: &Path) {
         std::fs::create_dir_all(answers.join("runs")).unwrap();
         let names: Vec<String> = set.truths().keys().cloned().collect();
         let dbc = std::fs::read_to_string(set.folder.join("trial.dbc")).unwrap();
@@ -107,6 +106,5 @@ impl Program {
                 Err(why) => println!("{name}: {:.1} s: {why}", run.seconds),
             }
         });
-        answers
     }
 }

@@ -7,10 +7,11 @@ use serde_json::{Value, json};
 
 use super::bus;
 use super::car::{CURVATURE, Car, SHAPE};
-use super::cause::{self, Cause, Made, Sort, Tires};
+use super::cause::{Cause, Sort, Tires};
 use super::dice::Dice;
 use super::drive::{self, Plan};
 use super::physics::Moment;
+use super::recipe::{self, Made};
 use super::sensors::Chain;
 use super::visible::{self, DETECTABLE, Visibility};
 
@@ -70,7 +71,7 @@ impl Recording {
             let seconds = order.seconds.unwrap_or(drawn);
             let grip = if kind == drive::Kind::Hard { car.friction.unwrap_or(0.9) } else { 1.0 };
             let plan = Plan::random(kind, seconds, 0.78 * 9.81 * grip, &mut dice);
-            let made = cause::make(order.cause, order.factor, &plan, &car, &mut dice);
+            let made = recipe::make(order.cause, order.factor, &plan, &car, &mut dice);
             let chain = Chain::random(&mut dice);
             let moments = drive::drive(&plan, &car, &made.hidden);
             if !drive::plausible(&moments) {

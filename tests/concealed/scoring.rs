@@ -6,6 +6,7 @@ use std::process::Command;
 use serde_json::{Map, Value, json};
 
 use super::dice::Dice;
+use super::part;
 use super::score::{self, Score, overlap, score};
 use super::table;
 
@@ -314,6 +315,6 @@ fn the_table_counts_what_was_scored() {
     assert_eq!(share(&row("power_over_visibility", "at", "10 – 50")["class named"]), (0, 1));
     assert_eq!(values["failures"].as_array().unwrap().len(), 4);
     assert_eq!(values["seconds"][0]["median"], 2.0);
-    let page = table::markdown(&parts);
+    let page = part::markdown(&parts);
     assert!(page.contains("| controls: false alarms | 1/2 | 50.0 | 9.5 – 90.5 |"), "{page}");
 }

@@ -159,8 +159,8 @@ impl Set {
         let name = |i: usize| format!("trial_{:03}", i + 1);
         share(orders.len(), |i| {
             let (order, name) = (orders[i], name(i));
-            if let Some(truth) = self.truths.lock().unwrap().get(&name) {
-                let same = truth["made"] == order.made();
+            let there = self.truths.lock().unwrap().get(&name).map(|truth| truth["made"] == order.made());
+            if let Some(same) = there {
                 assert!(same, "{}: holds another set ({name}); name an empty folder", self.folder.display());
                 return;
             }

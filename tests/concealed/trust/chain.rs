@@ -1,9 +1,10 @@
 //! Sensors, bus, seeds, and causes at no strength.
 
 use super::super::bus;
-use super::super::cause::{self, CAUSES, Cause};
+use super::super::cause::{CAUSES, Cause, Tires};
 use super::super::drive::{self, Kind, Plan};
 use super::super::hidden::{CHANNELS, SensorFault};
+use super::super::recipe;
 use super::super::recording::{Order, Recording};
 use super::super::sensors::{Chain, NOISE};
 use super::super::visible;
@@ -133,13 +134,10 @@ fn a_cause_at_no_strength_changes_nothing_and_at_its_own_it_does() {
     let plain = |car: &Car| shown(&drive::drive(&plan, car, &Hidden::default()), &Hidden::default());
     let (plain_linear, plain_magic) = (plain(&linear), plain(&magic));
     for cause in CAUSES {
-        let (car, plain) = if cause.tires == cause::Tires::Magic {
-            (&magic, &plain_magic)
-        } else {
-            (&linear, &plain_linear)
-        };
+        let (car, plain) =
+            if cause.tires == Tires::Magic { (&magic, &plain_magic) } else { (&linear, &plain_linear) };
         let difference = |factor: f64| {
-            let made = cause::make(cause, factor, &plan, car, &mut Dice::new(21, 2));
+            let made = recipe::make(cause, factor, &plan, car, &mut Dice::new(21, 2));
             let other = shown(&drive::drive(&plan, car, &made.hidden), &made.hidden);
             let worst =
                 plain.iter().zip(&other).flat_map(|(p, o)| p.iter().zip(o).map(|(a, b)| (a - b).abs()));

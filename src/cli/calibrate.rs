@@ -8,7 +8,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::Failure;
-use super::output::{same_file, write_json};
+use super::output::{outputs_are_no_inputs, write_json};
 use super::progress::Progress;
 use crate::can::Frame;
 use crate::can::candump::Reader;
@@ -35,15 +35,7 @@ pub struct Calibrate {
 impl Calibrate {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        let inputs = self.logs.iter().chain([&self.config]);
-        if let Some(json) = &self.json
-            && inputs.filter(|path| path.as_os_str() != "-").any(|input| same_file(input, json))
-        {
-            return Err(Failure::usage(format_args!(
-                "{} is read from and would be written to; give the result another name",
-                json.display()
-            )));
-        }
+        outputs_are_no_inputs(self.logs.iter().chain([&self.config]), &self.json)?;
         let config = Config::load(&self.config)?;
         if !config.signals.quantities.contains_key(&Quantity::AbsActive) {
             return Err(Failure::usage(format_args!(

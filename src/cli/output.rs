@@ -67,11 +67,39 @@ impl Write for Output {
 }
 
 /// Do both names mean the same file (or both the standard output)?
-pub fn same_file(one: &Path, other: &Path) -> bool {
+fn same_file(one: &Path, other: &Path) -> bool {
     match (one.canonicalize(), other.canonicalize()) {
         (Ok(one), Ok(other)) => one == other,
         _ => one == other,
     }
+}
+
+/// An input is never overwritten by what is made of it, nor one result by another.
+pub fn outputs_are_no_inputs<'p>(
+    inputs: impl IntoIterator<Item = &'p PathBuf>,
+    outputs: impl IntoIterator<Item = &'p PathBuf>,
+) -> Result<(), Failure> {
+    let inputs: Vec<_> = inputs.into_iter().filter(|path| path.as_os_str() != "-").collect();
+    let outputs: Vec<_> = outputs.into_iter().collect();
+    for (place, output) in outputs.iter().enumerate() {
+        if inputs.iter().any(|input| same_file(input, output)) {
+            return Err(Failure::usage(format_args!(
+                "{} is read from and would be written to; give the result another name",
+                output.display()
+            )));
+        }
+        if outputs[..place].iter().any(|other| same_file(other, output)) {
+            return Err(Failure::usage(format_args!("two results cannot both go to {}", output.display())));
+        }
+    }
+    Ok(())
+}
+
+/// Writes a text.
+pub fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    let mut output = Output::create(path)?;
+    output.write_all(text.as_bytes())?;
+    output.finish()
 }
 
 /// Writes a value as indented JSON.

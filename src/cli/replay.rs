@@ -8,7 +8,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::Failure;
-use super::output::{Output, same_file, write_json};
+use super::output::{Output, outputs_are_no_inputs, write_json};
 use super::player::Player;
 use super::progress::Progress;
 use super::tables::{EstimatesTable, SamplesTable};
@@ -70,7 +70,10 @@ impl Replay {
         if let Some(speed) = self.realtime.filter(|speed| !(speed.is_finite() && *speed > 0.0)) {
             return Err(Failure::usage(format_args!("--realtime={speed}: must be a positive number")));
         }
-        self.outputs_are_no_inputs()?;
+        outputs_are_no_inputs(
+            self.logs.iter().chain([&self.config]),
+            [&self.out, &self.estimates, &self.samples, &self.stats].into_iter().flatten(),
+        )?;
         let config = Config::load(&self.config)?;
         let mut engine = Engine::new(&config)?;
         let mut results = Results::create(&self, &config)?;
@@ -112,31 +115,6 @@ impl Replay {
             )));
         }
         if totals.broken.is_empty() { Ok(()) } else { Err(Failure::Work(totals.broken.join("; "))) }
-    }
-}
-
-impl Replay {
-    /// A recording is never overwritten by what is made of it, nor one result by another.
-    fn outputs_are_no_inputs(&self) -> Result<(), Failure> {
-        let outputs = [&self.out, &self.estimates, &self.samples, &self.stats];
-        let outputs: Vec<_> = outputs.into_iter().flatten().collect();
-        let inputs: Vec<_> =
-            self.logs.iter().chain([&self.config]).filter(|p| p.as_os_str() != "-").collect();
-        for (place, output) in outputs.iter().enumerate() {
-            if inputs.iter().any(|input| same_file(input, output)) {
-                return Err(Failure::usage(format_args!(
-                    "{} is read from and would be written to; give the result another name",
-                    output.display()
-                )));
-            }
-            if outputs[..place].iter().any(|other| same_file(other, output)) {
-                return Err(Failure::usage(format_args!(
-                    "two results cannot both go to {}",
-                    output.display()
-                )));
-            }
-        }
-        Ok(())
     }
 }
 

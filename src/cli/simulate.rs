@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::Failure;
 use super::demo_car;
-use super::output::{Output, same_file};
+use super::output::{Output, outputs_are_no_inputs};
 use crate::can::Frame;
 use crate::can::candump::Writer;
 use crate::model::{Scenario, Simulation, TruthWriter};
@@ -35,17 +35,10 @@ pub struct Simulate {
 impl Simulate {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        let outputs = [Some(&self.out), self.truth.as_ref()];
-        let inputs = [Some(&self.scenario), self.config.as_ref(), Some(&self.out)];
-        for (place, output) in outputs.into_iter().enumerate() {
-            let Some(output) = output else { continue };
-            if inputs.iter().take(2 + place).flatten().any(|input| same_file(input, output)) {
-                return Err(Failure::usage(format_args!(
-                    "{} is used twice; give the result another name",
-                    output.display()
-                )));
-            }
-        }
+        outputs_are_no_inputs(
+            [&self.scenario].into_iter().chain(&self.config),
+            [&self.out].into_iter().chain(&self.truth),
+        )?;
         let path = self.scenario.display();
         let text = std::fs::read_to_string(&self.scenario)
             .map_err(|e| Failure::usage(format_args!("cannot read the scenario {path}: {e}")))?;

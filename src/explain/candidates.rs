@@ -19,20 +19,12 @@ pub struct Candidate {
     pub fixed: Vec<(usize, f64)>,
     /// It varies while one drives, so.
     pub live: Option<Live>,
-    /// It is there within these stretches, s.
-    pub stretches: Vec<[f64; 2]>,
 }
 
 impl Candidate {
     /// The effect at which nothing happens; `slot` is the place of its course among those estimated.
     pub fn chosen(&self, slot: usize) -> Chosen {
-        let course = match self.live {
-            Some(_) => Course::Live(slot),
-            None if !self.stretches.is_empty() => {
-                Course::Stretches { intervals: self.stretches.clone(), value: 1.0 }
-            }
-            None => Course::None,
-        };
+        let course = self.live.map_or(Course::None, |_| Course::Live(slot));
         let mut chosen = Chosen::usual(self.kind, self.channel, course);
         for (place, number) in &self.fixed {
             chosen.numbers[*place] = *number;
@@ -73,14 +65,7 @@ pub fn library(model: &Model<'_>, has: impl Fn(Quantity) -> bool, seconds: f64) 
                 continue;
             }
             let everything: Vec<usize> = (0..kind.parameters.len()).collect();
-            let plain = Candidate {
-                kind,
-                channel,
-                free: everything.clone(),
-                fixed: Vec::new(),
-                live: None,
-                stretches: Vec::new(),
-            };
+            let plain = Candidate { kind, channel, free: everything.clone(), fixed: Vec::new(), live: None };
             if let Some(course) = kind.surroundings(channel) {
                 let slow = kind.name == "sensor_drift";
                 let live = Live {
@@ -156,11 +141,9 @@ fn makes_sense(kind: &Kind, channel: Option<Channel>, model: &Model<'_>) -> bool
                     | Quantity::WheelSpeedRr
             )
         ),
-        // Drift of an input is estimated where it acts; that of a torque is a grade.
-        // How late its wheels are is an ordinary number of each axle.
-        "sensor_delay" => quantity.is_none_or(|quantity| quantity.wheel().is_none()),
-        // A wheel that steps is a tire, not a sensor.
-        "sensor_bias" => quantity.is_none_or(|quantity| quantity.wheel().is_none()),
+        // How late an axle's wheels are is an ordinary number; a wheel that steps is a tire.
+        "sensor_delay" | "sensor_bias" => quantity.is_none_or(|quantity| quantity.wheel().is_none()),
+        // That of a torque is a grade.
         "sensor_drift" => !matches!(quantity, Some(Quantity::DriveTorque | Quantity::BrakePressure)),
         "tire_saturation" => model.vehicle.tire == TireKind::Linear,
         "air_drag" | "rolling_resistance" | "road_grade" => model.knows_torque,

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::model::{Free, Model};
 use super::predict::Drive;
+use super::predict::car::BODY_STATES;
 use super::predict::noise::{Noise, floor};
 use super::predict::pass::{Ask, Sums, pass};
 use super::split::{Part, Split};
@@ -16,7 +17,7 @@ pub struct Data<'a> {
     /// All drives.
     pub drives: &'a [Drive],
     /// Their blocks.
-    pub split: &'a Split,
+    pub split: Split,
     /// Which of them count.
     pub part: Part,
     /// Noise of the sensors as it shows from one reading to the next.
@@ -40,6 +41,22 @@ pub struct Fit<'a> {
     pub covariance: DMatrix<f64>,
     /// Sums of the last pass.
     pub sums: Vec<Sums>,
+}
+
+/// What a search changes beside the free numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Learn {
+    /// Noise of sensors and equations.
+    Noise,
+    /// Nothing.
+    Nothing,
+}
+
+impl Fit<'_> {
+    /// What a search makes as small as it can: −2 ln likelihood with the prior.
+    pub fn cost(&self) -> f64 {
+        self.minus_two_ln + self.prior
+    }
 }
 
 impl<'d> Data<'d> {
@@ -67,6 +84,17 @@ impl<'d> Data<'d> {
         self.counted(sums).map(|sum| sum.log_s + sum.square.iter().sum::<f64>()).sum()
     }
 
+    /// How much each equation misses: twice the log-likelihood ratio of its diffusion against the least there
+    /// is (Kristensen, Madsen & Jørgensen 2004).
+    pub fn missing(&self, fit: &Fit<'_>) -> [f64; BODY_STATES] {
+        std::array::from_fn(|place| {
+            let mut noise = fit.noise.clone();
+            noise.diffusion[place] = Noise::LEAST_DIFFUSION[place];
+            let without = self.minus_two_ln(&self.pass(&fit.model, &[], &noise));
+            (without - fit.minus_two_ln).max(0.0)
+        })
+    }
+
     /// Noise of the sensors as the innovations have it.
     pub fn sensor_noise(&self, sums: &[Sums], noise: &Noise) -> Noise {
         let mut new = noise.clone();
@@ -92,16 +120,15 @@ impl<'d> Data<'d> {
     pub fn fit_thoroughly<'a>(&self, model: &Model<'a>, free: &[Free], noise: &Noise) -> Fit<'a> {
         let mut best = self.fit(model, free, noise, 8);
         // Much noise of the equations hides that there is little: from that end, too.
-        let little =
-            Noise { diffusion: Noise::LEAST_DIFFUSION.map(|least| 2.0 * least), ..best.noise.clone() };
-        let other = self.fit(&best.model, free, &little, 4);
-        if other.minus_two_ln + other.prior < best.minus_two_ln + best.prior {
+        let other = self.fit_strictly(&best, 4);
+        let other = self.fit(&other.model, free, &other.noise, 4);
+        if other.cost() < best.cost() {
             best = other;
         }
         for _ in 0..4 {
             let noise = self.diffusion(&best.model, &best.noise, &[4.0, 2.0]);
             let next = self.fit(&best.model, free, &noise, 5);
-            let gained = best.minus_two_ln + best.prior - next.minus_two_ln - next.prior;
+            let gained = best.cost() - next.cost();
             if gained > 0.0 {
                 best = next;
             }
@@ -114,6 +141,30 @@ impl<'d> Data<'d> {
 
     /// Fits the free numbers and the noise, from where the model is.
     pub fn fit<'a>(&self, model: &Model<'a>, free: &[Free], noise: &Noise, rounds: usize) -> Fit<'a> {
+        self.search(model, free, noise, rounds, Learn::Noise)
+    }
+
+    /// Fits the numbers of a model to equations that hardly err: noise of the equations forgives what a
+    /// model misses, and what forgives much tells little of which way to go.
+    pub fn fit_strictly<'a>(&self, from: &Fit<'a>, rounds: usize) -> Fit<'a> {
+        self.search(&from.model, &from.free, &self.strict(&from.noise), rounds, Learn::Nothing)
+    }
+
+    /// Sensors as good as their readings look, equations that hardly err.
+    fn strict(&self, noise: &Noise) -> Noise {
+        let diffusion = Noise::LEAST_DIFFUSION.map(|least| 2.0 * least);
+        Noise { diffusion, sensor: self.own_noise.sensor, live: noise.live.clone() }
+    }
+
+    /// Gauss–Newton steps, the noise learnt in between or not.
+    pub fn search<'a>(
+        &self,
+        model: &Model<'a>,
+        free: &[Free],
+        noise: &Noise,
+        rounds: usize,
+        learn: Learn,
+    ) -> Fit<'a> {
         let mut model = model.clone();
         let mut noise = noise.clone();
         let mut last = None;
@@ -122,9 +173,9 @@ impl<'d> Data<'d> {
             let sums = self.pass(&model, &varied, &noise);
             let (information, gradient) = self.normal(&sums, &model, free);
             let Some(inverse) = information.clone().cholesky().map(|c| c.inverse()) else { break };
-            let step = &inverse * gradient;
+            let Some(step) = within_bounds(&model, free, information, &gradient) else { break };
             let before = self.minus_two_ln(&sums) + prior(&model, free);
-            last = Some((inverse, sums));
+            last = Some(inverse);
             // Halve a step that makes it worse.
             let mut share: f64 = 1.0;
             for (free, step) in free.iter().zip(step.iter()) {
@@ -147,23 +198,25 @@ impl<'d> Data<'d> {
             let gained = match better {
                 Some((moved, sums, gained)) => {
                     model = moved;
-                    noise = self.sensor_noise(&sums, &noise);
+                    if learn == Learn::Noise {
+                        noise = self.sensor_noise(&sums, &noise);
+                    }
                     gained
                 }
                 None => 0.0,
             };
             // The noise settles with the numbers: now and then is enough.
-            if round == 0 || round == 2 || round == 5 {
+            if learn == Learn::Noise && matches!(round, 0 | 2 | 5) {
                 noise = self.diffusion(&model, &noise, if round == 0 { &[4.0] } else { &[2.0] });
             }
-            if gained < 0.5 && round > 2 {
+            if gained < 0.5 && (round > 2 || learn == Learn::Nothing) {
                 break;
             }
         }
         let sums = self.pass(&model, &free.iter().map(|free| model.varied(free)).collect::<Vec<_>>(), &noise);
         let (information, _) = self.normal(&sums, &model, free);
         let covariance = information.cholesky().map(|c| c.inverse());
-        let covariance = covariance.or(last.map(|(inverse, _)| inverse)).unwrap_or_default();
+        let covariance = covariance.or(last).unwrap_or_default();
         let minus_two_ln = self.minus_two_ln(&sums);
         let prior = prior(&model, free);
         Fit { model, noise, free: free.to_vec(), minus_two_ln, prior, covariance, sums }
@@ -216,6 +269,31 @@ impl<'d> Data<'d> {
             }
         }
         best
+    }
+}
+
+/// The step that solves the normal equations; numbers that it would push out of their bounds stay.
+fn within_bounds(
+    model: &Model<'_>,
+    free: &[Free],
+    mut information: DMatrix<f64>,
+    gradient: &DVector<f64>,
+) -> Option<DVector<f64>> {
+    let mut stays = vec![false; free.len()];
+    loop {
+        let step = information.clone().cholesky()?.solve(gradient);
+        let outwards = |place: usize| {
+            let nudge = Free { step: (1e-3 * free[place].step).copysign(step[place]), ..free[place] };
+            !stays[place] && model.moved(&nudge).is_none()
+        };
+        let pushed: Vec<usize> = (0..free.len()).filter(|place| outwards(*place)).collect();
+        if pushed.is_empty() {
+            return Some(step);
+        }
+        for place in pushed {
+            stays[place] = true;
+            information[(place, place)] *= 1e12;
+        }
     }
 }
 

@@ -14,6 +14,11 @@ use crate::model::effect::{Channel, Course, named};
 /// a small one.
 const LEAST_GAIN: f64 = 200.0;
 
+/// Is it such an error?
+pub fn is_gross(candidate: &Candidate) -> bool {
+    matches!(candidate.kind.name, "sensor_sign" | "channel_swap")
+}
+
 /// What the audit suggests.
 pub fn suggested(chain: &[ChainReport]) -> Vec<Candidate> {
     let findings = chain.iter().flat_map(|report| &report.findings);
@@ -28,14 +33,7 @@ pub fn suggested(chain: &[ChainReport]) -> Vec<Candidate> {
         if all.iter().any(|other| other.kind.name == kind.name && other.channel == Some(channel)) {
             continue;
         }
-        all.push(Candidate {
-            kind,
-            channel: Some(channel),
-            free: Vec::new(),
-            fixed: Vec::new(),
-            live: None,
-            stretches: Vec::new(),
-        });
+        all.push(Candidate { kind, channel: Some(channel), free: Vec::new(), fixed: Vec::new(), live: None });
     }
     all
 }
@@ -50,11 +48,11 @@ pub fn taken<'a>(
 ) -> Vec<Refitted<'a>> {
     let mut taken: Vec<Refitted<'a>> = Vec::new();
     let mut model = plain.clone();
-    let mut cost = baseline.minus_two_ln + baseline.prior;
+    let mut cost = baseline.cost();
     for candidate in suggested {
         let with = model.with(Chosen::usual(candidate.kind, candidate.channel, Course::None));
         let fit = data.fit(&with, free, noise, 8);
-        let gain = cost - fit.minus_two_ln - fit.prior;
+        let gain = cost - fit.cost();
         if gain > LEAST_GAIN {
             cost -= gain;
             model = with;

@@ -13,11 +13,13 @@
 //! numbers could explain has been taken out, the best are fitted with everything else, and the one that the
 //! data make most probable is taken; then the next, until nothing is left that held-out data confirm.
 
+mod answer;
 mod candidates;
 pub mod chain;
 mod correction;
 mod exogenous;
 mod explanation;
+mod finding;
 mod fit;
 mod gross;
 mod locate;
@@ -29,6 +31,7 @@ mod result;
 mod select;
 mod smooth;
 mod split;
+mod verdict;
 
 pub use explanation::{Answer, Case};
 pub use model::{Chosen, Model};

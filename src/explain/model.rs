@@ -1,6 +1,6 @@
 //! A model of the car as a search sees it: its numbers, its effects, and which of them are free.
 
-use super::predict::car::INERTIAL;
+use super::predict::late::{Delays, Late};
 use super::predict::{Car, Settings};
 use crate::Quantity;
 use crate::identify::{Parameter, Values};
@@ -56,12 +56,8 @@ pub struct Model<'a> {
     pub knows_torque: bool,
     /// Ordinary numbers.
     pub values: Values,
-    /// How late the wheel speeds are, front and rear, s.
-    pub wheel_delay: [f64; 2],
-    /// How late drive and brake torque act, s.
-    pub torque_delay: f64,
-    /// How late the inertial sensors are, s.
-    pub inertial_delay: [f64; 3],
+    /// How late sensors and torques are, s.
+    pub delays: Delays,
     /// How much of the lateral curve's bend the longitudinal one has.
     pub bend_along: f64,
     /// Physics beyond the plain model.
@@ -73,12 +69,8 @@ pub struct Model<'a> {
 pub enum Place {
     /// Of the vehicle, or a sensor's offset.
     Ordinary(Parameter),
-    /// How late the wheel speeds of an axle are: front (0) or rear.
-    WheelDelay(usize),
-    /// How late drive and brake torque act.
-    TorqueDelay,
-    /// How late one of the inertial sensors is.
-    InertialDelay(usize),
+    /// How late something is.
+    Delay(Late),
     /// How much of the lateral curve's bend the longitudinal one has: friction along and across are
     /// seldom the same, and one limit is all that the vehicle's table has.
     BendAlong,
@@ -99,14 +91,10 @@ pub struct Free {
     pub step: f64,
 }
 
-/// Tooth wheels are read over some milliseconds; so late are wheel speeds usually, s, give or take.
-const WHEEL_DELAY: (f64, f64) = (0.005, 0.005);
-
-/// From the torque's frame to the road, s, give or take.
-const TORQUE_DELAY: (f64, f64) = (0.005, 0.005);
-
-/// No chain is exact to the millisecond: each sensor is sampled and filtered before its frame goes out, s.
-const INERTIAL_DELAY: [f64; 3] = [0.002, 0.002, 0.005];
+/// So many standard deviations from what its owner says of it a number is ordinary; beyond, something else
+/// is wrong.
+const ORDINARY_STDS: f64 = 5.0;
+const ORDINARY_DELAY_STDS: f64 = 2.5;
 
 /// Mean and standard deviation of what is thought of the longitudinal curve's bend.
 const BEND_ALONG: (f64, f64) = (0.5, 0.5);
@@ -118,9 +106,7 @@ impl<'a> Model<'a> {
             vehicle,
             knows_torque,
             values: Values::of(vehicle),
-            wheel_delay: [WHEEL_DELAY.0; 2],
-            torque_delay: TORQUE_DELAY.0,
-            inertial_delay: [0.0; 3],
+            delays: Late::usual(),
             bend_along: BEND_ALONG.0,
             effects: Vec::new(),
         }
@@ -151,10 +137,8 @@ impl<'a> Model<'a> {
             vehicle: self.vehicle,
             values: &self.values,
             knows_torque: self.knows_torque,
-            wheel_delay: self.wheel_delay,
+            delays: self.delays,
             bend_along: self.bend_along,
-            torque_delay: self.torque_delay,
-            inertial_delay: self.inertial_delay,
             effects: effects.collect(),
         })
     }
@@ -184,24 +168,11 @@ impl<'a> Model<'a> {
             parameters.push(Parameter::LongitudinalAccelerationOffset);
         }
         let mut free: Vec<Free> = parameters.into_iter().map(|p| self.free_ordinary(p)).collect();
-        for axle in 0..2 {
-            let (mean, std) = WHEEL_DELAY;
-            free.push(Free { place: Place::WheelDelay(axle), mean, std, step: 0.002 });
-        }
-        for (number, quantity) in INERTIAL.into_iter().enumerate() {
-            if has(quantity) {
-                let std = INERTIAL_DELAY[number];
-                free.push(Free { place: Place::InertialDelay(number), mean: 0.0, std, step: 0.001 });
-            }
-        }
-        if self.knows_torque {
-            free.push(Free {
-                place: Place::TorqueDelay,
-                mean: TORQUE_DELAY.0,
-                std: TORQUE_DELAY.1,
-                step: 0.002,
-            });
-        }
+        let late = Late::ALL.into_iter().filter(|late| has(late.quantity()));
+        free.extend(late.filter(|late| self.knows_torque || *late != Late::Torque).map(|late| {
+            let (mean, std) = late.prior();
+            Free { place: Place::Delay(late), mean, std, step: 0.001 }
+        }));
         if self.knows_torque && self.vehicle.tire != crate::model::TireKind::Linear {
             free.push(Free { place: Place::BendAlong, mean: BEND_ALONG.0, std: BEND_ALONG.1, step: 0.05 });
         }
@@ -236,9 +207,7 @@ impl<'a> Model<'a> {
         match place {
             Place::Ordinary(p) if is_logarithmic(p) => self.values.get(p).ln(),
             Place::Ordinary(p) => self.values.get(p),
-            Place::WheelDelay(axle) => self.wheel_delay[axle],
-            Place::TorqueDelay => self.torque_delay,
-            Place::InertialDelay(number) => self.inertial_delay[number],
+            Place::Delay(late) => self.delays[late as usize],
             Place::BendAlong => self.bend_along,
             Place::Effect(effect, number) => self.effects[effect].numbers[number],
         }
@@ -252,14 +221,7 @@ impl<'a> Model<'a> {
                 let value = self.values.get(p);
                 (p.name().into(), value, if is_logarithmic(p) { value } else { 1.0 })
             }
-            Place::WheelDelay(axle) => {
-                let name = ["wheel_speed_front_delay_s", "wheel_speed_rear_delay_s"][axle];
-                (name.into(), self.wheel_delay[axle], 1.0)
-            }
-            Place::TorqueDelay => ("torque_delay_s".into(), self.torque_delay, 1.0),
-            Place::InertialDelay(number) => {
-                (format!("{}_delay_s", INERTIAL[number]), self.inertial_delay[number], 1.0)
-            }
+            Place::Delay(late) => (late.name().into(), self.delays[late as usize], 1.0),
             Place::BendAlong => ("longitudinal_bend".into(), self.bend_along, 1.0),
             Place::Effect(..) => return None,
         })
@@ -269,13 +231,17 @@ impl<'a> Model<'a> {
     pub fn set(&mut self, place: Place, coordinate: f64) {
         match place {
             Place::Ordinary(p) => {
-                let value = if is_logarithmic(p) { coordinate.exp() } else { coordinate };
+                let Free { mean, std, .. } = self.free_ordinary(p);
+                let within = coordinate.clamp(mean - ORDINARY_STDS * std, mean + ORDINARY_STDS * std);
+                let value = if is_logarithmic(p) { within.exp() } else { within };
                 let (low, high) = p.bounds();
                 self.values.set(p, value.clamp(low, high));
             }
-            Place::WheelDelay(axle) => self.wheel_delay[axle] = coordinate.clamp(-0.02, 0.1),
-            Place::InertialDelay(number) => self.inertial_delay[number] = coordinate.clamp(-0.03, 0.1),
-            Place::TorqueDelay => self.torque_delay = coordinate.clamp(-0.03, 0.1),
+            Place::Delay(late) => {
+                let (mean, std) = late.prior();
+                let most = ORDINARY_DELAY_STDS * std;
+                self.delays[late as usize] = coordinate.clamp(mean - most, mean + most);
+            }
             Place::BendAlong => self.bend_along = coordinate.clamp(0.0, 1.2),
             Place::Effect(effect, number) => {
                 let chosen = &mut self.effects[effect];
@@ -289,16 +255,17 @@ impl<'a> Model<'a> {
     /// The same, one number changed by so much (in the other direction at its bound). Returns the change
     /// made.
     pub fn varied(&self, free: &Free) -> (Self, f64) {
+        let back = Free { step: -free.step, ..*free };
+        self.moved(free).or_else(|| self.moved(&back)).unwrap_or_else(|| (self.clone(), free.step))
+    }
+
+    /// The same, one number changed by its step, and the change made; none where its bounds forbid it.
+    pub fn moved(&self, free: &Free) -> Option<(Self, f64)> {
         let at = self.get(free.place);
         let mut model = self.clone();
-        for step in [free.step, -free.step] {
-            model.set(free.place, at + step);
-            let made = model.get(free.place) - at;
-            if made.abs() > 0.5 * free.step {
-                return (model, made);
-            }
-        }
-        (model, free.step)
+        model.set(free.place, at + free.step);
+        let made = model.get(free.place) - at;
+        (made.abs() > 0.5 * free.step.abs()).then_some((model, made))
     }
 }
 

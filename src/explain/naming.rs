@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::candidates::Candidate;
-use super::fit::{Data, Fit};
+use super::fit::{Data, Fit, Learn};
 use super::model::{Free, Model, Place};
 use super::predict::noise::{Live, Noise};
 
@@ -36,6 +36,28 @@ pub struct Refitted<'a> {
     pub evidence: f64,
 }
 
+impl<'a> Refitted<'a> {
+    /// Judges a fit, whose last effect the candidate is, against the one before.
+    fn new(before: &Fit<'_>, candidate: Candidate, fit: Fit<'a>) -> Self {
+        let new = fit.free.len() - before.free.len();
+        let evidence = evidence(before, &fit, new, candidate.live.is_some());
+        Self { candidate, fit, evidence }
+    }
+
+    /// When it began, s, if it was not there from the start.
+    pub fn onset(&self) -> Option<f64> {
+        let place = self.candidate.kind.place_of("at_s")?;
+        Some(self.fit.model.effects.last()?.numbers[place]).filter(|at| *at > 0.0)
+    }
+}
+
+/// Rounds of fitting before any noise is learnt.
+const STRICT_ROUNDS: usize = 3;
+
+/// How far a candidate's numbers are moved to see its influence, in standard deviations of their priors;
+/// first a small step. What grows with the square, or begins at a threshold, shows only in a large one.
+const WAYS: [Option<f64>; 4] = [None, Some(0.7), Some(2.0), Some(-2.0)];
+
 /// All candidates, best first; of the same effect with different onsets only the best one.
 pub fn scan(data: &Data<'_>, fit: &Fit<'_>, library: &[Candidate]) -> Vec<Scored> {
     let ordinary: Vec<(Model<'_>, f64)> = fit.free.iter().map(|free| fit.model.varied(free)).collect();
@@ -49,7 +71,7 @@ pub fn scan(data: &Data<'_>, fit: &Fit<'_>, library: &[Candidate]) -> Vec<Scored
     // So many at a time, for memory.
     for some in library.chunks(64) {
         let mut varied = ordinary.clone();
-        let mut owners: Vec<(usize, Free)> = Vec::new();
+        let mut owners: Vec<(usize, usize, Free)> = Vec::new();
         for (number, candidate) in some.iter().enumerate().filter(|(_, c)| c.live.is_none()) {
             let model = fit.model.with(candidate.chosen(0));
             for free in model.free_of_effect(model.effects.len() - 1) {
@@ -58,17 +80,25 @@ pub fn scan(data: &Data<'_>, fit: &Fit<'_>, library: &[Candidate]) -> Vec<Scored
                 if !spec.is_main {
                     continue;
                 }
-                let usual = Free { step: 0.7 * free.std, ..free };
-                varied.push(model.varied(if spec.bounds.0 < 0.0 { &free } else { &usual }));
-                owners.push((number, free));
+                for (way, share) in WAYS.iter().enumerate() {
+                    let step = Free { step: share.map_or(free.step, |share| share * free.std), ..free };
+                    if let Some(by) = model.moved(&step) {
+                        varied.push(by);
+                        owners.push((number, way, free));
+                    }
+                }
             }
         }
         let normal = Normal::new(data, fit, &varied);
         for (number, candidate) in some.iter().enumerate().filter(|(_, c)| c.live.is_none()) {
-            let places = owners.iter().enumerate().filter(|(_, owner)| owner.0 == number);
-            let columns: Vec<(usize, Free)> = places.map(|(place, owner)| (place, owner.1)).collect();
-            if let Some(scored) = normal.score(candidate, &columns) {
-                keep(scored);
+            for way in 0..WAYS.len() {
+                let own = owners.iter().enumerate().filter(|(_, owner)| (owner.0, owner.1) == (number, way));
+                let columns: Vec<(usize, Free)> = own.map(|(place, owner)| (place, owner.2)).collect();
+                if !columns.is_empty()
+                    && let Some(scored) = normal.score(candidate, &columns)
+                {
+                    keep(scored);
+                }
             }
         }
     }
@@ -103,18 +133,25 @@ pub fn scan(data: &Data<'_>, fit: &Fit<'_>, library: &[Candidate]) -> Vec<Scored
     all
 }
 
-/// Fits a candidate together with all that was free before.
-pub fn refit<'a>(data: &Data<'_>, before: &Fit<'a>, scored: &Scored, rounds: usize) -> Refitted<'a> {
-    let mut model = before.model.with(scored.candidate.chosen(before.noise.live.len()));
+/// Fits a candidate together with all that was free before, from the fit at which it was scored; if that had
+/// not learnt its noise, first without learning any, too.
+pub fn refit<'a>(
+    data: &Data<'_>,
+    before: &Fit<'a>,
+    (at, learn): (&Fit<'a>, Learn),
+    scored: &Scored,
+    rounds: usize,
+) -> Refitted<'a> {
+    let mut model = at.model.with(scored.candidate.chosen(at.noise.live.len()));
     let effect = model.effects.len() - 1;
-    let mut noise = before.noise.clone();
+    let mut noise = at.noise.clone();
     if let Some(live) = scored.candidate.live {
         noise = noise.with(live);
     }
     let own = model.free_of_effect(effect);
     if !scored.numbers.is_empty() {
         // The first order may be far off where the influence is not linear: from less, too.
-        let starts = [1.0, 0.5, 0.25].map(|share| {
+        let starts = [1.0, 0.5, 0.25, 0.05].map(|share| {
             let mut model = model.clone();
             for (place, number) in &scored.numbers {
                 let Some(free) = own.iter().find(|free| free.place == Place::Effect(effect, *place)) else {
@@ -125,8 +162,8 @@ pub fn refit<'a>(data: &Data<'_>, before: &Fit<'a>, scored: &Scored, rounds: usi
                 let by = if by.abs() < free.step { free.step.copysign(by) } else { by };
                 model.set(free.place, free.mean + by);
             }
-            for (free, by) in before.free.iter().zip(&scored.ordinary) {
-                model.set(free.place, before.model.get(free.place) + share * by);
+            for (free, by) in at.free.iter().zip(&scored.ordinary) {
+                model.set(free.place, at.model.get(free.place) + share * by);
             }
             let cost = data.minus_two_ln(&data.pass(&model, &[], &noise));
             (if cost.is_finite() { cost } else { f64::INFINITY }, model)
@@ -137,21 +174,31 @@ pub fn refit<'a>(data: &Data<'_>, before: &Fit<'a>, scored: &Scored, rounds: usi
         }
     }
     let free: Vec<Free> = before.free.iter().copied().chain(own.iter().copied()).collect();
-    let mut fit = data.fit(&model, &free, &noise, rounds);
-    // When it began was on a grid so far.
-    if let Some(place) =
-        scored.candidate.kind.place_of("at_s").filter(|place| fit.model.effects[effect].numbers[*place] > 0.0)
-    {
-        let before = fit.model.effects[effect].numbers[place];
-        let refined = onset(data, &fit, effect, place);
-        if refined.effects[effect].numbers[place] != before {
-            fit = data.fit(&refined, &free, &fit.noise, rounds);
-            let again = onset(data, &fit, effect, place);
-            fit = data.fit(&again, &free, &fit.noise, 2);
-        }
+    if learn == Learn::Nothing {
+        model = data.search(&model, &free, &noise, STRICT_ROUNDS, learn).model;
     }
-    let evidence = evidence(before, &fit, own.len(), scored.candidate.live.is_some());
-    Refitted { candidate: scored.candidate.clone(), fit, evidence }
+    let fit = data.fit(&model, &free, &noise, rounds);
+    Refitted::new(before, scored.candidate.clone(), fit)
+}
+
+/// Goes on with a fit, the moment at which the effect began free as well.
+pub fn refine<'a>(data: &Data<'_>, before: &Fit<'a>, refitted: &Refitted<'a>, rounds: usize) -> Refitted<'a> {
+    let Refitted { candidate, fit, .. } = refitted;
+    let effect = fit.model.effects.len() - 1;
+    let again = |model: &Model<'a>, rounds| data.fit(model, &fit.free, &fit.noise, rounds);
+    // It was on a grid so far.
+    let at = |model: &Model<'_>, place: usize| model.effects[effect].numbers[place];
+    let place = candidate.kind.place_of("at_s").filter(|place| at(&fit.model, *place) > 0.0);
+    let refined = match place {
+        None => again(&fit.model, rounds),
+        Some(place) => {
+            let nearby = again(&onset(data, fit, effect, place), rounds);
+            let closer = onset(data, &nearby, effect, place);
+            if at(&closer, place) == at(&nearby.model, place) { nearby } else { again(&closer, 2) }
+        }
+    };
+    let best = if refined.cost() < fit.cost() { refined } else { fit.clone() };
+    Refitted::new(before, candidate.clone(), best)
 }
 
 /// The model with the moment at which an effect begins where it fits best, nearby.
@@ -179,7 +226,7 @@ fn onset<'a>(data: &Data<'_>, fit: &Fit<'a>, effect: usize, place: usize) -> Mod
 
 /// Laplace's approximation: the gain less what the new numbers' freedom is worth.
 fn evidence(before: &Fit<'_>, after: &Fit<'_>, new: usize, is_live: bool) -> f64 {
-    let gain = before.minus_two_ln + before.prior - after.minus_two_ln - after.prior;
+    let gain = before.cost() - after.cost();
     let count = after.free.len();
     let freedom: f64 = (count - new..count)
         .map(|place| {

@@ -1,21 +1,21 @@
 //! Choosing forward: the best effect, then what is best beside it, until nothing is left that the data
 //! ask for and held-out data confirm.
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 
 use super::candidates::{Candidate, library};
 use super::exogenous::follows_motion;
-use super::fit::{Data, Fit};
-use super::naming::{Refitted, Scored, refit, scan};
+use super::fit::{Data, Fit, Learn};
+use super::naming::{Refitted, Scored, refine, refit, scan};
 use super::smooth::courses;
-use super::split::Part;
+use super::split::{Part, Split};
 use crate::Quantity;
-use crate::model::effect::Channel;
 
 /// Evidence (twice the logarithm of the odds) that the first finding needs. The odds must beat those of
-/// some fifty candidates, each with a small chance of its own; measured on recordings with nothing
-/// missing (README).
-pub const LEAST_EVIDENCE: f64 = 22.0;
+/// some fifty candidates, each with a small chance of its own.
+pub const LEAST_EVIDENCE: f64 = 24.0;
 
 /// Further findings need this, and this share of all that has been found.
 const FURTHER_EVIDENCE: f64 = 30.0;
@@ -26,15 +26,28 @@ const MOST_FINDINGS: usize = 5;
 
 /// Candidates that are fitted together with everything else: so many at most, down to this share of the
 /// best one's first-order gain.
-const MOST_REFITTED: usize = 7;
+const MOST_REFITTED: usize = 5;
 const LEAST_SHARE: f64 = 0.08;
+/// …and of the evidence that is needed.
+const LEAST_OF_FIRST_ORDER: f64 = 0.3;
+
+/// A held-out block within so many seconds of where something began is needed to learn when it did.
+const ONSET_S: f64 = 3.0;
 
 /// A course of which more than this follows from the driver's own inputs is none of wind and road.
 const MOST_FOLLOWING: f64 = 0.4;
 
-/// Rounds of a first fit, and of the one that is kept.
-const FIRST_ROUNDS: usize = 4;
+/// Rounds of fitting without learning any noise.
+const STRICT_ROUNDS: usize = 4;
+
+/// Rounds of a first fit, of one that may win, and of the one that is kept.
+const FIRST_ROUNDS: usize = 2;
+const NEXT_ROUNDS: usize = 3;
 const LAST_ROUNDS: usize = 8;
+
+/// So many after their first fit, and all with this share of the best one's evidence, may win.
+const MOST_RIVALS: usize = 3;
+const RIVAL_SHARE: f64 = 0.5;
 
 /// One round of choosing.
 #[derive(Clone, Debug)]
@@ -54,77 +67,76 @@ pub struct Selection<'a> {
     pub baseline: Fit<'a>,
     /// With all that was chosen.
     pub extended: Fit<'a>,
-    /// What was chosen, in this order, each with the gain of held-out −2 ln likelihood.
-    pub chosen: Vec<(Refitted<'a>, f64)>,
+    /// What was chosen, in this order.
+    pub chosen: Vec<Refitted<'a>>,
     /// All rounds.
     pub rounds: Vec<Round<'a>>,
+    /// What was fitted to and what was not, at last.
+    pub split: Split,
 }
 
 /// Chooses, beginning with what was taken before. `progress` is told the stage and how far it is.
 pub fn select<'a>(
     data: &Data<'_>,
-    (baseline, before): (Fit<'a>, Vec<Refitted<'a>>),
+    (mut baseline, before): (Fit<'a>, Vec<Refitted<'a>>),
     has: &(impl Fn(Quantity) -> bool + Sync),
     seconds: f64,
     progress: &(dyn Fn(&str, f64) + Sync),
 ) -> Selection<'a> {
+    let mut data = data.clone();
     let mut extended = baseline.clone();
-    let mut chosen: Vec<(Refitted<'a>, f64)> = Vec::new();
+    let mut chosen: Vec<Refitted<'a>> = Vec::new();
     let mut rounds = Vec::new();
     for taken in before {
-        let held = data.of(Part::Holdout);
-        let gain = held.minus_two_ln(&extended.sums) - held.minus_two_ln(&taken.fit.sums);
         extended = taken.fit.clone();
         let refitted = vec![taken.clone()];
         rounds.push(Round { scanned: Vec::new(), refitted, following: Vec::new() });
-        chosen.push((taken, gain));
+        chosen.push(taken);
     }
     while chosen.len() < MOST_FINDINGS {
         progress(if chosen.is_empty() { "naming" } else { "looking for more" }, chosen.len() as f64 / 5.0);
         let library = library(&extended.model, has, seconds);
         let is_new = |candidate: &Candidate| {
-            let same = |other: &(Refitted<'_>, f64)| {
-                other.0.candidate.name() == candidate.name() && other.0.candidate.free == candidate.free
+            let same = |other: &Refitted<'_>| {
+                other.candidate.name() == candidate.name() && other.candidate.free == candidate.free
             };
             !chosen.iter().any(same)
         };
         let library: Vec<Candidate> = library.into_iter().filter(is_new).collect();
-        let scanned = scan(data, &extended, &library);
-        let best = scanned.first().map_or(0.0, |scored| scored.gain);
-        let is_worth = |(rank, scored): &(usize, &Scored)| {
-            // What grows with the square shows little to first order.
-            let hides = scored.candidate.kind.name == "load_transfer";
-            let is_large = scored.gain > (LEAST_SHARE * best).max(0.3 * LEAST_EVIDENCE);
-            hides || *rank < MOST_REFITTED && is_large
-        };
-        let worth: Vec<&Scored> =
-            scanned.iter().enumerate().filter(is_worth).map(|(_, scored)| scored).collect();
-        let mut refitted: Vec<Refitted<'a>> =
-            worth.par_iter().map(|scored| refit(data, &extended, scored, FIRST_ROUNDS)).collect();
-        refitted.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        let strict = data.fit_strictly(&extended, STRICT_ROUNDS);
+        let grounds = [(&extended, Learn::Noise), (&strict, Learn::Nothing)];
+        let scans = grounds.map(|(at, _)| scan(&data, at, &library));
+        let found: f64 = chosen.iter().map(|refitted| refitted.evidence).sum();
+        let least =
+            if chosen.is_empty() { LEAST_EVIDENCE } else { FURTHER_EVIDENCE.max(FURTHER_SHARE * found) };
+        let mut refitted = fitted(&data, &extended, grounds.iter().zip(&scans), least);
+        let [scanned, _] = scans;
         let mut following = Vec::new();
         refitted.retain(|refitted| {
-            let share = following_share(data, refitted);
+            let share = following_share(&data, refitted);
             if share > MOST_FOLLOWING {
                 following.push((refitted.candidate.clone(), refitted.evidence));
             }
             share <= MOST_FOLLOWING
         });
         prefer_the_simpler(&mut refitted);
-        let found: f64 = chosen.iter().map(|(refitted, _)| refitted.evidence).sum();
-        let least =
-            if chosen.is_empty() { LEAST_EVIDENCE } else { FURTHER_EVIDENCE.max(FURTHER_SHARE * found) };
-        let Some(first) = refitted.first().filter(|first| first.evidence > least) else {
+        for refitted in &refitted {
+            tracing::debug!(name = refitted.candidate.name(), evidence = refitted.evidence, "fitted");
+        }
+        let Some(mut first) = refitted.first().filter(|first| first.evidence > least).cloned() else {
             rounds.push(Round { scanned, refitted, following });
             break;
         };
+        if let Some(split) = first.onset().and_then(|at| data.split.released(at, ONSET_S)) {
+            data.split = split;
+            let again = |fit: &Fit<'a>| data.fit(&fit.model, &fit.free, &fit.noise, NEXT_ROUNDS);
+            baseline = again(&baseline);
+            extended = if chosen.is_empty() { baseline.clone() } else { again(&extended) };
+            first = refine(&data, &extended, &first, NEXT_ROUNDS);
+        }
         let (after, noise) = (&first.fit, &first.fit.noise);
         let polished = data.fit(&after.model, &after.free, noise, LAST_ROUNDS);
-        let fit = if polished.minus_two_ln + polished.prior < after.minus_two_ln + after.prior {
-            polished
-        } else {
-            after.clone()
-        };
+        let fit = if polished.cost() < after.cost() { polished } else { after.clone() };
         let held = data.of(Part::Holdout);
         let gain = held.minus_two_ln(&extended.sums) - held.minus_two_ln(&fit.sums);
         // It must not make the prediction of what it has not seen worse.
@@ -134,12 +146,59 @@ pub fn select<'a>(
             rounds.push(Round { scanned, refitted, following });
             break;
         }
-        let taken = Refitted { fit: fit.clone(), ..first.clone() };
+        let taken = Refitted { fit: fit.clone(), ..first };
         rounds.push(Round { scanned, refitted, following });
-        chosen.push((taken, gain));
+        chosen.push(taken);
         extended = fit;
     }
-    Selection { baseline, extended, chosen, rounds }
+    Selection { baseline, extended, chosen, rounds, split: data.split }
+}
+
+/// The candidates that are worth it by any of the scans, fitted with everything else, best first.
+fn fitted<'f, 'a: 'f>(
+    data: &Data<'_>,
+    before: &Fit<'a>,
+    scans: impl Iterator<Item = (&'f (&'f Fit<'a>, Learn), &'f Vec<Scored>)>,
+    least: f64,
+) -> Vec<Refitted<'a>> {
+    let worth: Vec<(&(&Fit<'a>, Learn), &Scored)> = scans
+        .flat_map(|(ground, scanned)| worth(scanned, least).map(move |scored| (ground, scored)))
+        .collect();
+    let first: Vec<Refitted<'a>> = worth
+        .par_iter()
+        .map(|(ground, scored)| refit(data, before, **ground, scored, FIRST_ROUNDS))
+        .collect();
+    let mut all = best_of_each(first);
+    let enough = RIVAL_SHARE * all.first().map_or(0.0, |first| first.evidence);
+    all.par_iter_mut().enumerate().for_each(|(rank, refitted)| {
+        if rank < MOST_RIVALS || refitted.evidence > enough {
+            *refitted = refine(data, before, refitted, NEXT_ROUNDS);
+        }
+    });
+    best_of_each(all)
+}
+
+/// The candidates of a scan that are worth a fit.
+fn worth(scanned: &[Scored], least: f64) -> impl Iterator<Item = &Scored> {
+    let best = scanned.first().map_or(0.0, |scored| scored.gain);
+    let enough = (LEAST_SHARE * best).max(LEAST_OF_FIRST_ORDER * least);
+    scanned
+        .iter()
+        .enumerate()
+        .filter(move |(rank, scored)| {
+            // What grows with the square shows little to first order.
+            let hides = scored.candidate.kind.name == "load_transfer";
+            hides || *rank < MOST_REFITTED && scored.gain > enough
+        })
+        .map(|(_, scored)| scored)
+}
+
+/// Of each candidate the fit with most evidence, best first.
+fn best_of_each(mut refitted: Vec<Refitted<'_>>) -> Vec<Refitted<'_>> {
+    refitted.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    let mut seen = BTreeSet::new();
+    refitted.retain(|refitted| seen.insert(refitted.candidate.name()));
+    refitted
 }
 
 /// How much of a candidate's course follows from the driver's inputs.
@@ -160,7 +219,7 @@ fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> f64 {
     }
     let shares = data.drives.iter().map(|drive| {
         let courses = courses(drive, model, &refitted.fit.noise, Default::default());
-        courses.last().map_or(0.0, |course| (follows_motion(drive, course, length), drive.seconds()).0)
+        courses.last().map_or(0.0, |course| follows_motion(drive, course, length))
     });
     let shares: Vec<f64> = shares.collect();
     shares.iter().sum::<f64>() / shares.len().max(1) as f64
@@ -175,13 +234,9 @@ fn prefer_the_simpler(refitted: &mut [Refitted<'_>]) {
     }
     let enough = 0.9 * best.evidence;
     let simpler = refitted.iter().position(|other| {
-        other.candidate.live.is_none() && other.evidence > enough && !is_of_a_sensor(other.candidate.channel)
+        other.candidate.live.is_none() && other.evidence > enough && other.candidate.channel.is_none()
     });
     if let Some(place) = simpler {
         refitted[..=place].rotate_right(1);
     }
-}
-
-fn is_of_a_sensor(channel: Option<Channel>) -> bool {
-    channel.is_some()
 }

@@ -16,6 +16,8 @@ pub enum Part {
 pub struct Split {
     /// Of each drive: its blocks' length, s, and which blocks are held out.
     drives: Vec<(f64, Held)>,
+    /// Blocks that were given to the training part all the same: drive and number.
+    released: Vec<(usize, usize)>,
 }
 
 /// What is held out of a drive.
@@ -48,16 +50,35 @@ impl Split {
             };
             (length, held)
         };
-        Self { drives: drives.iter().enumerate().map(of).collect() }
+        Self { drives: drives.iter().enumerate().map(of).collect(), released: Vec::new() }
     }
 
     /// Is this instant of a drive held out?
     pub fn is_held_out(&self, drive: usize, t: f64) -> bool {
         match self.drives.get(drive) {
-            Some((length, Held::EveryThird)) => (t / length) as usize % 3 == 2,
+            Some((length, Held::EveryThird)) => {
+                let block = (t / length) as usize;
+                block % 3 == 2 && !self.released.contains(&(drive, block))
+            }
             Some((_, held)) => *held == Held::Everything,
             None => false,
         }
+    }
+
+    /// The split with every held-out block within some seconds of an instant given to the training part:
+    /// when something began can only be learnt where it began. None, if there is no such block.
+    pub fn released(&self, t: f64, within_s: f64) -> Option<Self> {
+        let mut split = self.clone();
+        for (drive, (length, held)) in self.drives.iter().enumerate() {
+            let blocks = [t - within_s, t, t + within_s].map(|t| (t.max(0.0) / length) as usize);
+            for block in blocks {
+                let is_held = *held == Held::EveryThird && block % 3 == 2;
+                if is_held && !split.released.contains(&(drive, block)) {
+                    split.released.push((drive, block));
+                }
+            }
+        }
+        (split != *self).then_some(split)
     }
 
     /// Does it belong to this part?

@@ -83,8 +83,7 @@ pub struct Conditions {
     pub contact: [Contact; 4],
     /// Normal load of each wheel, N.
     pub load: [f64; 4],
-    /// Further steering angle of each wheel, rad (toe, roll steer, rear steering): it adds to the
-    /// slip angle; turning the force by it is left out as small.
+    /// Further steering angle of each wheel, rad, to the left (toe, roll steer, rear steering).
     pub toe: [f64; 4],
     /// Forces on the body.
     pub external: External,
@@ -276,16 +275,20 @@ impl Plant {
         let toe = &conditions.toe;
         let slip_angle = [front + toe[0], front + toe[1], rear + toe[2], rear + toe[3]];
         let answered = between.answered(slip_angle);
+        let across = [front_across, front_across, rear_across, rear_across];
         let mut response = Response { slip_angle, ..Response::default() };
-        for (i, along) in along.into_iter().enumerate() {
+        let (mut on_body_x, mut on_body_y) = ([0.0; 4], [0.0; 4]);
+        for i in 0..4 {
+            let [along, _] = wheel::turned([along[i], across[i]], toe[i]);
             response.slip[i] = wheel::slip(self.radius[i] * state.wheel_speed[i], along);
             let contact = &conditions.contact[i];
             let [x, y] = between.force(&self.tire, contact, response.slip[i], answered[i]);
             response.fx[i] = x * conditions.load[i];
             response.fy[i] = y * conditions.load[i];
+            [on_body_x[i], on_body_y[i]] = wheel::turned([response.fx[i], response.fy[i]], -toe[i]);
         }
         response.acceleration =
-            self.body.accelerate(velocity, steer, &response.fx, &response.fy, &conditions.external);
+            self.body.accelerate(velocity, steer, &on_body_x, &on_body_y, &conditions.external);
         response.rate.velocity = Velocity {
             vx: response.acceleration.vx_rate,
             vy: response.acceleration.vy_rate,

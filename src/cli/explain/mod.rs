@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::Failure;
-use super::output::{Output, same_file, write_json};
+use super::output::{outputs_are_no_inputs, write_json, write_text};
 use super::progress::Progress;
 use crate::Config;
 use crate::explain::Case;
@@ -52,7 +52,10 @@ pub struct Explain {
 impl Explain {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        self.outputs_are_no_inputs()?;
+        outputs_are_no_inputs(
+            self.logs.iter().chain(&self.holdout).chain([&self.config]),
+            self.json.iter().chain(&self.html).chain(&self.apply),
+        )?;
         let config = Config::load(&self.config)?;
         let logs: Vec<PathBuf> = self.logs.iter().chain(&self.holdout).cloned().collect();
         let read = recordings::read(&logs, &config)?;
@@ -79,39 +82,11 @@ impl Explain {
             write_json(path, explanation)?;
         }
         if let Some(path) = &self.html {
-            write(path, &page::page(explanation))?;
+            write_text(path, &page::page(explanation))?;
         }
         if let Some(path) = &self.apply {
-            write(path, &apply::toml(&self.config, path, &answer)?)?;
+            write_text(path, &apply::toml(&self.config, path, &answer)?)?;
         }
         if read.broken.is_empty() { Ok(()) } else { Err(Failure::Work(read.broken.join("; "))) }
     }
-
-    /// A recording or a configuration is never overwritten by what is made of it, nor one result by another.
-    fn outputs_are_no_inputs(&self) -> Result<(), Failure> {
-        let inputs = self.logs.iter().chain(&self.holdout).chain([&self.config]);
-        let inputs: Vec<&PathBuf> = inputs.filter(|path| path.as_os_str() != "-").collect();
-        let outputs: Vec<&PathBuf> = self.json.iter().chain(&self.html).chain(&self.apply).collect();
-        for (place, output) in outputs.iter().enumerate() {
-            if inputs.iter().any(|input| same_file(input, output)) {
-                return Err(Failure::usage(format_args!(
-                    "{} is read from and would be written to; give the result another name",
-                    output.display()
-                )));
-            }
-            if outputs[..place].iter().any(|other| same_file(other, output)) {
-                return Err(Failure::usage(format_args!(
-                    "two results cannot both go to {}",
-                    output.display()
-                )));
-            }
-        }
-        Ok(())
-    }
-}
-
-fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    let mut output = Output::create(path)?;
-    output.write_all(text.as_bytes())?;
-    output.finish()
 }

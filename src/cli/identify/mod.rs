@@ -14,7 +14,7 @@ use serde::de::value::{Error as ValueError, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
 use super::Failure;
-use super::output::{Output, same_file, write_json};
+use super::output::{outputs_are_no_inputs, write_json, write_text};
 use super::progress::Progress;
 use crate::Config;
 use crate::identify::{Drive, Identification, Identifier, IdentifyConfig, IdentifyError, Method, Record};
@@ -59,7 +59,7 @@ pub(super) struct Story<'a> {
 impl Identify {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        self.outputs_are_no_inputs()?;
+        outputs_are_no_inputs(self.logs.iter().chain([&self.config]), self.json.iter().chain(&self.html))?;
         let config = Config::load(&self.config)?;
         let used = self.settings(&config.identify)?;
         let (records, broken) = recordings::read(&self.logs, &config)?;
@@ -80,9 +80,7 @@ impl Identify {
         }
         if let Some(path) = &self.html {
             let html = page::html(&story).map_err(Failure::work)?;
-            let mut output = Output::create(path)?;
-            output.write_all(html.as_bytes())?;
-            output.finish()?;
+            write_text(path, &html)?;
         }
         // What could be read was worth its results; that something was lost is said all the same.
         if broken.is_empty() { Ok(()) } else { Err(Failure::Work(broken.join("; "))) }
@@ -99,26 +97,6 @@ impl Identify {
         used.starts = self.starts.unwrap_or(used.starts);
         used.validate().map_err(Failure::usage)?;
         Ok(used)
-    }
-
-    /// A recording is never overwritten by what is made of it, nor one result by another.
-    fn outputs_are_no_inputs(&self) -> Result<(), Failure> {
-        let inputs = self.logs.iter().chain([&self.config]).filter(|path| path.as_os_str() != "-");
-        let outputs: Vec<&PathBuf> = self.json.iter().chain(&self.html).collect();
-        for input in inputs {
-            if let Some(output) = outputs.iter().find(|output| same_file(input, output)) {
-                return Err(Failure::usage(format_args!(
-                    "{} is read from and would be written to; give the result another name",
-                    output.display()
-                )));
-            }
-        }
-        match outputs.as_slice() {
-            [one, other] if same_file(one, other) => {
-                Err(Failure::usage(format_args!("two results cannot both go to {}", one.display())))
-            }
-            _ => Ok(()),
-        }
     }
 }
 

@@ -38,14 +38,14 @@ pub(super) struct Filter {
     pub(super) lane: Lane,
     p: Square,
     n: usize,
-    /// Derivatives of the rates by the state, where the last step ended.
-    by_state: Option<Square>,
+    /// Derivatives of rates and readings by the state, where they were taken last, and how many steps ago.
+    derivatives: Option<(Derivatives, usize)>,
 }
 
 impl Filter {
     /// Where a run begins.
     pub(super) fn new(lane: Lane, noise: &Noise) -> Self {
-        Self { lane, p: start_covariance(noise), n: BODY_STATES + noise.live.len(), by_state: None }
+        Self { lane, p: start_covariance(noise), n: BODY_STATES + noise.live.len(), derivatives: None }
     }
 
     /// One step: predicts, compares, corrects.
@@ -62,16 +62,15 @@ impl Filter {
         let before = self.lane.before;
         let predicted = self.lane.predict(car, drive, k, &noise.live);
         let t = k as f64 * STEP_S;
-        let j = self.by_state.unwrap_or_else(|| {
-            let input = &predicted.ends.input[0];
-            let rates = &predicted.ends.rates;
+        let (derivatives, age) = self.derivatives.take().unwrap_or_else(|| {
+            let (input, rates) = (&predicted.ends.input[0], &predicted.ends.rates);
             let at = |state: &State| {
                 let state = car.settled(t, state, input, &before);
-                car.instant(t, &state, input, rates, &before, car::Ask::Rates)
+                car.instant(t, &state, input, rates, &before, car::Ask::Readings)
             };
-            derivatives(&from, &noise.live, at).0
+            (Derivatives::of(&from, &noise.live, at), 0)
         });
-        let a = transition(&j, n, noise);
+        let a = transition(&derivatives.rates, n, noise);
         let mut p = sandwich(&a, &self.p, n);
         for (i, diffusion) in noise.diffusion.iter().enumerate() {
             p[i][i] += diffusion * diffusion * STEP_S;
@@ -81,15 +80,19 @@ impl Filter {
             p[BODY_STATES + i][BODY_STATES + i] += live.size * live.size * (1.0 - keeps * keeps);
         }
         let (p_before, x_before) = (p, column_of(&predicted.next));
-        // Derivatives at the step's end serve its readings and the next step's transition.
-        let (input, rates) = (&predicted.ends.input[1], &predicted.ends.rates);
-        let first = predicted.first.before();
-        let at = |state: &State| {
-            let state = car.settled(t + STEP_S, state, input, &first);
-            car.instant(t + STEP_S, &state, input, rates, &first, car::Ask::Readings)
+        // They change slowly, and serve this step's readings and the next ones' transitions.
+        let derivatives = if age + 1 < SERVES {
+            self.derivatives.insert((derivatives, age + 1))
+        } else {
+            let (input, rates) = (&predicted.ends.input[1], &predicted.ends.rates);
+            let first = predicted.first.before();
+            let at = |state: &State| {
+                let state = car.settled(t + STEP_S, state, input, &first);
+                car.instant(t + STEP_S, &state, input, rates, &first, car::Ask::Readings)
+            };
+            self.derivatives.insert((Derivatives::of(&predicted.next, &noise.live, at), 0))
         };
-        let (by_state, by) = derivatives(&predicted.next, &noise.live, at);
-        self.by_state = Some(by_state);
+        let by = &derivatives.0.readings;
         let mut correction = [0.0; FILTERED];
         let (_, measured) = drive.of_step(k);
         for reading in measured {
@@ -117,7 +120,6 @@ impl Filter {
             gains.push(Gain { k: k_, c, s });
             errors.push(error);
             sums.log_s += s.ln();
-            sums.count += 1;
             sums.square[channel] += error * error / s;
             sums.excess[channel] += error * error - own;
             sums.of[channel] += 1;
@@ -152,37 +154,43 @@ fn start_covariance(noise: &Noise) -> Square {
     p
 }
 
-/// Derivatives of rates and readings by the filtered states.
-fn derivatives(
-    state: &State,
-    live: &[Live],
-    at: impl Fn(&State) -> Instant,
-) -> (Square, [Readings; FILTERED]) {
-    let here = at(state);
-    let mut rates = [[0.0; FILTERED]; FILTERED];
-    let mut readings = [[0.0; Quantity::COUNT]; FILTERED];
-    for column in 0..BODY_STATES + live.len() {
-        let mut moved = *state;
-        let difference = match column.checked_sub(BODY_STATES) {
-            None => {
-                moved.body[column] += DIFFERENCE[column];
-                DIFFERENCE[column]
+/// Steps that derivatives serve.
+const SERVES: usize = 3;
+
+/// Derivatives by the filtered states.
+struct Derivatives {
+    rates: Square,
+    readings: [Readings; FILTERED],
+}
+
+impl Derivatives {
+    fn of(state: &State, live: &[Live], at: impl Fn(&State) -> Instant) -> Self {
+        let here = at(state);
+        let mut rates = [[0.0; FILTERED]; FILTERED];
+        let mut readings = [[0.0; Quantity::COUNT]; FILTERED];
+        for column in 0..BODY_STATES + live.len() {
+            let mut moved = *state;
+            let difference = match column.checked_sub(BODY_STATES) {
+                None => {
+                    moved.body[column] += DIFFERENCE[column];
+                    DIFFERENCE[column]
+                }
+                Some(place) => {
+                    moved.live[place] += live[place].difference;
+                    live[place].difference
+                }
+            };
+            let there = at(&moved);
+            let by = 1.0 / difference;
+            for (row, rates) in rates.iter_mut().enumerate().take(BODY_STATES) {
+                rates[column] = (there.rate.body[row] - here.rate.body[row]) * by;
             }
-            Some(place) => {
-                moved.live[place] += live[place].difference;
-                live[place].difference
+            for (channel, reading) in readings[column].iter_mut().enumerate() {
+                *reading = (there.readings[channel] - here.readings[channel]) * by;
             }
-        };
-        let there = at(&moved);
-        let by = 1.0 / difference;
-        for (row, rates) in rates.iter_mut().enumerate().take(BODY_STATES) {
-            rates[column] = (there.rate.body[row] - here.rate.body[row]) * by;
         }
-        for (channel, reading) in readings[column].iter_mut().enumerate() {
-            *reading = (there.readings[channel] - here.readings[channel]) * by;
-        }
+        Self { rates, readings }
     }
-    (rates, readings)
 }
 
 /// Rounding must not grow into a covariance that is none.

@@ -10,6 +10,7 @@ pub(super) mod drive;
 mod filter;
 pub(super) mod free;
 mod lane;
+pub(super) mod late;
 pub(super) mod noise;
 pub(super) mod pass;
 

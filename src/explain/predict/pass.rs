@@ -62,8 +62,6 @@ pub struct Sums {
     pub gram: DMatrix<f64>,
     /// Σ ln s.
     pub log_s: f64,
-    /// Readings.
-    pub count: usize,
     /// Σ e²/s by quantity.
     pub square: Readings,
     /// Σ e² − (s − r²): estimates r² with `of`.
@@ -160,7 +158,7 @@ pub fn pass(
                     z[(row, column + 1)] = (error - lane[row]) * weight / by;
                 }
             }
-            sums.gram = z.tr_mul(&z);
+            sums.gram = z.transpose() * &z;
             all.push(sums);
             k = end;
         }
@@ -204,7 +202,6 @@ impl Sums {
             t: (from as f64 * STEP_S, to as f64 * STEP_S),
             gram: DMatrix::zeros(0, 0),
             log_s: 0.0,
-            count: 0,
             square: [0.0; Quantity::COUNT],
             excess: [0.0; Quantity::COUNT],
             of: [0; Quantity::COUNT],

@@ -1,6 +1,6 @@
 //! Patches of another friction.
 
-use super::{Acting, Course, Effect, Kind, Now, Scale, Setting, Spec, Surroundings, grip};
+use super::{Acting, Course, Effect, Kind, Now, Setting, grip};
 
 /// The share of the contact that lies on the other surface varies, the same at all wheels.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,17 +20,8 @@ pub static KIND: Kind = Kind {
     to_tell_apart: "braking and turning on the patch with at least half of its friction, both ways round: \
                     below that the two surfaces feel alike",
     channels: &[],
-    parameters: &[Spec {
-        name: "friction",
-        unit: "1",
-        scale: Scale::Inverse,
-        mean: 0.0,
-        std: 1.5,
-        bounds: (0.0, 33.0),
-        step: 0.5,
-        is_main: true,
-    }],
-    course: Some(Surroundings { unit: "1", rms_name: "share_rms", size: 1.0, length_s: 3.0, sign: 1.0 }),
+    parameters: &[grip::friction("friction")],
+    course: Some(grip::PATCH),
     make: |setting: &Setting<'_>| {
         Box::new(FrictionChange { inverse: setting.values[0].recip(), share: setting.course.clone() })
     },

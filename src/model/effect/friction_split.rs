@@ -1,6 +1,6 @@
 //! Patches of another friction, not the same left and right.
 
-use super::{Acting, Course, Effect, Kind, Now, Scale, Setting, Spec, Surroundings, grip};
+use super::{Acting, Course, Effect, Kind, Now, Setting, grip};
 
 /// The same share of all contacts lies on another surface, which differs from side to side.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,29 +21,8 @@ pub static KIND: Kind = Kind {
     to_tell_apart: "braking straight ahead on the patch: unequal friction turns the car, equal friction \
                     does not",
     channels: &[],
-    parameters: &[
-        Spec {
-            name: "friction_left",
-            unit: "1",
-            scale: Scale::Inverse,
-            mean: 0.0,
-            std: 1.5,
-            bounds: (0.0, 33.0),
-            step: 0.5,
-            is_main: true,
-        },
-        Spec {
-            name: "friction_right",
-            unit: "1",
-            scale: Scale::Inverse,
-            mean: 0.0,
-            std: 1.5,
-            bounds: (0.0, 33.0),
-            step: 0.5,
-            is_main: true,
-        },
-    ],
-    course: Some(Surroundings { unit: "1", rms_name: "share_rms", size: 1.0, length_s: 3.0, sign: 1.0 }),
+    parameters: &[grip::friction("friction_left"), grip::friction("friction_right")],
+    course: Some(grip::PATCH),
     make: |setting: &Setting<'_>| {
         let inverse = std::array::from_fn(|side| setting.values[side].recip());
         Box::new(FrictionSplit { inverse, share: setting.course.clone() })

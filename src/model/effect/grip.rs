@@ -1,10 +1,28 @@
 //! A limit of the tires' force, as one over the friction: zero is no limit.
 
-use super::Acting;
+use super::{Acting, Scale, Spec, Surroundings};
 use crate::model::tire::{MagicFormula, Tire};
 
 /// The curve of a linear tire once it has a limit: shape and curvature of a usual passenger car tire.
 const USUAL: MagicFormula = MagicFormula { shape: 1.35, curvature: -0.3 };
+
+/// A friction of the road under this name: searched by one over it, without limit at 0.
+pub(super) const fn friction(name: &'static str) -> Spec {
+    Spec {
+        name,
+        unit: "1",
+        scale: Scale::Inverse,
+        mean: 0.0,
+        std: 1.5,
+        bounds: (0.0, 33.0),
+        step: 0.5,
+        is_main: true,
+    }
+}
+
+/// How much of the road is another one, as a share.
+pub(super) const PATCH: Surroundings =
+    Surroundings { unit: "1", rms_name: "share_rms", size: 1.0, length_s: 3.0, sign: 1.0 };
 
 /// Below this a tire counts as unlimited.
 const UNLIMITED: f64 = 1e-6;

@@ -71,6 +71,18 @@ pub struct Spec {
 pub const OF_CHANNEL: &str = "the channel's";
 
 impl Spec {
+    /// When an effect begins, s; at −1 it is there from the start.
+    pub const AT_S: Self = Self {
+        name: "at_s",
+        unit: "s",
+        scale: Scale::Linear,
+        mean: -1.0,
+        std: 60.0,
+        bounds: (-1.0, 1e6),
+        step: 1.0,
+        is_main: false,
+    };
+
     /// The coordinate of a value.
     pub fn coordinate(&self, value: f64) -> f64 {
         self.scale.coordinate(value)

@@ -14,7 +14,12 @@ pub(super) fn output(input: f64, state: f64, time_constant: f64) -> f64 {
 
 /// How the state changes, per second.
 pub(super) fn rate(input: f64, state: f64, time_constant: f64) -> f64 {
-    (input - state) / time_constant.max(SHORTEST_S)
+    (input - state) * fastest_rate(time_constant)
+}
+
+/// The rate itself, 1/s.
+pub(super) fn fastest_rate(time_constant: f64) -> f64 {
+    1.0 / time_constant.max(SHORTEST_S)
 }
 
 #[cfg(test)]

@@ -1,12 +1,24 @@
 //! Wheel loads and how the tires' stiffness goes with them.
 
-use super::Acting;
+use super::{Acting, Scale, Spec};
 
 /// Smallest share of its load that a wheel keeps: the model ends where wheels lift.
 const SMALLEST_SHARE: f64 = 0.05;
 
 /// Smallest distance of the centre of gravity to an axle, m.
 const SMALLEST_LEVER_M: f64 = 0.05;
+
+/// Of the tires' stiffness to what the wheels carry, where load is moved or added.
+pub(super) const SENSITIVITY: Spec = Spec {
+    name: "load_sensitivity",
+    unit: "1",
+    scale: Scale::Linear,
+    mean: 0.6,
+    std: 0.25,
+    bounds: (0.0, 1.0),
+    step: 0.1,
+    is_main: false,
+};
 
 /// Multiplies a wheel's load. Its stiffness in N grows less than in proportion, with the load to the
 /// power 1 − `sensitivity` (along, across); the normalized stiffness falls accordingly.

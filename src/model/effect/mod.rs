@@ -85,6 +85,11 @@ pub trait Effect: Send + Sync + std::fmt::Debug {
     /// How its states change, per second.
     fn rates(&self, _now: &Now<'_>, _felt: &Felt, _states: &[f64], _rates: &mut [f64]) {}
 
+    /// The fastest rate of its states at a speed, 1/s: who integrates them needs steps to match.
+    fn fastest_rate(&self, _vx: f64) -> f64 {
+        0.0
+    }
+
     /// What the sensors make of the truth.
     fn sense(&self, _now: &Now<'_>, _felt: &Felt, _states: &[f64], _readings: &mut Readings) {}
 

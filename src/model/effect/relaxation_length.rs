@@ -37,8 +37,8 @@ pub static KIND: Kind = Kind {
 
 impl RelaxationLength {
     /// The lag now, s.
-    fn time(&self, now: &Now<'_>) -> f64 {
-        self.length / wheel::reference_speed(now.velocity.vx)
+    fn time(&self, vx: f64) -> f64 {
+        self.length / wheel::reference_speed(vx)
     }
 }
 
@@ -66,7 +66,7 @@ impl Effect for RelaxationLength {
     }
 
     fn slip_angles(&self, now: &Now<'_>, states: &[f64], angles: &mut [f64; 4]) {
-        let time = self.time(now);
+        let time = self.time(now.velocity.vx);
         for (axle, (mean, state)) in means(angles).into_iter().zip(states).enumerate() {
             let more = lag::output(mean, *state, time) - mean;
             for angle in &mut angles[2 * axle..2 * axle + 2] {
@@ -76,10 +76,14 @@ impl Effect for RelaxationLength {
     }
 
     fn rates(&self, now: &Now<'_>, felt: &Felt, states: &[f64], rates: &mut [f64]) {
-        let time = self.time(now);
+        let time = self.time(now.velocity.vx);
         for ((rate, state), mean) in rates.iter_mut().zip(states).zip(means(&felt.slip_angle)) {
             *rate = lag::rate(mean, *state, time);
         }
+    }
+
+    fn fastest_rate(&self, vx: f64) -> f64 {
+        lag::fastest_rate(self.time(vx))
     }
 }
 

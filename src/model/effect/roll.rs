@@ -1,5 +1,31 @@
 //! The body leaning out of a turn: one mass on springs and dampers.
 
+use super::{Scale, Spec};
+
+/// Natural frequency of the roll.
+pub(super) const FREQUENCY: Spec = Spec {
+    name: "roll_frequency_rad_per_s",
+    unit: "rad/s",
+    scale: Scale::Linear,
+    mean: 9.0,
+    std: 2.5,
+    bounds: (3.0, 25.0),
+    step: 0.5,
+    is_main: false,
+};
+
+/// Damping of the roll, as a share of the critical one.
+pub(super) const DAMPING: Spec = Spec {
+    name: "roll_damping",
+    unit: "1",
+    scale: Scale::Linear,
+    mean: 0.3,
+    std: 0.1,
+    bounds: (0.05, 1.5),
+    step: 0.03,
+    is_main: false,
+};
+
 /// φ̈ = ω² (k a_y − φ) − 2 ζ ω φ̇; φ positive for leaning out of a left turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Roll {

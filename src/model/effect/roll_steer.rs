@@ -1,6 +1,6 @@
 //! Leaning, the body steers its front wheels.
 
-use super::roll::Roll;
+use super::roll::{self, Roll};
 use super::{Acting, Effect, Felt, Kind, Now, Scale, Setting, Spec};
 
 /// The suspension turns the front wheels with the roll angle.
@@ -41,26 +41,8 @@ pub static KIND: Kind = Kind {
             step: 0.0003,
             is_main: false,
         },
-        Spec {
-            name: "roll_frequency_rad_per_s",
-            unit: "rad/s",
-            scale: Scale::Linear,
-            mean: 9.0,
-            std: 2.5,
-            bounds: (3.0, 25.0),
-            step: 0.5,
-            is_main: false,
-        },
-        Spec {
-            name: "roll_damping",
-            unit: "1",
-            scale: Scale::Linear,
-            mean: 0.3,
-            std: 0.1,
-            bounds: (0.05, 1.5),
-            step: 0.03,
-            is_main: false,
-        },
+        roll::FREQUENCY,
+        roll::DAMPING,
     ],
     course: None,
     make: |setting: &Setting<'_>| {

@@ -38,16 +38,7 @@ pub static KIND: Kind = Kind {
             step: 0.1,
             is_main: true,
         },
-        Spec {
-            name: "at_s",
-            unit: "s",
-            scale: Scale::Linear,
-            mean: -1.0,
-            std: 60.0,
-            bounds: (-1.0, 1e6),
-            step: 1.0,
-            is_main: false,
-        },
+        Spec::AT_S,
     ],
     course: None,
     make: |setting: &Setting<'_>| {

@@ -56,6 +56,10 @@ impl Effect for SteeringLag {
             *rate = lag::rate(now.steering_wheel, *state, self.time_constant);
         }
     }
+
+    fn fastest_rate(&self, _vx: f64) -> f64 {
+        lag::fastest_rate(self.time_constant)
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Patches on which the tires are less stiff.
 
-use super::{Acting, Course, Effect, Kind, Now, Scale, Setting, Spec, Surroundings};
+use super::{Acting, Course, Effect, Kind, Now, Scale, Setting, Spec, grip};
 
 /// The share of the contact that lies on a softer (or harder) surface varies.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,7 +29,7 @@ pub static KIND: Kind = Kind {
         step: 0.05,
         is_main: true,
     }],
-    course: Some(Surroundings { unit: "1", rms_name: "share_rms", size: 1.0, length_s: 3.0, sign: 1.0 }),
+    course: Some(grip::PATCH),
     make: |setting: &Setting<'_>| {
         Box::new(SurfaceStiffness { factor: setting.values[0], share: setting.course.clone() })
     },

@@ -8,6 +8,20 @@ struct TireRadius {
     relative_difference: [f64; 4],
 }
 
+/// Of one wheel.
+const fn difference(name: &'static str) -> Spec {
+    Spec {
+        name,
+        unit: "1",
+        scale: Scale::Linear,
+        mean: 0.0,
+        std: 0.01,
+        bounds: (-0.2, 0.2),
+        step: 0.001,
+        is_main: true,
+    }
+}
+
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "tire_radius",
@@ -19,46 +33,10 @@ pub static KIND: Kind = Kind {
                     the same ratio at every speed and torque",
     channels: &[],
     parameters: &[
-        Spec {
-            name: "relative_difference_fl",
-            unit: "1",
-            scale: Scale::Linear,
-            mean: 0.0,
-            std: 0.01,
-            bounds: (-0.2, 0.2),
-            step: 0.001,
-            is_main: true,
-        },
-        Spec {
-            name: "relative_difference_fr",
-            unit: "1",
-            scale: Scale::Linear,
-            mean: 0.0,
-            std: 0.01,
-            bounds: (-0.2, 0.2),
-            step: 0.001,
-            is_main: true,
-        },
-        Spec {
-            name: "relative_difference_rl",
-            unit: "1",
-            scale: Scale::Linear,
-            mean: 0.0,
-            std: 0.01,
-            bounds: (-0.2, 0.2),
-            step: 0.001,
-            is_main: true,
-        },
-        Spec {
-            name: "relative_difference_rr",
-            unit: "1",
-            scale: Scale::Linear,
-            mean: 0.0,
-            std: 0.01,
-            bounds: (-0.2, 0.2),
-            step: 0.001,
-            is_main: true,
-        },
+        difference("relative_difference_fl"),
+        difference("relative_difference_fr"),
+        difference("relative_difference_rl"),
+        difference("relative_difference_rr"),
     ],
     course: None,
     make: |setting: &Setting<'_>| {

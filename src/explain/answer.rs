@@ -1,0 +1,236 @@
+//! The answer put together: before and after, part by part.
+
+use std::collections::BTreeMap;
+
+use super::chain::{self, ChainReport};
+use super::explanation::{Answer, Case};
+use super::finding::{finding, ranking};
+use super::fit::{Data, Fit};
+use super::locate::{EQUATIONS, Gains, gains, innovations, regimes};
+use super::model::Free;
+use super::predict::pass::Innovation;
+use super::predict::{Drive, drive::COMPARED, free::Said};
+use super::proof::{self, Saids};
+use super::result::{Block, Estimate, Explanation, Finding, Missing, Models, Parts, Trace, Verdict, Where};
+use super::select::Selection;
+use super::split::Part;
+
+/// Everything that an answer is made of.
+pub struct Told<'c, 'a> {
+    /// What there was to explain.
+    pub case: &'c Case<'a>,
+    /// Its recordings on the filter's grid.
+    pub drives: &'c [Drive],
+    /// The same with their split.
+    pub data: &'c Data<'c>,
+    /// The plain model with unknown forces.
+    pub corrected: &'c Fit<'a>,
+    /// What was chosen.
+    pub selection: &'c Selection<'a>,
+    /// What it came to.
+    pub verdict: Verdict,
+}
+
+/// The innovations of each drive.
+type Innovations = Vec<Vec<Innovation>>;
+
+impl<'a> Told<'_, 'a> {
+    /// The answer, of so many usable seconds.
+    pub fn answer(self, usable: f64) -> Answer<'a> {
+        let baseline = &self.selection.baseline;
+        let extended = match self.verdict {
+            Verdict::MissingPhysics => &self.selection.extended,
+            Verdict::UnknownPhysics => self.corrected,
+            Verdict::Adequate | Verdict::InsufficientExcitation => baseline,
+        };
+        let differs = matches!(self.verdict, Verdict::MissingPhysics | Verdict::UnknownPhysics);
+        let split = &self.data.split;
+        let before = proof::simulate(self.drives, baseline);
+        let after = if differs { proof::simulate(self.drives, extended) } else { before.clone() };
+        let steps = Models { baseline: self.innovations(baseline), extended: self.innovations(extended) };
+        let equations = Models { baseline: self.equations(baseline), extended: self.equations(extended) };
+
+        let mut explanation = Explanation::empty(self.verdict);
+        explanation.place = self.place(&steps.baseline, &steps.extended);
+        if let Some(most) =
+            equations.baseline.iter().max_by(|a, b| a.ratio.total_cmp(&b.ratio)).filter(|_| differs)
+        {
+            explanation.place.equation.clone_from(&most.equation);
+        }
+        explanation.findings = self.findings(extended, &steps.baseline);
+        explanation.ranking = ranking(self.selection);
+        explanation.fit =
+            Models { baseline: proof::fits(&before, split), extended: proof::fits(&after, split) };
+        explanation.prediction_fit = Models {
+            baseline: proof::fits(&said(&steps.baseline), split),
+            extended: proof::fits(&said(&steps.extended), split),
+        };
+        explanation.log_likelihood =
+            Models { baseline: self.likelihood(baseline), extended: self.likelihood(extended) };
+        if differs {
+            explanation.improvement_ci95 = proof::improvement(&before, &after, split, self.case.seed);
+        }
+        explanation.unexplained = proof::unexplained(&before, &after, split, &extended.noise.sensor);
+        explanation.parameters = Models { baseline: numbers(baseline), extended: numbers(extended) };
+        explanation.equations = equations;
+        explanation.to_drive = self.to_drive(&explanation.findings);
+        explanation.measurement_chain = self.case.chain.iter().flat_map(chain_words).collect();
+        explanation.split = self.blocks();
+        explanation.seconds = usable;
+        explanation.traces = self.traces(&before, &after);
+        let keeps = usize::from(!extended.model.knows_torque);
+        let model = self.drives.first().map_or_else(
+            || extended.model.clone(),
+            |drive| proof::told(drive, &extended.model, extended, keeps, Default::default()),
+        );
+        Answer { explanation, model }
+    }
+
+    /// What has a name; each is located by how much better it predicts than what was there before it.
+    fn findings(&self, extended: &Fit<'_>, baseline: &Innovations) -> Vec<Finding> {
+        if self.verdict != Verdict::MissingPhysics {
+            return Vec::new();
+        }
+        let mut earlier = baseline.clone();
+        let mut all = Vec::new();
+        for (number, taken) in self.selection.chosen.iter().enumerate() {
+            let now = self.innovations(&taken.fit);
+            all.push(finding(self, number, extended, self.place(&earlier, &now)));
+            earlier = now;
+        }
+        all
+    }
+
+    fn innovations(&self, fit: &Fit<'_>) -> Innovations {
+        self.drives.iter().map(|drive| innovations(drive, &fit.model, &fit.noise)).collect()
+    }
+
+    fn likelihood(&self, fit: &Fit<'_>) -> Parts<f64> {
+        let of = |part| -0.5 * self.data.of(part).minus_two_ln(&fit.sums);
+        Parts { train: of(Part::Train), holdout: of(Part::Holdout) }
+    }
+
+    /// How much each equation misses, against the least there is.
+    fn equations(&self, fit: &Fit<'_>) -> Vec<Missing> {
+        let ratios = self.data.missing(fit);
+        let of = |(place, (equation, unit)): (usize, (&str, &str))| Missing {
+            equation: equation.into(),
+            unit: unit.into(),
+            diffusion: fit.noise.diffusion[place],
+            ratio: ratios[place],
+        };
+        EQUATIONS.into_iter().enumerate().map(of).collect()
+    }
+
+    /// Where one model predicts better than another, in the recording with most of it.
+    fn place(&self, before: &Innovations, after: &Innovations) -> Where {
+        let of =
+            |(drive, (before, after)): (&Drive, (&Vec<_>, &Vec<_>))| gains(drive.seconds(), before, after);
+        let all: Vec<Gains> = self.drives.iter().zip(before.iter().zip(after)).map(of).collect();
+        let total = |gains: &Gains| gains.bins.iter().sum::<f64>();
+        let most = all.iter().zip(self.drives).max_by(|a, b| total(a.0).total_cmp(&total(b.0)));
+        let Some((gains, drive)) = most.filter(|(gains, _)| total(gains) > 1.0) else {
+            return Where::default();
+        };
+        Where {
+            equation: String::new(),
+            channels: gains.clearest(),
+            regimes: regimes(drive, gains),
+            intervals: gains.intervals(),
+            recording: drive.name.clone(),
+        }
+    }
+
+    fn to_drive(&self, findings: &[Finding]) -> Vec<String> {
+        let mut all: Vec<String> = findings
+            .iter()
+            .filter(|finding| !finding.indistinguishable_from.is_empty())
+            .map(|finding| finding.to_tell_apart.clone())
+            .collect();
+        if self.verdict == Verdict::InsufficientExcitation {
+            all.push(
+                "curves to both sides at several speeds, accelerating and braking: hardly anything turned"
+                    .into(),
+            );
+        }
+        if self.verdict == Verdict::UnknownPhysics {
+            all.push(
+                "the same manoeuvre again on another road, and once with slow and once with quick steering: what \
+                 comes again is the car, what does not is the road"
+                    .into(),
+            );
+        }
+        all
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        let of = |(number, drive): (usize, &Drive)| {
+            let blocks = self.data.split.blocks(number, drive.seconds()).into_iter();
+            let name = drive.name.clone();
+            blocks
+                .map(move |(from, to, is_holdout)| Block {
+                    recording: name.clone(),
+                    t: [from, to],
+                    is_holdout,
+                })
+                .collect::<Vec<_>>()
+        };
+        self.drives.iter().enumerate().flat_map(of).collect()
+    }
+
+    fn traces(&self, before: &Saids, after: &Saids) -> Vec<Trace> {
+        let mut all = Vec::new();
+        for ((drive, before), after) in self.drives.iter().zip(before).zip(after) {
+            for channel in COMPARED {
+                let of = |saids: &Vec<Said>| -> Vec<Said> {
+                    saids.iter().filter(|said| said.channel == channel as u8).copied().collect()
+                };
+                let (before, after) = (of(before), of(after));
+                if before.len() < 20 || before.len() != after.len() {
+                    continue;
+                }
+                // Twenty points a second are more than a page can show.
+                let every = (before.len() as f64 / (drive.seconds() * 20.0)).ceil().max(1.0) as usize;
+                let some = || before.iter().zip(&after).step_by(every);
+                all.push(Trace {
+                    recording: drive.name.clone(),
+                    channel: channel.name().into(),
+                    unit: channel.unit().into(),
+                    t: some().map(|(b, _)| b.t).collect(),
+                    measured: some().map(|(b, _)| b.measured).collect(),
+                    baseline: some().map(|(b, _)| b.simulated).collect(),
+                    extended: some().map(|(_, a)| a.simulated).collect(),
+                });
+            }
+        }
+        all
+    }
+}
+
+/// Predictions by one step as a simulation's.
+fn said(steps: &Innovations) -> Saids {
+    let of =
+        |i: &Innovation| Said { t: i.t, channel: i.channel, measured: i.value, simulated: i.value - i.error };
+    steps.iter().map(|steps| steps.iter().map(of).collect()).collect()
+}
+
+/// What an audit found, a line each.
+fn chain_words(report: &ChainReport) -> Vec<String> {
+    let line = |finding: &chain::Finding| {
+        let confidence = format!("{:?}", finding.confidence).to_lowercase();
+        let value =
+            finding.value.zip(finding.std).map_or(String::new(), |(v, s)| format!(" {v:.3} ± {s:.3}"));
+        format!("{} of {}{value}, {confidence}: {}", finding.effect, finding.channel, finding.evidence)
+    };
+    report.findings.iter().map(line).collect()
+}
+
+/// Ordinary numbers in their units, by name.
+fn numbers(fit: &Fit<'_>) -> BTreeMap<String, Estimate> {
+    let of = |(place, free): (usize, &Free)| {
+        let std = fit.covariance.get((place, place)).copied().unwrap_or(0.0).sqrt();
+        let (name, value, slope) = fit.model.ordinary_number(free.place)?;
+        Some((name, Estimate { value, std: std * slope }))
+    };
+    fit.free.iter().enumerate().filter_map(of).collect()
+}

@@ -1,0 +1,195 @@
+//! A chosen effect in the words and numbers of the answer.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::answer::Told;
+use super::candidates::Candidate;
+use super::fit::Fit;
+use super::locate::merged;
+use super::model::Place;
+use super::naming::Refitted;
+use super::predict::{Drive, drive::STEP_S};
+use super::result::{self, Estimate, Finding, Ranked, Where};
+use super::select::{Round, Selection};
+use super::smooth::{Smoothed, courses};
+use crate::model::effect::{Course, Spec};
+
+/// A rival whose evidence is less than so far behind cannot be told from what was chosen.
+const TOLD_APART: f64 = 7.0;
+
+/// What is told of the effect chosen in this round. `place` is where its fit is better than the one before.
+pub fn finding(told: &Told<'_, '_>, number: usize, extended: &Fit<'_>, mut place: Where) -> Finding {
+    let taken = &told.selection.chosen[number];
+    let candidate = &taken.candidate;
+    place.equation = match candidate.channel {
+        Some(channel) => format!("{}: {channel}", candidate.kind.place),
+        None => candidate.kind.place.into(),
+    };
+    // Those that the configuration switches on come first in the model.
+    let effect = told.case.effects.len() + number;
+    let mut parameters = own_numbers(extended, effect);
+    let mut series = None;
+    if candidate.live.is_some() {
+        if let Some((drive, course)) = course(told.drives, effect, extended, &place.recording) {
+            place.intervals = clear_stretches(&course);
+            place.recording.clone_from(&drive.name);
+            summarize(candidate, extended, effect, &course, &mut parameters);
+            series = Some(decimated(&course, candidate));
+        }
+    } else if let Some(at) = taken.onset() {
+        place.intervals = vec![[at, told.drives.first().map_or(at, Drive::seconds)]];
+    }
+    let round = &told.selection.rounds[number];
+    Finding {
+        effect: candidate.kind.name.into(),
+        channel: candidate.channel.map(|channel| channel.to_string()),
+        probability: probability(taken, round),
+        indistinguishable_from: rivals(taken, round),
+        to_tell_apart: candidate.kind.to_tell_apart.into(),
+        parameters,
+        series,
+        place,
+        about: candidate.kind.about.into(),
+        equation: candidate.kind.equation.into(),
+        evidence: taken.evidence,
+    }
+}
+
+/// Among all that was fitted in its round, and nothing at all.
+fn probability(taken: &Refitted<'_>, round: &Round<'_>) -> f64 {
+    let weight = |evidence: f64| (0.5 * (evidence - taken.evidence)).clamp(-700.0, 700.0).exp();
+    let all: f64 = round.refitted.iter().map(|other| weight(other.evidence)).sum::<f64>() + weight(0.0);
+    weight(taken.evidence) / all.max(1.0)
+}
+
+/// What this recording cannot tell it from.
+fn rivals(taken: &Refitted<'_>, round: &Round<'_>) -> Vec<String> {
+    let close = round.refitted.iter().filter(|other| other.evidence > taken.evidence - TOLD_APART);
+    let names: BTreeSet<String> = close.map(|other| other.candidate.name()).collect();
+    names.into_iter().filter(|name| *name != taken.candidate.name()).collect()
+}
+
+/// The course of a chosen effect, in the recording where it is clearest.
+fn course<'d>(
+    drives: &'d [Drive],
+    effect: usize,
+    fit: &Fit<'_>,
+    recording: &str,
+) -> Option<(&'d Drive, Smoothed)> {
+    let Course::Live(slot) = fit.model.effects.get(effect)?.course else { return None };
+    let drive = drives.iter().find(|drive| drive.name == recording).or(drives.first())?;
+    let course = courses(drive, &fit.model, &fit.noise, Default::default()).into_iter().nth(slot)?;
+    Some((drive, course))
+}
+
+/// Everything that was tried in the first round, best first: fitted ones by their evidence, the others to
+/// first order, never above a fitted one.
+pub fn ranking(selection: &Selection<'_>) -> Vec<Ranked> {
+    let mut ranking: Vec<Ranked> = Vec::new();
+    let mut seen = BTreeSet::new();
+    let Some(round) = selection.rounds.first() else { return ranking };
+    let mut rank = |candidate: &Candidate, score: f64, refitted: bool| {
+        if seen.insert(candidate.name()) {
+            let least = ranking.last().map_or(f64::INFINITY, |last| last.score);
+            ranking.push(Ranked {
+                effect: candidate.kind.name.into(),
+                channel: candidate.channel.map(|channel| channel.to_string()),
+                score: score.min(least),
+                refitted,
+            });
+        }
+    };
+    for other in &round.refitted {
+        rank(&other.candidate, other.evidence, true);
+    }
+    let refused: Vec<String> = round.following.iter().map(|(candidate, _)| candidate.name()).collect();
+    for other in round.scanned.iter().filter(|other| !refused.contains(&other.candidate.name())) {
+        rank(&other.candidate, other.gain, false);
+    }
+    ranking
+}
+
+/// Numbers of one of the effects, by name.
+fn own_numbers(fit: &Fit<'_>, number: usize) -> BTreeMap<String, Estimate> {
+    let Some(chosen) = fit.model.effects.get(number) else { return BTreeMap::new() };
+    let of = |(place, spec): (usize, Spec)| {
+        let coordinate = chosen.numbers[place];
+        let free = fit.free.iter().position(|free| free.place == Place::Effect(number, place));
+        let variance = free.and_then(|free| fit.covariance.get((free, free)).copied());
+        let fixed = free.is_none();
+        // What is not searched and has nothing to say is left out.
+        if fixed && spec.name != "at_s" {
+            return None;
+        }
+        let std = variance.unwrap_or(0.0).sqrt() * spec.scale.slope(coordinate).abs();
+        Some((spec.name.to_owned(), Estimate { value: spec.value(coordinate), std }))
+    };
+    chosen.specs().enumerate().filter_map(of).collect()
+}
+
+/// Where a course is clearly not nothing, s.
+fn clear_stretches(course: &Smoothed) -> Vec<[f64; 2]> {
+    let peak = course.value.iter().map(|value| value.abs()).fold(0.0, f64::max);
+    let first = course.t.first().copied().unwrap_or(0.0);
+    let is_in: Vec<bool> = course
+        .value
+        .iter()
+        .zip(&course.std)
+        .map(|(value, std)| value.abs() > (0.2 * peak).max(2.0 * std))
+        .collect();
+    let mut stretches = merged(&is_in, STEP_S, 30);
+    for stretch in &mut stretches {
+        stretch[0] += first;
+        stretch[1] += first;
+    }
+    stretches.retain(|[from, to]| to - from > 0.15);
+    stretches
+}
+
+/// What a course comes to in one number, under the contract's name.
+fn summarize(
+    candidate: &Candidate,
+    fit: &Fit<'_>,
+    number: usize,
+    course: &Smoothed,
+    parameters: &mut BTreeMap<String, Estimate>,
+) {
+    let Some(surroundings) = candidate.kind.surroundings(candidate.channel) else { return };
+    let place_of_peak = course.value.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    let Some((peak_at, peak)) = place_of_peak.map(|(at, value)| (at, *value)) else { return };
+    if surroundings.sign != 0.0 {
+        // A share of a surface: what the surface is where there is most of it.
+        let Some(chosen) = fit.model.effects.get(number) else { return };
+        for (place, spec) in chosen.specs().enumerate() {
+            if chosen.numbers[place] == spec.mean {
+                continue;
+            }
+            let coordinate = spec.mean + peak * (chosen.numbers[place] - spec.mean);
+            let std = course.std[peak_at] * (chosen.numbers[place] - spec.mean).abs();
+            let slope = spec.scale.slope(coordinate).abs();
+            parameters.insert(spec.name.into(), Estimate { value: spec.value(coordinate), std: std * slope });
+        }
+        return;
+    }
+    let (value, std) = if surroundings.rms_name.contains("peak") {
+        (peak.abs(), course.std[peak_at])
+    } else {
+        let count = course.value.len().max(1) as f64;
+        let square = course.value.iter().map(|value| value * value).sum::<f64>() / count;
+        let variance = course.std.iter().map(|std| std * std).sum::<f64>() / count;
+        (square.sqrt(), (variance / count.sqrt().max(1.0)).sqrt())
+    };
+    parameters.insert(surroundings.rms_name.into(), Estimate { value, std });
+}
+
+/// Ten points a second.
+fn decimated(course: &Smoothed, candidate: &Candidate) -> result::Course {
+    let unit = candidate.kind.surroundings(candidate.channel).map_or("", |course| course.unit);
+    let some = |values: &[f64]| values.iter().step_by(10).copied().collect();
+    result::Course {
+        t: some(&course.t),
+        value: some(&course.value),
+        std: some(&course.std),
+        unit: unit.into(),
+    }
+}

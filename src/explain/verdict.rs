@@ -1,0 +1,153 @@
+//! What it all came to: does what has a name explain what there is to explain?
+
+use super::fit::{Data, Fit};
+use super::predict::car::BODY_STATES;
+use super::result::Verdict;
+use super::select::Selection;
+use crate::Quantity;
+
+/// What the unknown forces' sizes and lengths, which were searched for, are worth.
+const FREEDOM: f64 = 24.0;
+
+/// Gain of the unknown forces below which nothing is missing.
+const LEAST_MISSING: f64 = 45.0;
+
+/// What an equation misses where nothing is missing, per second of driving: torque and brakes are never
+/// quite those on the bus.
+const USUALLY_MISSING: [f64; BODY_STATES] = [6.0, 1.0, 1.0];
+
+/// So much of what the equations miss may be left; more, and what was named is not all there is.
+const MOST_LEFT: f64 = 0.2;
+
+/// What is left beside a name may be so much at least, per second.
+const ALWAYS_LEFT: f64 = 5.0;
+
+/// Some restlessness is every sensor's, and so much of it may be left beside a name.
+const USUALLY_RESTLESS: f64 = 300.0;
+const MOST_RESTLESS: f64 = 0.5;
+
+/// By how much −2 ln likelihood falls, the prior counted in.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gains {
+    /// Seconds that this is of.
+    pub seconds: f64,
+    /// With what was chosen; none, if nothing was.
+    pub named: Option<f64>,
+    /// With unknown forces instead.
+    pub unknown: f64,
+    /// With a course that had to be refused instead.
+    pub refused: f64,
+    /// What each equation of the plain model misses.
+    pub missing: [f64; BODY_STATES],
+    /// What each equation misses beside what was chosen.
+    pub left: [f64; BODY_STATES],
+    /// How much more than usual a sensor errs now and then…
+    pub restless: f64,
+    /// …and beside what was chosen.
+    pub still_restless: f64,
+}
+
+impl Gains {
+    /// Of a selection and the plain model with unknown forces.
+    pub fn of(data: &Data<'_>, selection: &Selection<'_>, corrected: &Fit<'_>) -> Self {
+        let plain = &selection.baseline;
+        let following = selection.rounds.iter().take(1).flat_map(|round| &round.following);
+        let has_names = !selection.chosen.is_empty();
+        let counted = data.counted(&plain.sums);
+        let missing = data.missing(plain);
+        Self {
+            seconds: counted.map(|sums| sums.t.1 - sums.t.0).sum(),
+            named: has_names.then(|| plain.cost() - selection.extended.cost()),
+            unknown: plain.cost() - corrected.cost() - FREEDOM,
+            refused: following.map(|(_, evidence)| *evidence).fold(0.0, f64::max),
+            missing,
+            left: if has_names { data.missing(&selection.extended) } else { missing },
+            restless: restless(data, plain),
+            still_restless: restless(data, &selection.extended),
+        }
+    }
+
+    /// What is missing beyond what always is.
+    fn beyond_usual(&self, missing: &[f64; BODY_STATES]) -> f64 {
+        let usual = USUALLY_MISSING.map(|usual| usual * self.seconds);
+        missing.iter().zip(usual).map(|(missing, usual)| (missing - usual).max(0.0)).sum()
+    }
+
+    /// The verdict; a drive that does not turn cannot clear the car.
+    pub fn verdict(&self, turns: bool) -> Verdict {
+        let left = self.beyond_usual(&self.left);
+        let is_much = left > (MOST_LEFT * self.beyond_usual(&self.missing)).max(ALWAYS_LEFT * self.seconds);
+        let is_restless = self.still_restless > (MOST_RESTLESS * self.restless).max(USUALLY_RESTLESS);
+        match self.named {
+            Some(_) if is_much || is_restless => Verdict::UnknownPhysics,
+            Some(_) => Verdict::MissingPhysics,
+            None if is_much || is_restless || self.unknown.max(self.refused) > LEAST_MISSING => {
+                Verdict::UnknownPhysics
+            }
+            None if turns => Verdict::Adequate,
+            None => Verdict::InsufficientExcitation,
+        }
+    }
+}
+
+/// The gain, if the most restless sensor's noise were not the same everywhere: by blocks in which it errs more
+/// than in the median one.
+fn restless(data: &Data<'_>, fit: &Fit<'_>) -> f64 {
+    let of = |channel: Quantity| {
+        let place = channel as usize;
+        let blocks = data.counted(&fit.sums).filter(|sums| sums.of[place] > 20);
+        let shares: Vec<(f64, f64)> =
+            blocks.map(|sums| (sums.square[place] / sums.of[place] as f64, sums.of[place] as f64)).collect();
+        let mut sorted: Vec<f64> = shares.iter().map(|(share, _)| *share).collect();
+        sorted.sort_by(f64::total_cmp);
+        let median = sorted.get(sorted.len() / 2).copied()?;
+        let gain = |(share, count): &(f64, f64)| {
+            let more = (share / median).max(1.0);
+            count * (more - 1.0 - more.ln())
+        };
+        Some(shares.iter().map(gain).sum())
+    };
+    Quantity::ALL.into_iter().filter_map(of).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn verdict(named: Option<f64>, missing: f64, left: f64) -> Verdict {
+        let of_yaw = |missing| [50.0, 0.0, missing];
+        let gains =
+            Gains { seconds: 60.0, named, missing: of_yaw(missing), left: of_yaw(left), ..Gains::default() };
+        gains.verdict(true)
+    }
+
+    #[test]
+    fn nothing_to_gain_is_adequate_on_a_drive_that_turns() {
+        assert_eq!(verdict(None, 10.0, 10.0), Verdict::Adequate);
+        let straight = Gains { seconds: 60.0, unknown: 10.0, ..Gains::default() };
+        assert_eq!(straight.verdict(false), Verdict::InsufficientExcitation);
+    }
+
+    #[test]
+    fn what_a_name_explains_is_missing_and_what_it_leaves_is_unknown() {
+        assert_eq!(verdict(Some(900.0), 9000.0, 200.0), Verdict::MissingPhysics);
+        assert_eq!(verdict(Some(900.0), 9000.0, 5000.0), Verdict::UnknownPhysics);
+        assert_eq!(verdict(None, 9000.0, 9000.0), Verdict::UnknownPhysics);
+    }
+
+    #[test]
+    fn a_sensor_that_errs_far_more_now_and_then_is_something_unknown() {
+        let gains = Gains { seconds: 60.0, restless: 5000.0, still_restless: 5000.0, ..Gains::default() };
+        assert_eq!(gains.verdict(true), Verdict::UnknownPhysics);
+        let named = Gains { named: Some(9000.0), still_restless: 100.0, ..gains };
+        assert_eq!(named.verdict(true), Verdict::MissingPhysics);
+    }
+
+    #[test]
+    fn without_a_name_unknown_forces_and_refused_courses_count() {
+        let gains = Gains { seconds: 60.0, refused: 500.0, ..Gains::default() };
+        assert_eq!(gains.verdict(true), Verdict::UnknownPhysics);
+        let gains = Gains { seconds: 60.0, unknown: 500.0, ..Gains::default() };
+        assert_eq!(gains.verdict(true), Verdict::UnknownPhysics);
+    }
+}

@@ -12,6 +12,7 @@ mod progress;
 mod replay;
 pub mod reproduce;
 mod run;
+mod samples;
 mod simulate;
 mod tables;
 

@@ -19,12 +19,18 @@ pub struct Candidate {
     pub fixed: Vec<(usize, f64)>,
     /// It varies while one drives, so.
     pub live: Option<Live>,
+    /// It is there within these stretches only, s; none: always.
+    pub stretches: Vec<[f64; 2]>,
 }
 
 impl Candidate {
     /// The effect at which nothing happens; `slot` is the place of its course among those estimated.
     pub fn chosen(&self, slot: usize) -> Chosen {
-        let course = self.live.map_or(Course::None, |_| Course::Live(slot));
+        let course = match self.live {
+            Some(_) => Course::Live(slot),
+            None if self.stretches.is_empty() => Course::None,
+            None => Course::Stretches { intervals: self.stretches.clone(), value: 1.0 },
+        };
         let mut chosen = Chosen::usual(self.kind, self.channel, course);
         for (place, number) in &self.fixed {
             chosen.numbers[*place] = *number;
@@ -65,7 +71,14 @@ pub fn library(model: &Model<'_>, has: impl Fn(Quantity) -> bool, seconds: f64) 
                 continue;
             }
             let everything: Vec<usize> = (0..kind.parameters.len()).collect();
-            let plain = Candidate { kind, channel, free: everything.clone(), fixed: Vec::new(), live: None };
+            let plain = Candidate {
+                kind,
+                channel,
+                free: everything.clone(),
+                fixed: Vec::new(),
+                live: None,
+                stretches: Vec::new(),
+            };
             if let Some(course) = kind.surroundings(channel) {
                 let slow = kind.name == "sensor_drift";
                 let live = Live {
@@ -78,11 +91,11 @@ pub fn library(model: &Model<'_>, has: impl Fn(Quantity) -> bool, seconds: f64) 
                     all.push(Candidate { live: Some(live), ..plain });
                     continue;
                 }
-                // How much of the road is different is estimated; how different, is set.
+                // How much of the road is different is estimated; how different, is set: somewhat, and much.
                 let numbers: &[&[f64]] = match kind.name {
-                    "friction_split" => &[&[2.0, 0.0], &[0.0, 2.0]],
-                    "friction_change" => &[&[2.0]],
-                    _ => &[&[-0.7]],
+                    "friction_split" => &[&[2.0, 0.0], &[0.0, 2.0], &[5.0, 0.0], &[0.0, 5.0]],
+                    "friction_change" => &[&[2.0], &[5.0]],
+                    _ => &[&[-0.7], &[-1.6]],
                 };
                 for numbers in numbers {
                     let fixed = numbers.iter().copied().enumerate().collect();

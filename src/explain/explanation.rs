@@ -75,6 +75,8 @@ impl<'a> Case<'a> {
         let sound = selection.chosen.iter().rfind(|taken| gross::is_gross(&taken.candidate));
         let corrected =
             correct(&data, sound.map_or(&selection.baseline, |taken| &taken.fit), CORRECTION_ROUNDS);
+        tracing::debug!(noise = ?selection.baseline.noise, "of the plain model");
+        tracing::debug!(noise = ?selection.extended.noise, "of the extended model");
         let gains = Gains::of(&data, &selection, &corrected);
         let verdict = gains.verdict(drives.iter().any(turns));
         tracing::info!(?gains, ?verdict, "judged");

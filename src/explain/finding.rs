@@ -36,6 +36,8 @@ pub fn finding(told: &Told<'_, '_>, number: usize, extended: &Fit<'_>, mut place
             summarize(candidate, extended, effect, &course, &mut parameters);
             series = Some(decimated(&course, candidate));
         }
+    } else if !candidate.stretches.is_empty() {
+        place.intervals.clone_from(&candidate.stretches);
     } else if let Some(at) = taken.onset() {
         place.intervals = vec![[at, told.drives.first().map_or(at, Drive::seconds)]];
     }

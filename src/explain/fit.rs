@@ -95,8 +95,20 @@ impl<'d> Data<'d> {
         })
     }
 
+    /// The noise with the sensors' as the innovations have it, or as their readings look, if either is more
+    /// probable.
+    fn with_sensors(&self, model: &Model<'_>, sums: &[Sums], noise: &Noise) -> Noise {
+        let looks = Noise { sensor: self.own_noise.sensor, ..noise.clone() };
+        let tried: Vec<(f64, Noise)> = [self.sensor_noise(sums, noise), looks]
+            .into_par_iter()
+            .map(|noise| (self.minus_two_ln(&self.pass(model, &[], &noise)), noise))
+            .collect();
+        let now = (self.minus_two_ln(sums), noise.clone());
+        tried.into_iter().chain([now]).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(noise.clone(), |best| best.1)
+    }
+
     /// Noise of the sensors as the innovations have it.
-    pub fn sensor_noise(&self, sums: &[Sums], noise: &Noise) -> Noise {
+    fn sensor_noise(&self, sums: &[Sums], noise: &Noise) -> Noise {
         let mut new = noise.clone();
         for channel in Quantity::ALL {
             let place = channel as usize;
@@ -151,7 +163,7 @@ impl<'d> Data<'d> {
     }
 
     /// Sensors as good as their readings look, equations that hardly err.
-    fn strict(&self, noise: &Noise) -> Noise {
+    pub fn strict(&self, noise: &Noise) -> Noise {
         let diffusion = Noise::LEAST_DIFFUSION.map(|least| 2.0 * least);
         Noise { diffusion, sensor: self.own_noise.sensor, live: noise.live.clone() }
     }
@@ -199,7 +211,7 @@ impl<'d> Data<'d> {
                 Some((moved, sums, gained)) => {
                     model = moved;
                     if learn == Learn::Noise {
-                        noise = self.sensor_noise(&sums, &noise);
+                        noise = self.with_sensors(&model, &sums, &noise);
                     }
                     gained
                 }

@@ -33,7 +33,14 @@ pub fn suggested(chain: &[ChainReport]) -> Vec<Candidate> {
         if all.iter().any(|other| other.kind.name == kind.name && other.channel == Some(channel)) {
             continue;
         }
-        all.push(Candidate { kind, channel: Some(channel), free: Vec::new(), fixed: Vec::new(), live: None });
+        all.push(Candidate {
+            kind,
+            channel: Some(channel),
+            free: Vec::new(),
+            fixed: Vec::new(),
+            live: None,
+            stretches: Vec::new(),
+        });
     }
     all
 }

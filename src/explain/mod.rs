@@ -25,6 +25,7 @@ mod gross;
 mod locate;
 mod model;
 mod naming;
+mod patches;
 mod predict;
 mod proof;
 mod result;

@@ -38,7 +38,7 @@ pub struct Refitted<'a> {
 
 impl<'a> Refitted<'a> {
     /// Judges a fit, whose last effect the candidate is, against the one before.
-    fn new(before: &Fit<'_>, candidate: Candidate, fit: Fit<'a>) -> Self {
+    pub fn new(before: &Fit<'_>, candidate: Candidate, fit: Fit<'a>) -> Self {
         let new = fit.free.len() - before.free.len();
         let evidence = evidence(before, &fit, new, candidate.live.is_some());
         Self { candidate, fit, evidence }

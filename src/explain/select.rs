@@ -9,6 +9,7 @@ use super::candidates::{Candidate, library};
 use super::exogenous::follows_motion;
 use super::fit::{Data, Fit, Learn};
 use super::naming::{Refitted, Scored, refine, refit, scan};
+use super::patches;
 use super::smooth::courses;
 use super::split::{Part, Split};
 use crate::Quantity;
@@ -175,7 +176,28 @@ fn fitted<'f, 'a: 'f>(
             *refitted = refine(data, before, refitted, NEXT_ROUNDS);
         }
     });
-    best_of_each(all)
+    let patches = patches(data, before, &all);
+    best_of_each(all.into_iter().chain(patches).collect())
+}
+
+/// What lies in patches, within clear edges: those that its own course has, and those that the best of such
+/// courses has.
+fn patches<'a>(data: &Data<'_>, before: &Fit<'a>, all: &[Refitted<'a>]) -> Vec<Refitted<'a>> {
+    let patchy: Vec<&Refitted<'a>> = all
+        .iter()
+        .filter(|refitted| refitted.candidate.live.is_some() && patches::is_patchy(&refitted.candidate))
+        .collect();
+    let of_best = patchy.first().and_then(|best| patches::intervals(data, &best.fit));
+    patchy
+        .par_iter()
+        .flat_map_iter(|refitted| {
+            let own = patches::intervals(data, &refitted.fit);
+            let other = of_best.clone().filter(|other| own.as_ref() != Some(other));
+            own.into_iter().chain(other).filter_map(|intervals| {
+                patches::placed(data, before, &refitted.candidate, &intervals, NEXT_ROUNDS)
+            })
+        })
+        .collect()
 }
 
 /// The candidates of a scan that are worth a fit.

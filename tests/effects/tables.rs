@@ -23,6 +23,8 @@ const WRONG: &[(&str, &[&str])] = &[
         ],
     ),
     ("cg_hight_m = 0.5\nkind = \"load_transfer\"", &["cg_hight_m", "no such key", "cg_height_m"]),
+    ("name = \"load_transfer\"\ncg_height_m = 0.5", &["kind is missing", "load_transfer"]),
+    ("kind = \"load_transfer\"\nname = \"my car's\"", &["name", "no such key", "cg_height_m"]),
     ("kind = \"load_transfer\"\ncg_height_m = -0.5", &["cg_height_m", "-0.5", "0 to 1.5 m"]),
     ("kind = \"load_transfer\"\ncg_height_m = nan", &["cg_height_m", "finite"]),
     ("kind = \"load_transfer\"\ncg_height_m = \"high\"", &["line", "a number or"]),

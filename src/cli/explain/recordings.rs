@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 
 use crate::Config;
-use crate::can::candump::Reader;
+use crate::can::Frame;
 use crate::cli::Failure;
 use crate::cli::progress::Progress;
+use crate::cli::samples;
 use crate::explain::Recording;
 use crate::explain::chain::{self, ChainReport};
 use crate::service::sensors;
-use crate::signals::{Inputs, Pushed, Sampler};
+use crate::signals::Sampler;
 use crate::{Micros, Quantity};
 
 /// Everything that was read.
@@ -24,9 +25,7 @@ pub struct Read {
 
 /// Reads all recordings.
 pub fn read(logs: &[PathBuf], config: &Config) -> Result<Read, Failure> {
-    let database = config.input_database()?;
-    let inputs = Inputs::compile(&config.signals, &database, config.vehicle.wheel_radius_m.value)
-        .map_err(Failure::usage)?;
+    let inputs = samples::inputs(config)?;
     let mut read = Read { recordings: Vec::new(), chain: Vec::new(), broken: Vec::new() };
     let progress = Progress::of_files(logs);
     for path in logs {
@@ -34,36 +33,11 @@ pub fn read(logs: &[PathBuf], config: &Config) -> Result<Read, Failure> {
         let mut unchecked = config.signals.sampling;
         unchecked.cross_checks = false;
         let mut sampler = Sampler::new(inputs.clone(), &unchecked);
-        let mut reader = Reader::open(path).map_err(Failure::work)?;
         let mut tracks = Tracks::new(path.display().to_string());
-        let mut samples = Vec::new();
-        loop {
-            match reader.next_frame() {
-                Ok(None) => break,
-                // What could be read before the damage is still worth something.
-                Err(error) => {
-                    read.broken.push(error.to_string());
-                    break;
-                }
-                Ok(Some(frame)) => {
-                    if sampler.push(&frame) == Pushed::Used {
-                        tracks.take(frame.time, &sampler);
-                    }
-                    samples.extend(std::iter::from_fn(|| sampler.next_sample()));
-                    progress.advance(reader.stats().lines);
-                }
-            }
-        }
-        sampler.flush();
-        samples.extend(std::iter::from_fn(|| sampler.next_sample()));
+        let take = |frame: &Frame, sampler: &Sampler| tracks.take(frame.time, sampler);
+        let samples = samples::of_recording(path, &mut sampler, &progress, &mut read.broken, take)?;
         if tracks.recording.seconds() == 0.0 && read.broken.is_empty() {
-            let ids: Vec<_> = inputs.ids().iter().map(ToString::to_string).collect();
-            return Err(Failure::work(format_args!(
-                "{}: nothing to explain: none of the needed identifiers ({}) are in it; is it of this car and bus? \
-                 `gripd check` tells more",
-                path.display(),
-                ids.join(", ")
-            )));
+            return Err(samples::none_of(&inputs, path, "nothing to explain"));
         }
         read.chain.push(chain::audit(&samples, &config.vehicle, &sensors(&inputs)));
         read.recordings.push(tracks.recording);

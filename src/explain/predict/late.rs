@@ -69,7 +69,7 @@ impl Late {
         match self {
             Self::FrontWheels | Self::RearWheels | Self::Torque => (0.005, 0.005),
             Self::YawRate | Self::LateralAcceleration => (0.0, 0.004),
-            Self::LongitudinalAcceleration => (0.0, 0.005),
+            Self::LongitudinalAcceleration => (0.005, 0.006),
             Self::Steering => (0.003, 0.004),
         }
     }

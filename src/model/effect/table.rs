@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write as _};
 
-use serde::de::{Error as _, MapAccess, Visitor};
+use serde::de::{Error as _, IgnoredAny, MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -25,6 +25,7 @@ struct Table {
     kind: Option<&'static Kind>,
     channel: Option<Channel>,
     numbers: Vec<(String, Uncertain)>,
+    unknown: Vec<String>,
     value: Option<f64>,
     intervals: Option<Vec<Vec<f64>>>,
     series: Option<Series>,
@@ -48,6 +49,11 @@ impl<'de> Visitor<'de> for Reader {
                 "value" => table.value = Some(map.next_value()?),
                 "intervals" => table.intervals = Some(map.next_value()?),
                 "series" => table.series = Some(map.next_value()?),
+                // Its value may be none that a number could be read from; what is wrong is the key.
+                unknown if !KINDS.iter().any(|kind| kind.place_of(unknown).is_some()) => {
+                    map.next_value::<IgnoredAny>()?;
+                    table.unknown.push(key);
+                }
                 _ => {
                     let number = map.next_value()?;
                     table.numbers.push((key, number));
@@ -105,7 +111,8 @@ impl Table {
     fn of(self, kind: &'static Kind) -> Result<EffectConfig, EffectError> {
         let given = [self.value.is_some(), self.intervals.is_some(), self.series.is_some()];
         let of_course = COURSE_KEYS.iter().zip(given).filter(|(_, given)| *given).map(|(key, _)| *key);
-        let written = self.numbers.iter().map(|(key, _)| key.as_str()).chain(of_course);
+        let numbers = self.numbers.iter().map(|(key, _)| key);
+        let written = self.unknown.iter().chain(numbers).map(String::as_str).chain(of_course);
         if let Some(error) = written.into_iter().find_map(|key| unknown_key(kind, key)) {
             return Err(error);
         }

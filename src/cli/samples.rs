@@ -1,0 +1,59 @@
+//! A recording as the samples that the service would have made of it.
+
+use std::path::Path;
+
+use super::Failure;
+use super::progress::Progress;
+use crate::can::Frame;
+use crate::can::candump::Reader;
+use crate::signals::{Inputs, Pushed, Sampler};
+use crate::{Config, Sample};
+
+/// What a configuration reads from a bus.
+pub fn inputs(config: &Config) -> Result<Inputs, Failure> {
+    let database = config.input_database()?;
+    Inputs::compile(&config.signals, &database, config.vehicle.wheel_radius_m.value).map_err(Failure::usage)
+}
+
+/// All samples of a recording; `used` sees every frame that the sampler has used. Why the recording could not
+/// be read to its end goes to `broken`: what could be read before the damage is still worth something.
+pub fn of_recording(
+    path: &Path,
+    sampler: &mut Sampler,
+    progress: &Progress,
+    broken: &mut Vec<String>,
+    mut used: impl FnMut(&Frame, &Sampler),
+) -> Result<Vec<Sample>, Failure> {
+    let mut reader = Reader::open(path).map_err(Failure::work)?;
+    let mut samples = Vec::new();
+    loop {
+        match reader.next_frame() {
+            Ok(None) => break,
+            Err(error) => {
+                broken.push(error.to_string());
+                break;
+            }
+            Ok(Some(frame)) => {
+                if sampler.push(&frame) == Pushed::Used {
+                    used(&frame, sampler);
+                }
+                samples.extend(std::iter::from_fn(|| sampler.next_sample()));
+                progress.advance(reader.stats().lines);
+            }
+        }
+    }
+    sampler.flush();
+    samples.extend(std::iter::from_fn(|| sampler.next_sample()));
+    Ok(samples)
+}
+
+/// Nothing of what is needed is in a recording.
+pub fn none_of(inputs: &Inputs, path: &Path, what: &str) -> Failure {
+    let ids: Vec<_> = inputs.ids().iter().map(ToString::to_string).collect();
+    Failure::work(format_args!(
+        "{}: {what}: not all of the needed identifiers ({}) are in it; is it of this car and bus? `gripd check` \
+         tells more",
+        path.display(),
+        ids.join(", ")
+    ))
+}

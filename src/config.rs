@@ -1,5 +1,7 @@
 //! The configuration file: what each room wants to know, joined and checked.
 
+mod corrected;
+
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;

@@ -18,11 +18,13 @@ mod tables;
 
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use tracing_subscriber::EnvFilter;
 
+use crate::Config;
 use crate::can::candump::LogError;
 use crate::config::ConfigError;
 use crate::service::SetupError;
@@ -140,6 +142,19 @@ pub fn main() -> ExitCode {
     // Not eprintln: it panics where stderr is closed, and the exit code is what counts.
     let _ = writeln!(std::io::stderr(), "gripd: {reason}");
     ExitCode::from(code)
+}
+
+/// A configuration as the service takes it, its effects put where it can use them.
+fn for_the_service(path: &Path) -> Result<Config, ConfigError> {
+    let config = Config::load(path)?.corrected();
+    for effect in &config.effect {
+        tracing::warn!(
+            "{}: effect {} is for simulations: nothing is corrected for it",
+            path.display(),
+            effect.kind().name
+        );
+    }
+    Ok(config)
 }
 
 fn set_up_logging(arguments: &Arguments) {

@@ -74,7 +74,7 @@ impl Replay {
             self.logs.iter().chain([&self.config]),
             [&self.out, &self.estimates, &self.samples, &self.stats].into_iter().flatten(),
         )?;
-        let config = Config::load(&self.config)?;
+        let config = super::for_the_service(&self.config)?;
         let mut engine = Engine::new(&config)?;
         let mut results = Results::create(&self, &config)?;
         let mut player = Player::new(self.realtime, self.interface.as_deref(), &config)?;

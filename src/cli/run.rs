@@ -6,7 +6,6 @@ use clap::Args;
 use tokio::signal::unix::{SignalKind, signal};
 
 use super::Failure;
-use crate::Config;
 use crate::service::{self, ServiceError};
 
 /// Ends cleanly on SIGINT and SIGTERM; SIGHUP changes nothing.
@@ -23,7 +22,7 @@ pub struct Run {
 impl Run {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        let config = Config::load(&self.config)?;
+        let config = super::for_the_service(&self.config)?;
         // One thread: frames are handled in order, and nothing waits for another core.
         let runtime =
             tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::work)?;

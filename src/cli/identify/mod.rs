@@ -62,7 +62,7 @@ impl Identify {
         outputs_are_no_inputs(self.logs.iter().chain([&self.config]), self.json.iter().chain(&self.html))?;
         let config = Config::load(&self.config)?;
         let used = self.settings(&config.identify)?;
-        let (records, broken) = recordings::read(&self.logs, &config)?;
+        let (records, broken) = recordings::read(&self.logs, &config.clone().with_true_signals())?;
         let progress = Progress::of_share();
         let found = Identifier::new(&records, &config.vehicle, &used)
             .and_then(|identifier| identifier.run(|stage, share| progress.at(stage, share)));

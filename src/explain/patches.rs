@@ -88,62 +88,97 @@ pub fn placed<'a>(
     });
     let free: Vec<Free> = before.free.iter().copied().chain(own).collect();
     let strictly = data.search(&start, &free, &strict, rounds, Learn::Nothing);
-    let edged = with_edges(&strictly.model, effect, cost);
-    let again = data.search(&edged, &free, &strict, rounds, Learn::Nothing);
-    let fit = data.fit(&with_edges(&again.model, effect, cost), &free, &strict, rounds);
-    let Course::Stretches { intervals, .. } = &fit.model.effects[effect].course else { return None };
+    let is_seen = |t: f64| !data.split.is_held_out(0, t);
+    let edges = Edges { cost, is_seen: &is_seen, effect };
+    let again = data.search(&edges.placed(&strictly.model), &free, &strict, rounds, Learn::Nothing);
+    let fit = data.fit(&edges.placed(&again.model), &free, &strict, rounds);
+    let intervals = edges.of(&fit.model);
     tracing::trace!(name = candidate.name(), ?intervals, numbers = ?fit.model.effects[effect].numbers, "placed");
-    let edges = 2.0 * intervals.len() as f64;
-    let candidate = Candidate { stretches: intervals.clone(), ..candidate };
+    let count = 2.0 * intervals.len() as f64;
+    let candidate = Candidate { stretches: intervals.to_vec(), ..candidate };
     let mut placed = Refitted::new(before, candidate, fit);
-    placed.evidence -= edges * OF_AN_EDGE;
+    // Which side it is on was a choice, too.
+    let choices = choices_of(&placed.candidate);
+    placed.evidence -= count * OF_AN_EDGE + 2.0 * choices.ln();
     Some(placed)
 }
 
-/// The model with each edge where it fits best, nearby, and without gaps that it fits better without.
-fn with_edges<'a>(
-    model: &Model<'a>,
+/// How many of its kind there were to choose from: left or right.
+fn choices_of(candidate: &Candidate) -> f64 {
+    candidate.kind.parameters.len() as f64 / candidate.free.len().max(1) as f64
+}
+
+/// Searches where patches begin and end.
+struct Edges<'s, C> {
+    cost: C,
+    /// May an edge be moved that lies here? What is held out tells nothing of it.
+    is_seen: &'s (dyn Fn(f64) -> bool + Sync),
     effect: usize,
-    cost: impl Fn(&Model<'_>) -> f64 + Sync + Copy,
-) -> Model<'a> {
-    let mut best = (cost(model), model.clone());
-    let mut gap = 1;
-    while let Course::Stretches { intervals, .. } = &best.1.effects[effect].course
-        && gap < intervals.len()
-    {
-        let mut model = best.1.clone();
-        if let Course::Stretches { intervals, .. } = &mut model.effects[effect].course {
-            intervals[gap - 1][1] = intervals[gap][1];
-            intervals.remove(gap);
-        }
-        let without = cost(&model);
-        if without < best.0 {
-            best = (without, model);
-        } else {
-            gap += 1;
-        }
-    }
-    for step in STEPS {
-        let Course::Stretches { intervals, .. } = &best.1.effects[effect].course else { break };
-        for edge in 0..2 * intervals.len() {
-            let tried: Vec<(f64, Model<'a>)> = [-step, step]
-                .into_par_iter()
-                .filter_map(|by| {
-                    let mut model = best.1.clone();
-                    let Course::Stretches { intervals, .. } = &mut model.effects[effect].course else {
-                        return None;
-                    };
-                    intervals.as_flattened_mut()[edge] += by;
-                    let in_order = intervals.as_flattened().windows(2).all(|pair| pair[0] < pair[1]);
-                    in_order.then(|| (cost(&model), model))
+}
+
+impl<C: Fn(&Model<'_>) -> f64 + Sync> Edges<'_, C> {
+    /// The model with each edge where it fits best, nearby, without gaps that it fits better without, and
+    /// without patches that are not worth their edges.
+    fn placed<'a>(&self, model: &Model<'a>) -> Model<'a> {
+        let mut best = ((self.cost)(model), model.clone());
+        let mut gap = 1;
+        while gap < self.of(&best.1).len() {
+            let between = [self.of(&best.1)[gap - 1][1], self.of(&best.1)[gap][0]];
+            let without = between.iter().all(|edge| (self.is_seen)(*edge)).then(|| {
+                self.changed(&best.1, |all| {
+                    all[gap - 1][1] = all[gap][1];
+                    all.remove(gap);
                 })
-                .collect();
-            if let Some(better) = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))
-                && better.0 < best.0
-            {
-                best = better;
+            });
+            match without.filter(|without| without.0 < best.0) {
+                Some(without) => best = without,
+                None => gap += 1,
             }
         }
+        for step in STEPS {
+            for edge in 0..2 * self.of(&best.1).len() {
+                if !(self.is_seen)(self.of(&best.1).as_flattened()[edge]) {
+                    continue;
+                }
+                let tried: Vec<(f64, Model<'a>)> = [-step, step]
+                    .into_par_iter()
+                    .map(|by| self.changed(&best.1, |all| all.as_flattened_mut()[edge] += by))
+                    .filter(|(_, model)| self.of(model).as_flattened().is_sorted_by(|a, b| a < b))
+                    .collect();
+                let better = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+                if let Some(better) = better.filter(|better| better.0 < best.0) {
+                    best = better;
+                }
+            }
+        }
+        let mut patch = 0;
+        while patch < self.of(&best.1).len() && self.of(&best.1).len() > 1 {
+            let seen = self.of(&best.1)[patch].iter().all(|edge| (self.is_seen)(*edge));
+            let without = seen.then(|| {
+                self.changed(&best.1, |all| {
+                    all.remove(patch);
+                })
+            });
+            match without.filter(|without| without.0 < best.0 + 2.0 * OF_AN_EDGE) {
+                Some(without) => best = without,
+                None => patch += 1,
+            }
+        }
+        best.1
     }
-    best.1
+
+    fn of<'m>(&self, model: &'m Model<'_>) -> &'m [[f64; 2]] {
+        match &model.effects[self.effect].course {
+            Course::Stretches { intervals, .. } => intervals,
+            _ => &[],
+        }
+    }
+
+    fn changed<'a>(&self, model: &Model<'a>, change: impl FnOnce(&mut Vec<[f64; 2]>)) -> (f64, Model<'a>) {
+        let mut model = model.clone();
+        if let Course::Stretches { intervals, .. } = &mut model.effects[self.effect].course {
+            change(intervals);
+        }
+        ((self.cost)(&model), model)
+    }
 }

@@ -10,6 +10,7 @@ use super::model::{Free, Model, Place};
 use super::naming::Refitted;
 use super::predict::drive::STEP_S;
 use super::smooth::courses;
+use super::split::Part;
 use crate::model::effect::Course;
 
 /// Where a course is above this share of its peak there is a patch.
@@ -67,7 +68,12 @@ pub fn placed<'a>(
         ..candidate.clone()
     };
     let strict = data.strict(&before.noise);
-    let cost = |model: &Model<'_>| -> f64 { data.minus_two_ln(&data.pass(model, &[], &strict)) };
+    // Where on the road they are, all of the recording tells; what they are, its training part.
+    let held = data.of(Part::Holdout);
+    let cost = |model: &Model<'_>| -> f64 {
+        let sums = data.pass(model, &[], &strict);
+        data.minus_two_ln(&sums) + held.minus_two_ln(&sums)
+    };
     // How different: one of some, to begin with.
     let starts: Vec<(f64, Model<'a>)> = [0.15, 0.3, 0.5, 0.75, 1.0, 1.5]
         .into_par_iter()
@@ -88,8 +94,7 @@ pub fn placed<'a>(
     });
     let free: Vec<Free> = before.free.iter().copied().chain(own).collect();
     let strictly = data.search(&start, &free, &strict, rounds, Learn::Nothing);
-    let is_seen = |t: f64| !data.split.is_held_out(0, t);
-    let edges = Edges { cost, is_seen: &is_seen, effect };
+    let edges = Edges { cost, effect };
     let again = data.search(&edges.placed(&strictly.model), &free, &strict, rounds, Learn::Nothing);
     let fit = data.fit(&edges.placed(&again.model), &free, &strict, rounds);
     let intervals = edges.of(&fit.model);
@@ -109,37 +114,30 @@ fn choices_of(candidate: &Candidate) -> f64 {
 }
 
 /// Searches where patches begin and end.
-struct Edges<'s, C> {
+struct Edges<C> {
     cost: C,
-    /// May an edge be moved that lies here? What is held out tells nothing of it.
-    is_seen: &'s (dyn Fn(f64) -> bool + Sync),
     effect: usize,
 }
 
-impl<C: Fn(&Model<'_>) -> f64 + Sync> Edges<'_, C> {
+impl<C: Fn(&Model<'_>) -> f64 + Sync> Edges<C> {
     /// The model with each edge where it fits best, nearby, without gaps that it fits better without, and
     /// without patches that are not worth their edges.
     fn placed<'a>(&self, model: &Model<'a>) -> Model<'a> {
         let mut best = ((self.cost)(model), model.clone());
         let mut gap = 1;
         while gap < self.of(&best.1).len() {
-            let between = [self.of(&best.1)[gap - 1][1], self.of(&best.1)[gap][0]];
-            let without = between.iter().all(|edge| (self.is_seen)(*edge)).then(|| {
-                self.changed(&best.1, |all| {
-                    all[gap - 1][1] = all[gap][1];
-                    all.remove(gap);
-                })
+            let without = self.changed(&best.1, |all| {
+                all[gap - 1][1] = all[gap][1];
+                all.remove(gap);
             });
-            match without.filter(|without| without.0 < best.0) {
-                Some(without) => best = without,
-                None => gap += 1,
+            if without.0 < best.0 {
+                best = without;
+            } else {
+                gap += 1;
             }
         }
         for step in STEPS {
             for edge in 0..2 * self.of(&best.1).len() {
-                if !(self.is_seen)(self.of(&best.1).as_flattened()[edge]) {
-                    continue;
-                }
                 let tried: Vec<(f64, Model<'a>)> = [-step, step]
                     .into_par_iter()
                     .map(|by| self.changed(&best.1, |all| all.as_flattened_mut()[edge] += by))
@@ -153,15 +151,13 @@ impl<C: Fn(&Model<'_>) -> f64 + Sync> Edges<'_, C> {
         }
         let mut patch = 0;
         while patch < self.of(&best.1).len() && self.of(&best.1).len() > 1 {
-            let seen = self.of(&best.1)[patch].iter().all(|edge| (self.is_seen)(*edge));
-            let without = seen.then(|| {
-                self.changed(&best.1, |all| {
-                    all.remove(patch);
-                })
+            let without = self.changed(&best.1, |all| {
+                all.remove(patch);
             });
-            match without.filter(|without| without.0 < best.0 + 2.0 * OF_AN_EDGE) {
-                Some(without) => best = without,
-                None => patch += 1,
+            if without.0 < best.0 + 2.0 * OF_AN_EDGE {
+                best = without;
+            } else {
+                patch += 1;
             }
         }
         best.1

@@ -180,24 +180,21 @@ fn fitted<'f, 'a: 'f>(
     best_of_each(all.into_iter().chain(patches).collect())
 }
 
-/// What lies in patches, within clear edges: those that its own course has, and those that the best of such
-/// courses has.
+/// What lies in patches, within clear edges: each kind of them wherever the course of any kind has some.
 fn patches<'a>(data: &Data<'_>, before: &Fit<'a>, all: &[Refitted<'a>]) -> Vec<Refitted<'a>> {
     let patchy: Vec<&Refitted<'a>> = all
         .iter()
         .filter(|refitted| refitted.candidate.live.is_some() && patches::is_patchy(&refitted.candidate))
         .collect();
-    let of_best = patchy.first().and_then(|best| patches::intervals(data, &best.fit));
-    patchy
-        .par_iter()
-        .flat_map_iter(|refitted| {
-            let own = patches::intervals(data, &refitted.fit);
-            let other = of_best.clone().filter(|other| own.as_ref() != Some(other));
-            own.into_iter().chain(other).filter_map(|intervals| {
-                patches::placed(data, before, &refitted.candidate, &intervals, NEXT_ROUNDS)
-            })
-        })
-        .collect()
+    let mut places: Vec<Vec<[f64; 2]>> =
+        patchy.par_iter().filter_map(|refitted| patches::intervals(data, &refitted.fit)).collect();
+    places.dedup();
+    let pairs: Vec<(&Refitted<'a>, &Vec<[f64; 2]>)> =
+        patchy.iter().flat_map(|refitted| places.iter().map(move |place| (*refitted, place))).collect();
+    let placed = pairs.par_iter().filter_map(|(refitted, place)| {
+        patches::placed(data, before, &refitted.candidate, place, NEXT_ROUNDS)
+    });
+    placed.collect()
 }
 
 /// The candidates of a scan that are worth a fit.

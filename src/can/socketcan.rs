@@ -1,8 +1,9 @@
 //! A CAN interface of the kernel, on good days and bad: it may be down, vanish, and come back.
 //!
 //! What the kernel does, and what follows from it:
-//! - *Down*: one read gets `ENETDOWN`, then silence; once up again the same socket works. So while
-//!   down, the interface is asked from time to time, and any frame says "up" as well.
+//! - *Down*: one read gets `ENETDOWN`, then what was queued before, then silence; once up again the same
+//!   socket works. So while down, the interface is asked from time to time; a frame does not say "up",
+//!   for it may be one of the queue.
 //! - *Removed*: one read gets `ENODEV`; the socket is dead for good, even when an interface of the same
 //!   name is created again. So it is closed, and the name looked up until it is back.
 //! - Both wake a waiting reader by an error condition only, not by readability: we wait for both.
@@ -61,7 +62,7 @@ pub struct SocketCan {
     /// State of the interface as far as we know, and as far as the caller knows.
     link: Link,
     told: Option<Link>,
-    /// A frame that came together with other news, to be delivered after it.
+    /// A frame that came with word of losses, to be delivered after it.
     held: Option<Frame>,
     /// Drop counter of the socket at the last message.
     drops: u32,
@@ -143,8 +144,6 @@ impl SocketCan {
             };
             match received {
                 Ok(received) => {
-                    // Whatever arrives proves that the link works.
-                    self.link = Link::Up;
                     if let Some(event) = self.accept(received) {
                         return event;
                     }
@@ -189,11 +188,11 @@ impl SocketCan {
             self.drops = drops;
             lost
         });
-        if self.told == Some(Link::Up) && lost == 0 {
+        if lost == 0 {
             return received.frame.map(event_of);
         }
         self.held = received.frame;
-        (lost > 0).then_some(Event::Dropped(lost))
+        Some(Event::Dropped(lost))
     }
 
     /// The interface reported an error.

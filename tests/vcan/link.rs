@@ -21,6 +21,24 @@ async fn a_link_that_goes_down_and_up_is_noticed_while_waiting() {
 }
 
 #[tokio::test]
+async fn frames_that_waited_while_the_link_went_down_come_and_do_not_say_that_it_is_up() {
+    let Some(interface) = Interface::new("gt_queued") else { return };
+    let mut bus = interface.bus().await;
+    let mut sender = interface.bus().await;
+    for number in 1..=3 {
+        send(&mut sender, data(standard(number), &[])).await;
+    }
+    interface.set("down");
+    assert_eq!(next(&mut bus).await, Event::Down);
+    for number in 1..=3 {
+        assert_eq!(next_frame(&mut bus).await.id, standard(number));
+    }
+    assert!(timeout(Duration::from_millis(300), bus.recv()).await.is_err(), "still down");
+    interface.set("up");
+    assert_eq!(next(&mut bus).await, Event::Up);
+}
+
+#[tokio::test]
 async fn a_send_that_meets_the_dead_link_first_does_not_hide_it_from_the_reader() {
     let Some(interface) = Interface::new("gt_eaten") else { return };
     let mut bus = interface.bus().await;

@@ -5,10 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::answer::Told;
 use super::candidates::Candidate;
 use super::fit::Fit;
-use super::locate::merged;
 use super::model::Place;
 use super::naming::Refitted;
-use super::predict::{Drive, drive::STEP_S};
+use super::predict::Drive;
 use super::result::{self, Estimate, Finding, Ranked, Where};
 use super::select::{Round, Selection};
 use super::smooth::{Smoothed, courses};
@@ -131,21 +130,8 @@ fn own_numbers(fit: &Fit<'_>, number: usize) -> BTreeMap<String, Estimate> {
 
 /// Where a course is clearly not nothing, s.
 fn clear_stretches(course: &Smoothed) -> Vec<[f64; 2]> {
-    let peak = course.value.iter().map(|value| value.abs()).fold(0.0, f64::max);
-    let first = course.t.first().copied().unwrap_or(0.0);
-    let is_in: Vec<bool> = course
-        .value
-        .iter()
-        .zip(&course.std)
-        .map(|(value, std)| value.abs() > (0.2 * peak).max(2.0 * std))
-        .collect();
-    let mut stretches = merged(&is_in, STEP_S, 30);
-    for stretch in &mut stretches {
-        stretch[0] += first;
-        stretch[1] += first;
-    }
-    stretches.retain(|[from, to]| to - from > 0.15);
-    stretches
+    let peak = course.peak();
+    course.stretches(|value, std| value.abs() > (0.2 * peak).max(2.0 * std), 0.3, 0.15)
 }
 
 /// What a course comes to in one number, under the contract's name.

@@ -5,10 +5,8 @@ use rayon::prelude::*;
 
 use super::candidates::Candidate;
 use super::fit::{Data, Fit, Learn};
-use super::locate::merged;
-use super::model::{Free, Model, Place};
+use super::model::{Free, Model};
 use super::naming::Refitted;
-use super::predict::drive::STEP_S;
 use super::smooth::courses;
 use super::split::Part;
 use crate::model::effect::Course;
@@ -41,14 +39,8 @@ pub fn is_patchy(candidate: &Candidate) -> bool {
 pub fn intervals(data: &Data<'_>, fit: &Fit<'_>) -> Option<Vec<[f64; 2]>> {
     let [drive] = data.drives else { return None };
     let course = courses(drive, &fit.model, &fit.noise, Default::default()).pop()?;
-    let peak = course.value.iter().fold(0.0, |peak: f64, value| peak.max(value.abs()));
-    let first = course.t.first()?;
-    let is_in: Vec<bool> = course.value.iter().map(|value| value.abs() > EDGE * peak).collect();
-    let mut all = merged(&is_in, STEP_S, (SHORTEST_GAP_S / STEP_S) as usize);
-    all.retain(|[from, to]| to - from > SHORTEST_S);
-    for edge in all.as_flattened_mut() {
-        *edge += first;
-    }
+    let peak = course.peak();
+    let all = course.stretches(|value, _| value.abs() > EDGE * peak, SHORTEST_GAP_S, SHORTEST_S);
     (1..=MOST).contains(&all.len()).then_some(all)
 }
 
@@ -88,11 +80,7 @@ pub fn placed<'a>(
         .collect();
     let (_, start) = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
     let effect = start.effects.len() - 1;
-    let own = candidate.free.iter().filter_map(|place| {
-        let spec = candidate.kind.spec(*place, candidate.channel)?;
-        Some(Free { place: Place::Effect(effect, *place), mean: spec.mean, std: spec.std, step: spec.step })
-    });
-    let free: Vec<Free> = before.free.iter().copied().chain(own).collect();
+    let free: Vec<Free> = before.free.iter().copied().chain(start.free_of_effect(effect)).collect();
     let strictly = data.search(&start, &free, &strict, rounds, Learn::Nothing);
     let edges = Edges { cost, effect };
     let again = data.search(&edges.placed(&strictly.model), &free, &strict, rounds, Learn::Nothing);

@@ -227,13 +227,8 @@ fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> f64 {
     }
     let Some(length) = refitted.fit.noise.live.last().map(|live| live.length_s) else { return 0.0 };
     let model = &refitted.fit.model;
-    // Brakes and slippery patches show where the driver makes them show.
-    if refitted
-        .candidate
-        .kind
-        .surroundings(refitted.candidate.channel)
-        .is_some_and(|course| course.sign != 0.0)
-    {
+    // Slippery patches show where the driver makes them show.
+    if patches::is_patchy(&refitted.candidate) {
         return 0.0;
     }
     let shares = data.drives.iter().map(|drive| {

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::locate::merged;
 use super::model::Model;
 use super::predict::Drive;
 use super::predict::FILTERED;
@@ -19,6 +20,29 @@ pub struct Smoothed {
     pub value: Vec<f64>,
     /// Standard deviations.
     pub std: Vec<f64>,
+}
+
+impl Smoothed {
+    /// Stretches, s, in which value and standard deviation fulfil something: longer than `shortest_s`, gaps up
+    /// to `bridged_s` bridged.
+    pub fn stretches(
+        &self,
+        is_in: impl Fn(f64, f64) -> bool,
+        bridged_s: f64,
+        shortest_s: f64,
+    ) -> Vec<[f64; 2]> {
+        let is_in: Vec<bool> =
+            self.value.iter().zip(&self.std).map(|(value, std)| is_in(*value, *std)).collect();
+        let first = self.t.first().copied().unwrap_or(0.0);
+        let all = merged(&is_in, STEP_S, (bridged_s / STEP_S).round() as usize);
+        let placed = all.into_iter().map(|[from, to]| [from + first, to + first]);
+        placed.filter(|[from, to]| to - from > shortest_s).collect()
+    }
+
+    /// Largest absolute value.
+    pub fn peak(&self) -> f64 {
+        self.value.iter().fold(0.0, |peak, value| peak.max(value.abs()))
+    }
 }
 
 /// All courses that the model's filter estimates over a drive, by their places.

@@ -1,6 +1,6 @@
 //! A car on which effects are tried, for their tests.
 
-use super::{Acting, Channel, Course, Effect, Felt, Kind, Now, Readings, Setting};
+use super::{Acting, Channel, Course, Effect, Felt, Kind, Now, Readings, Recorded, Setting};
 use crate::Quantity;
 use crate::model::body::Velocity;
 use crate::model::{Plant, Vehicle};
@@ -84,6 +84,24 @@ pub(super) fn made(
     course: &Course,
 ) -> Box<dyn Effect> {
     kind.effect(&Setting { values, channel, course })
+}
+
+/// What an effect of the measurement chain does to each input, it undoes.
+pub(super) fn undoes(kind: &Kind, values: &[f64], course: &Course) {
+    let inputs = [Quantity::SteeringWheelAngle, Quantity::DriveTorque, Quantity::BrakePressure];
+    let mut bench = Bench::driving(20.0);
+    bench.now.t = 5.0;
+    for quantity in inputs {
+        let effect = made(kind, values, Some(quantity.into()), course);
+        let mut readings = [3.0; Quantity::COUNT];
+        effect.sense(&bench.now, &Felt::default(), &[], &mut readings);
+        assert_ne!(readings[quantity as usize], 3.0);
+        let [steering_wheel, drive_torque, brake_pressure] = inputs.map(|input| readings[input as usize]);
+        let mut recorded = Recorded { steering_wheel, drive_torque, brake_pressure };
+        effect.undo(5.0, &mut recorded);
+        let undone = [recorded.steering_wheel, recorded.drive_torque, recorded.brake_pressure];
+        assert!(undone.iter().all(|value| (value - 3.0).abs() < 1e-12), "{undone:?}");
+    }
 }
 
 /// An effect of the car without a course.

@@ -1,7 +1,7 @@
 //! Intervals below one another, before and after something was learnt; each on a scale of its own.
 
 use super::Color;
-use super::page::escape;
+use super::page::{escape, open_svg};
 
 /// One row.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,11 +24,7 @@ const RIGHT: f64 = 690.0;
 
 /// Draws rows; `title` is read out where it cannot be seen.
 pub fn svg(title: &str, rows: &[Interval]) -> String {
-    let height = ROW * rows.len() as f64;
-    let mut svg = format!(
-        "<svg role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {WIDTH} {height}\" xmlns=\"http://www.w3.org/2000/svg\">",
-        escape(title)
-    );
+    let mut svg = open_svg(title, WIDTH, ROW * rows.len() as f64);
     for (place, row) in rows.iter().enumerate() {
         svg += &row.svg(ROW * (place as f64 + 0.5));
     }

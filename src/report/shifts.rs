@@ -2,7 +2,7 @@
 //! scale of its own.
 
 use super::Color;
-use super::page::escape;
+use super::page::{escape, open_svg};
 
 /// One number.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,11 +35,7 @@ const LANE: f64 = 9.0;
 
 /// Draws rows; `title` is read out where it cannot be seen.
 pub fn svg(title: &str, rows: &[Shift]) -> String {
-    let height = ROW * rows.len() as f64;
-    let mut svg = format!(
-        "<svg role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {WIDTH} {height}\" xmlns=\"http://www.w3.org/2000/svg\">",
-        escape(title)
-    );
+    let mut svg = open_svg(title, WIDTH, ROW * rows.len() as f64);
     for (place, row) in rows.iter().enumerate() {
         let top = ROW * place as f64;
         if place > 0 {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::page::escape;
+use super::page::{escape, open_svg};
 use super::{Color, decimate};
 
 /// A course for orientation.
@@ -75,11 +75,7 @@ impl Timeline {
         let panels: Vec<&Panel> =
             self.panels.iter().filter(|panel| extent(&panel.points).is_some()).collect();
         let bottom = (NAME + PANEL + GAP) * panels.len() as f64 + (NAME + ROW + GAP) * self.rows.len() as f64;
-        let mut svg = format!(
-            "<svg role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {WIDTH} {}\" xmlns=\"http://www.w3.org/2000/svg\">",
-            escape(&self.title),
-            bottom + AXIS
-        );
+        let mut svg = open_svg(&self.title, WIDTH, bottom + AXIS);
         for [from, to] in &self.shaded {
             svg += &self.block([*from, *to], 0.0, bottom, SHADE);
         }

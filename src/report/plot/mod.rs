@@ -11,6 +11,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use thiserror::Error;
 
+use super::page::open_svg;
 use super::{Color, escape};
 
 /// A plot that could not be drawn; it tells what plotters says.
@@ -311,12 +312,7 @@ impl Plot {
             root.present().map_err(said)?;
         }
         let body = text.find('>').and_then(|end| text.get(end + 1..)).ok_or("plotters wrote no SVG")?;
-        Ok(format!(
-            "<svg role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {width} {height}\" \
-             xmlns=\"http://www.w3.org/2000/svg\">{}",
-            escape(&self.title),
-            Color::substitute(body)
-        ))
+        Ok(open_svg(&self.title, f64::from(width), f64::from(height)) + &Color::substitute(body))
     }
 }
 

@@ -71,7 +71,8 @@ impl<'a> Told<'_, 'a> {
             explanation.improvement_ci95 = proof::improvement(&before, &after, split, self.case.seed);
         }
         explanation.unexplained = proof::unexplained(&before, &after, split, &extended.noise.sensor);
-        explanation.parameters = Models { baseline: numbers(baseline), extended: numbers(extended) };
+        explanation.parameters =
+            Models { baseline: self.numbers(baseline), extended: self.numbers(extended) };
         explanation.equations = equations;
         explanation.to_drive = self.to_drive(&explanation.findings);
         explanation.measurement_chain = self.case.chain.iter().flat_map(chain_words).collect();
@@ -139,6 +140,15 @@ impl<'a> Told<'_, 'a> {
             intervals: gains.intervals(),
             recording: drive.name.clone(),
         }
+    }
+
+    /// Ordinary numbers in their units, by name.
+    fn numbers(&self, fit: &Fit<'_>) -> BTreeMap<String, Estimate> {
+        let of = |(free, variance): (&Free, f64)| {
+            let (name, value, slope) = fit.model.ordinary_number(free.place)?;
+            Some((name, Estimate { value, std: variance.sqrt() * slope }))
+        };
+        fit.free.iter().zip(self.data.variances(fit)).filter_map(of).collect()
     }
 
     fn to_drive(&self, findings: &[Finding]) -> Vec<String> {
@@ -223,14 +233,4 @@ fn chain_words(report: &ChainReport) -> Vec<String> {
         format!("{} of {}{value}, {confidence}: {}", finding.effect, finding.channel, finding.evidence)
     };
     report.findings.iter().map(line).collect()
-}
-
-/// Ordinary numbers in their units, by name.
-fn numbers(fit: &Fit<'_>) -> BTreeMap<String, Estimate> {
-    let of = |(place, free): (usize, &Free)| {
-        let std = fit.covariance.get((place, place)).copied().unwrap_or(0.0).sqrt();
-        let (name, value, slope) = fit.model.ordinary_number(free.place)?;
-        Some((name, Estimate { value, std: std * slope }))
-    };
-    fit.free.iter().enumerate().filter_map(of).collect()
 }

@@ -4,23 +4,26 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::predict::Drive;
-use super::predict::drive::STEP_S;
+use super::predict::drive::{STEP_S, points};
 use super::smooth::Smoothed;
 
 /// Distance of the points that are compared, grid points.
-const EVERY: usize = 10;
+const EVERY: usize = points(0.1);
+
+/// The speed changes by differences over so many to each side.
+const NEAR: usize = points(0.1);
 
 /// Share of a course's variance that follows from the driver's inputs and the speed, the number of
 /// regressors counted against the course's independent pieces: 0 none, 1 all.
 pub fn follows_motion(drive: &Drive, course: &Smoothed, length_s: f64) -> f64 {
-    let points: Vec<(usize, f64)> = course
+    let compared: Vec<(usize, f64)> = course
         .t
         .iter()
         .zip(&course.value)
         .map(|(t, value)| ((t / STEP_S).round() as usize, *value))
-        .filter(|(k, _)| k % EVERY == 0 && *k >= 20 && k + 20 < drive.inputs.len())
+        .filter(|(k, _)| k % EVERY == 0 && *k >= NEAR && k + NEAR < drive.inputs.len())
         .collect();
-    if points.len() < 50 {
+    if compared.len() < 50 {
         return 0.0;
     }
     let played = PLAYS.map(|width| play(drive, width));
@@ -29,7 +32,7 @@ pub fn follows_motion(drive: &Drive, course: &Smoothed, length_s: f64) -> f64 {
         let input = &drive.inputs[k];
         let speed = drive.speed[k];
         let steering = input.steering_wheel;
-        let faster = (drive.speed[k + 10] - drive.speed[k - 10]) / (20.0 * STEP_S);
+        let faster = (drive.speed[k + NEAR] - drive.speed[k - NEAR]) / (2.0 * NEAR as f64 * STEP_S);
         let mut row = [0.0; REGRESSORS];
         let motion = [
             1.0,
@@ -45,17 +48,17 @@ pub fn follows_motion(drive: &Drive, course: &Smoothed, length_s: f64) -> f64 {
         ];
         row[..motion.len()].copy_from_slice(&motion);
         // The car answers within tenths of a second; what swings or settles in it, within seconds.
-        for (place, points) in LAGS.into_iter().enumerate() {
-            row[motion.len() + place] = demand(k.saturating_sub(points));
+        for (place, lag) in LAGS.into_iter().enumerate() {
+            row[motion.len() + place] = demand(k.saturating_sub(lag));
         }
         for (place, played) in played.iter().enumerate() {
             row[motion.len() + LAGS.len() + place] = played[k];
         }
         row
     };
-    let rows: Vec<[f64; REGRESSORS]> = points.iter().map(|(k, _)| row(*k)).collect();
+    let rows: Vec<[f64; REGRESSORS]> = compared.iter().map(|(k, _)| row(*k)).collect();
     let x = DMatrix::from_fn(rows.len(), REGRESSORS, |i, j| rows[i][j]);
-    let y = DVector::from_iterator(points.len(), points.iter().map(|(_, value)| *value));
+    let y = DVector::from_iterator(compared.len(), compared.iter().map(|(_, value)| *value));
     if x.iter().any(|value| !value.is_finite()) {
         return 0.0;
     }
@@ -68,7 +71,7 @@ pub fn follows_motion(drive: &Drive, course: &Smoothed, length_s: f64) -> f64 {
         return 0.0;
     }
     // Independent pieces: two for each correlation length.
-    let seconds = points.len() as f64 * EVERY as f64 * STEP_S;
+    let seconds = compared.len() as f64 * EVERY as f64 * STEP_S;
     let pieces = (2.0 * seconds / length_s.max(0.5)).max(2.0 * REGRESSORS as f64);
     let adjusted = 1.0 - left / total * (pieces - 1.0) / (pieces - REGRESSORS as f64);
     adjusted.clamp(0.0, 1.0)
@@ -77,7 +80,7 @@ pub fn follows_motion(drive: &Drive, course: &Smoothed, length_s: f64) -> f64 {
 const REGRESSORS: usize = 10 + LAGS.len() + PLAYS.len();
 
 /// Lags, grid points.
-const LAGS: [usize; 6] = [0, 15, 30, 60, 100, 150];
+const LAGS: [usize; 6] = [0, points(0.15), points(0.3), points(0.6), points(1.0), points(1.5)];
 
 /// Widths of a play between steering wheel and road wheels, rad at the steering wheel.
 const PLAYS: [f64; 3] = [0.01, 0.03, 0.1];

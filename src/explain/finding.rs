@@ -6,8 +6,8 @@ use super::answer::Told;
 use super::candidates::Candidate;
 use super::fit::Fit;
 use super::model::Place;
-use super::naming::Refitted;
-use super::predict::Drive;
+use super::naming::{Refitted, onset_std};
+use super::predict::{Drive, drive::points};
 use super::result::{self, Estimate, Finding, Ranked, Where};
 use super::select::{Round, Selection};
 use super::smooth::{Smoothed, courses};
@@ -26,7 +26,11 @@ pub fn finding(told: &Told<'_, '_>, number: usize, extended: &Fit<'_>, mut place
     };
     // Those that the configuration switches on come first in the model.
     let effect = told.case.effects.len() + number;
-    let mut parameters = own_numbers(extended, effect);
+    let mut parameters = own_numbers(told, extended, effect);
+    if let Some((at, place)) = taken.onset().zip(candidate.kind.place_of("at_s")) {
+        let std = onset_std(told.data, extended, effect, place);
+        parameters.insert("at_s".into(), Estimate { value: at, std });
+    }
     let mut series = None;
     if candidate.live.is_some() {
         if let Some((drive, course)) = course(told.drives, effect, extended, &place.recording) {
@@ -111,18 +115,14 @@ pub fn ranking(selection: &Selection<'_>) -> Vec<Ranked> {
 }
 
 /// Numbers of one of the effects, by name.
-fn own_numbers(fit: &Fit<'_>, number: usize) -> BTreeMap<String, Estimate> {
+fn own_numbers(told: &Told<'_, '_>, fit: &Fit<'_>, number: usize) -> BTreeMap<String, Estimate> {
     let Some(chosen) = fit.model.effects.get(number) else { return BTreeMap::new() };
+    let variances = told.data.variances(fit);
     let of = |(place, spec): (usize, Spec)| {
         let coordinate = chosen.numbers[place];
-        let free = fit.free.iter().position(|free| free.place == Place::Effect(number, place));
-        let variance = free.and_then(|free| fit.covariance.get((free, free)).copied());
-        let fixed = free.is_none();
-        // What is not searched and has nothing to say is left out.
-        if fixed && spec.name != "at_s" {
-            return None;
-        }
-        let std = variance.unwrap_or(0.0).sqrt() * spec.scale.slope(coordinate).abs();
+        // What is not searched has nothing to say.
+        let free = fit.free.iter().position(|free| free.place == Place::Effect(number, place))?;
+        let std = variances[free].sqrt() * spec.scale.slope(coordinate).abs();
         Some((spec.name.to_owned(), Estimate { value: spec.value(coordinate), std }))
     };
     chosen.specs().enumerate().filter_map(of).collect()
@@ -173,7 +173,7 @@ fn summarize(
 /// Ten points a second.
 fn decimated(course: &Smoothed, candidate: &Candidate) -> result::Course {
     let unit = candidate.kind.surroundings(candidate.channel).map_or("", |course| course.unit);
-    let some = |values: &[f64]| values.iter().step_by(10).copied().collect();
+    let some = |values: &[f64]| values.iter().step_by(points(0.1)).copied().collect();
     result::Course {
         t: some(&course.t),
         value: some(&course.value),

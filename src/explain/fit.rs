@@ -95,6 +95,26 @@ impl<'d> Data<'d> {
         })
     }
 
+    /// Variances of a fit's free numbers, in their coordinates: as the curvature of the likelihood has them, or,
+    /// where that is more, as the scatter of its slope from block to block has them. The latter sees what the
+    /// former believes not to be there: errors that go on for a while (White 1982). Never more than was
+    /// thought before.
+    pub fn variances(&self, fit: &Fit<'_>) -> Vec<f64> {
+        let count = fit.free.len();
+        let before = fit.free.iter().map(|free| free.std * free.std);
+        if fit.covariance.nrows() != count {
+            return before.collect();
+        }
+        let mut scatter = DMatrix::zeros(count, count);
+        for sum in self.counted(&fit.sums) {
+            let slope = sum.gram.view((1, 0), (count, 1));
+            scatter += slope * slope.transpose();
+        }
+        let robust = &fit.covariance * scatter * &fit.covariance;
+        let after = fit.covariance.diagonal().sup(&robust.diagonal());
+        before.zip(after.iter()).map(|(before, after)| after.min(before)).collect()
+    }
+
     /// The noise with the sensors' as the innovations have it, or as their readings look, if either is more
     /// probable.
     fn with_sensors(&self, model: &Model<'_>, sums: &[Sums], noise: &Noise) -> Noise {
@@ -312,4 +332,58 @@ fn within_bounds(
 /// What the prior says against a model.
 pub fn prior(model: &Model<'_>, free: &[Free]) -> f64 {
     free.iter().map(|free| ((model.get(free.place) - free.mean) / free.std).powi(2)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bench::{fitted, recorded, training};
+    use super::super::predict::late::Late;
+    use super::*;
+
+    #[test]
+    fn a_fit_finds_the_car_and_says_how_sure_it_is() {
+        let (vehicle, recording) = recorded("");
+        let drives = [Drive::new(&recording, &vehicle)];
+        let data = training(&drives);
+        let fit = fitted(&data, &vehicle);
+        let variances = data.variances(&fit);
+        let truth = |name: &str| match name {
+            "mass_kg" => Some(1500.0),
+            "yaw_inertia_kgm2" => Some(2600.0),
+            "lateral_stiffness_front" => Some(11.0),
+            "lateral_stiffness_rear" => Some(14.0),
+            _ => None,
+        };
+        let mut compared = 0;
+        for (free, variance) in fit.free.iter().zip(variances) {
+            let Some((name, value, slope)) = fit.model.ordinary_number(free.place) else { continue };
+            let Some(truth) = truth(&name) else { continue };
+            let std = variance.sqrt() * slope;
+            compared += 1;
+            assert!((value - truth).abs() < 3.0 * std, "{name}: {value} ± {std}, truth {truth}");
+            assert!(std < 0.03 * truth, "{name}: ± {std}");
+        }
+        assert_eq!(compared, 4);
+    }
+
+    #[test]
+    fn everything_late_together_is_the_same_drive_and_one_thing_late_is_not() {
+        let (vehicle, recording) = recorded("");
+        let drives = [Drive::new(&recording, &vehicle)];
+        let data = training(&drives);
+        let fit = fitted(&data, &vehicle);
+        let rise = |late_by: fn(Late) -> f64| {
+            let mut model = fit.model.clone();
+            for late in Late::ALL {
+                model.delays[late as usize] += late_by(late);
+            }
+            data.minus_two_ln(&data.pass(&model, &[], &fit.noise)) - fit.minus_two_ln
+        };
+        // Torques act later than their frames, all others are late: earlier torques make up for it.
+        let all = rise(|late| if late == Late::Torque { -0.01 } else { 0.01 });
+        let steering = rise(|late| if late == Late::Steering { 0.01 } else { 0.0 });
+        let torque = rise(|late| if late == Late::Torque { 0.01 } else { 0.0 });
+        assert!(all.abs() < 30.0, "{all}");
+        assert!(steering > 200.0 && torque > 60.0, "{steering} {torque}");
+    }
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::model::Model;
 use super::predict::Drive;
 use super::predict::car::BODY_STATES;
+use super::predict::drive::{STEP_S, points};
 use super::predict::noise::Noise;
 use super::predict::pass::{Ask, Innovation, pass};
 use crate::Quantity;
@@ -66,24 +67,26 @@ impl Gains {
             held += self.bins[bin];
             is_in[bin] = true;
         }
-        merged(&is_in, BIN_S, 1)
+        let at = |bin: usize| bin as f64 * BIN_S;
+        let bins = is_in.iter().enumerate().filter(|(_, is_in)| **is_in);
+        merged(bins.map(|(bin, _)| [at(bin), at(bin + 1)]), BIN_S)
     }
 }
 
 /// Share of the gain that the stretches hold.
 const MOST_OF_IT: f64 = 0.8;
 
-/// Stretches of true entries, s; gaps of so many entries are bridged.
-pub fn merged(is_in: &[bool], step_s: f64, bridge: usize) -> Vec<[f64; 2]> {
-    let mut all: Vec<[usize; 2]> = Vec::new();
-    for (i, _) in is_in.iter().enumerate().filter(|(_, is_in)| **is_in) {
+/// Pieces of time in their order as stretches, s, to a hundredth; gaps up to this are bridged.
+pub fn merged(pieces: impl Iterator<Item = [f64; 2]>, bridged_s: f64) -> Vec<[f64; 2]> {
+    let mut all: Vec<[f64; 2]> = Vec::new();
+    for piece in pieces {
+        let [from, to] = piece.map(|t| (t * 100.0).round() / 100.0);
         match all.last_mut() {
-            Some(last) if i <= last[1] + bridge => last[1] = i + 1,
-            _ => all.push([i, i + 1]),
+            Some(last) if from <= last[1] + bridged_s + 1e-6 => last[1] = to,
+            _ => all.push([from, to]),
         }
     }
-    let round = |t: f64| (t * 100.0).round() / 100.0;
-    all.into_iter().map(|[from, to]| [round(from as f64 * step_s), round(to as f64 * step_s)]).collect()
+    all
 }
 
 /// Some kind of driving: its name, and whether an instant belongs to it.
@@ -91,7 +94,7 @@ type Regime = (&'static str, fn(&Drive, usize) -> bool);
 
 /// The driving in which most of the gain lies, in words.
 pub fn regimes(drive: &Drive, gains: &Gains) -> Vec<String> {
-    let per_bin = (BIN_S / super::predict::drive::STEP_S) as usize;
+    let per_bin = points(BIN_S);
     let total: f64 = gains.bins.iter().map(|gain| gain.max(0.0)).sum();
     let all: [Regime; 9] = [
         ("slow, below 10 m/s", |d, k| d.speed[k] < 10.0),
@@ -139,13 +142,15 @@ fn turn(drive: &Drive, k: usize) -> f64 {
 }
 
 fn steering_rate(drive: &Drive, k: usize) -> f64 {
-    let (from, to) = (k.saturating_sub(5), (k + 5).min(drive.inputs.len() - 1));
-    (drive.inputs[to].steering_wheel - drive.inputs[from].steering_wheel) / 0.1
+    let near = points(0.05);
+    let (from, to) = (k.saturating_sub(near), (k + near).min(drive.inputs.len() - 1));
+    (drive.inputs[to].steering_wheel - drive.inputs[from].steering_wheel) / (2.0 * near as f64 * STEP_S)
 }
 
 fn rate(drive: &Drive, k: usize) -> f64 {
-    let (from, to) = (k.saturating_sub(25), (k + 25).min(drive.speed.len() - 1));
-    (drive.speed[to] - drive.speed[from]) / 0.5
+    let near = points(0.25);
+    let (from, to) = (k.saturating_sub(near), (k + near).min(drive.speed.len() - 1));
+    (drive.speed[to] - drive.speed[from]) / (2.0 * near as f64 * STEP_S)
 }
 
 /// Names of the equations in the order of their diffusions.

@@ -14,6 +14,8 @@
 //! data make most probable is taken; then the next, until nothing is left that held-out data confirm.
 
 mod answer;
+#[cfg(test)]
+mod bench;
 mod candidates;
 pub mod chain;
 mod correction;

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::candidates::Candidate;
 use super::fit::{Data, Fit, Learn};
 use super::model::{Free, Model, Place};
+use super::predict::drive::STEP_S;
 use super::predict::noise::{Live, Noise};
 
 /// A candidate with its score.
@@ -224,6 +225,28 @@ fn onset<'a>(data: &Data<'_>, fit: &Fit<'a>, effect: usize, place: usize) -> Mod
     best.1
 }
 
+/// Standard deviation of the moment at which an effect begins, s: how far to either side −2 ln likelihood
+/// rises by one, the rest of the model kept; within the grid nobody can tell.
+pub fn onset_std(data: &Data<'_>, fit: &Fit<'_>, effect: usize, place: usize) -> f64 {
+    let at = fit.model.effects[effect].numbers[place];
+    let side = |sign: f64| {
+        let mut by = 0.01;
+        loop {
+            let mut model = fit.model.clone();
+            model.effects[effect].numbers[place] = at + sign * by;
+            let rise = data.minus_two_ln(&data.pass(&model, &[], &fit.noise)) - fit.minus_two_ln;
+            if rise > 1.0 || by > MOST_ONSET_STD_S {
+                return by / rise.max(1.0).sqrt();
+            }
+            by *= 2.0;
+        }
+    };
+    f64::max(side(-1.0), side(1.0)).hypot(STEP_S)
+}
+
+/// No onset is less certain, s.
+const MOST_ONSET_STD_S: f64 = 10.0;
+
 /// Laplace's approximation: the gain less what the new numbers' freedom is worth.
 fn evidence(before: &Fit<'_>, after: &Fit<'_>, new: usize, is_live: bool) -> f64 {
     let gain = before.cost() - after.cost();
@@ -297,5 +320,44 @@ impl Normal {
             numbers: numbers.collect(),
             ordinary: ordinary.iter().copied().collect(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bench::{fitted, recorded, training};
+    use super::super::candidates::library;
+    use super::super::predict::Drive;
+    use super::*;
+
+    /// Scans a drive with effects concealed, and fits the best candidate.
+    fn best(effects: &str) -> (String, f64, Vec<(f64, f64)>) {
+        let (vehicle, recording) = recorded(effects);
+        let drives = [Drive::new(&recording, &vehicle)];
+        let data = training(&drives);
+        let plain = fitted(&data, &vehicle);
+        let scanned = scan(&data, &plain, &library(&plain.model, |_| true, drives[0].seconds()));
+        let named = refit(&data, &plain, (&plain, Learn::Noise), &scanned[0], 4);
+        let variances = data.variances(&named.fit);
+        let numbers = named.fit.free.iter().zip(variances).filter_map(|(free, variance)| {
+            let own = matches!(free.place, Place::Effect(..));
+            own.then(|| (named.fit.model.get(free.place), variance.sqrt()))
+        });
+        (named.candidate.name(), named.evidence, numbers.collect())
+    }
+
+    #[test]
+    fn a_steering_that_lags_is_named_with_its_time_constant() {
+        let (name, evidence, numbers) = best("[[effect]]\nkind = \"steering_lag\"\ntime_constant_s = 0.08");
+        assert_eq!(name, "steering_lag");
+        assert!(evidence > 100.0, "{evidence}");
+        let (value, std) = numbers[0];
+        assert!((value.exp() - 0.08).abs() < 0.01 || (value - 0.08).abs() < 0.01, "{value} ± {std}");
+    }
+
+    #[test]
+    fn where_nothing_is_concealed_nothing_is_worth_a_name() {
+        let (name, evidence, _) = best("");
+        assert!(evidence < super::super::select::LEAST_EVIDENCE, "{name}: {evidence}");
     }
 }

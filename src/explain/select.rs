@@ -20,7 +20,7 @@ pub const LEAST_EVIDENCE: f64 = 24.0;
 
 /// Further findings need this, and this share of all that has been found.
 const FURTHER_EVIDENCE: f64 = 30.0;
-const FURTHER_SHARE: f64 = 0.03;
+const FURTHER_SHARE: f64 = 0.015;
 
 /// So many findings at most: what is beyond is noise, or another car.
 const MOST_FINDINGS: usize = 5;
@@ -104,14 +104,19 @@ pub fn select<'a>(
             !chosen.iter().any(same)
         };
         let library: Vec<Candidate> = library.into_iter().filter(is_new).collect();
-        let strict = data.fit_strictly(&extended, STRICT_ROUNDS);
-        let grounds = [(&extended, Learn::Noise), (&strict, Learn::Nothing)];
-        let scans = grounds.map(|(at, _)| scan(&data, at, &library));
+        // Equations that hardly err as they are would only say the same again.
+        let strict = data.strict(&extended.noise);
+        let errs =
+            extended.noise.diffusion.iter().zip(strict.diffusion).any(|(learnt, least)| *learnt > least);
+        let strict = errs.then(|| data.fit_strictly(&extended, STRICT_ROUNDS));
+        let mut grounds = vec![(&extended, Learn::Noise)];
+        grounds.extend(strict.iter().map(|strict| (strict, Learn::Nothing)));
+        let scans: Vec<Vec<Scored>> = grounds.iter().map(|(at, _)| scan(&data, at, &library)).collect();
         let found: f64 = chosen.iter().map(|refitted| refitted.evidence).sum();
         let least =
             if chosen.is_empty() { LEAST_EVIDENCE } else { FURTHER_EVIDENCE.max(FURTHER_SHARE * found) };
         let mut refitted = fitted(&data, &extended, grounds.iter().zip(&scans), least);
-        let [scanned, _] = scans;
+        let scanned = scans.into_iter().next().unwrap_or_default();
         let mut following = Vec::new();
         refitted.retain(|refitted| {
             let share = following_share(&data, refitted);
@@ -169,6 +174,15 @@ fn fitted<'f, 'a: 'f>(
         .par_iter()
         .map(|(ground, scored)| refit(data, before, **ground, scored, FIRST_ROUNDS))
         .collect();
+    for ((ground, scored), first) in worth.iter().zip(&first) {
+        tracing::trace!(
+            name = scored.candidate.name(),
+            from = ?ground.1,
+            gain = scored.gain,
+            evidence = first.evidence,
+            "first fit"
+        );
+    }
     let mut all = best_of_each(first);
     let enough = RIVAL_SHARE * all.first().map_or(0.0, |first| first.evidence);
     all.par_iter_mut().enumerate().for_each(|(rank, refitted)| {
@@ -200,16 +214,13 @@ fn patches<'a>(data: &Data<'_>, before: &Fit<'a>, all: &[Refitted<'a>]) -> Vec<R
 /// The candidates of a scan that are worth a fit.
 fn worth(scanned: &[Scored], least: f64) -> impl Iterator<Item = &Scored> {
     let best = scanned.first().map_or(0.0, |scored| scored.gain);
-    let enough = (LEAST_SHARE * best).max(LEAST_OF_FIRST_ORDER * least);
-    scanned
-        .iter()
-        .enumerate()
-        .filter(move |(rank, scored)| {
-            // What grows with the square shows little to first order.
-            let hides = scored.candidate.kind.name == "load_transfer";
-            hides || *rank < MOST_REFITTED && scored.gain > enough
-        })
-        .map(|(_, scored)| scored)
+    let enough = move |(rank, scored): &(usize, &Scored)| {
+        // What grows with the square shows little to first order.
+        let hides = scored.candidate.kind.name == "load_transfer";
+        let is_among_best = *rank < MOST_REFITTED && scored.gain > LEAST_SHARE * best;
+        scored.gain > LEAST_OF_FIRST_ORDER * least && (hides || is_among_best)
+    };
+    scanned.iter().enumerate().filter(enough).map(|(_, scored)| scored)
 }
 
 /// Of each candidate the fit with most evidence, best first.

@@ -31,12 +31,11 @@ impl Smoothed {
         bridged_s: f64,
         shortest_s: f64,
     ) -> Vec<[f64; 2]> {
-        let is_in: Vec<bool> =
-            self.value.iter().zip(&self.std).map(|(value, std)| is_in(*value, *std)).collect();
-        let first = self.t.first().copied().unwrap_or(0.0);
-        let all = merged(&is_in, STEP_S, (bridged_s / STEP_S).round() as usize);
-        let placed = all.into_iter().map(|[from, to]| [from + first, to + first]);
-        placed.filter(|[from, to]| to - from > shortest_s).collect()
+        let points = self.t.iter().zip(self.value.iter().zip(&self.std));
+        let inside = points.filter(|(_, (value, std))| is_in(**value, **std));
+        let mut all = merged(inside.map(|(t, _)| [*t, t + STEP_S]), bridged_s);
+        all.retain(|[from, to]| to - from > shortest_s);
+        all
     }
 
     /// Largest absolute value.

@@ -19,11 +19,17 @@ const USUALLY_MISSING: [f64; BODY_STATES] = [6.0, 1.0, 1.0];
 /// So much of what the equations miss may be left; more, and what was named is not all there is.
 const MOST_LEFT: f64 = 0.2;
 
-/// What is left beside a name may be so much at least, per second.
+/// What is left beside a name may be so much at least, per second…
 const ALWAYS_LEFT: f64 = 5.0;
 
+/// …and never more than this.
+const NEVER_LEFT: f64 = 1000.0;
+
+/// A cause that holds less of all the evidence found is not what is missing: several together imitate it.
+const LEAST_LEADING: f64 = 0.5;
+
 /// Some restlessness is every sensor's, and so much of it may be left beside a name.
-const USUALLY_RESTLESS: f64 = 300.0;
+const USUALLY_RESTLESS: f64 = 600.0;
 const MOST_RESTLESS: f64 = 0.5;
 
 /// By how much −2 ln likelihood falls, the prior counted in.
@@ -33,6 +39,8 @@ pub struct Gains {
     pub seconds: f64,
     /// With what was chosen; none, if nothing was.
     pub named: Option<f64>,
+    /// Share of the evidence of all that was chosen which the first has.
+    pub leading: f64,
     /// With unknown forces instead.
     pub unknown: f64,
     /// With a course that had to be refused instead.
@@ -55,7 +63,9 @@ impl Gains {
         let has_names = !selection.chosen.is_empty();
         let counted = data.counted(&plain.sums);
         let missing = data.missing(plain);
+        let evidence: f64 = selection.chosen.iter().map(|chosen| chosen.evidence).sum();
         Self {
+            leading: selection.chosen.first().map_or(1.0, |first| first.evidence / evidence),
             seconds: counted.map(|sums| sums.t.1 - sums.t.0).sum(),
             named: has_names.then(|| plain.cost() - selection.extended.cost()),
             unknown: plain.cost() - corrected.cost() - FREEDOM,
@@ -76,10 +86,12 @@ impl Gains {
     /// The verdict; a drive that does not turn cannot clear the car.
     pub fn verdict(&self, turns: bool) -> Verdict {
         let left = self.beyond_usual(&self.left);
-        let is_much = left > (MOST_LEFT * self.beyond_usual(&self.missing)).max(ALWAYS_LEFT * self.seconds);
+        let most = MOST_LEFT * self.beyond_usual(&self.missing);
+        let is_much = left > most.clamp(ALWAYS_LEFT * self.seconds, NEVER_LEFT * self.seconds);
+        let imitates = self.leading < LEAST_LEADING;
         let is_restless = self.still_restless > (MOST_RESTLESS * self.restless).max(USUALLY_RESTLESS);
         match self.named {
-            Some(_) if is_much || is_restless => Verdict::UnknownPhysics,
+            Some(_) if is_much || is_restless || imitates => Verdict::UnknownPhysics,
             Some(_) => Verdict::MissingPhysics,
             None if is_much || is_restless || self.unknown.max(self.refused) > LEAST_MISSING => {
                 Verdict::UnknownPhysics
@@ -116,9 +128,14 @@ mod tests {
 
     fn verdict(named: Option<f64>, missing: f64, left: f64) -> Verdict {
         let of_yaw = |missing| [50.0, 0.0, missing];
-        let gains =
-            Gains { seconds: 60.0, named, missing: of_yaw(missing), left: of_yaw(left), ..Gains::default() };
-        gains.verdict(true)
+        let gains = Gains {
+            seconds: 60.0,
+            leading: 1.0,
+            missing: of_yaw(missing),
+            left: of_yaw(left),
+            ..Gains::default()
+        };
+        Gains { named, ..gains }.verdict(true)
     }
 
     #[test]
@@ -139,8 +156,15 @@ mod tests {
     fn a_sensor_that_errs_far_more_now_and_then_is_something_unknown() {
         let gains = Gains { seconds: 60.0, restless: 5000.0, still_restless: 5000.0, ..Gains::default() };
         assert_eq!(gains.verdict(true), Verdict::UnknownPhysics);
-        let named = Gains { named: Some(9000.0), still_restless: 100.0, ..gains };
+        let named = Gains { named: Some(9000.0), leading: 1.0, still_restless: 100.0, ..gains };
         assert_eq!(named.verdict(true), Verdict::MissingPhysics);
+    }
+
+    #[test]
+    fn several_that_only_together_explain_it_are_no_name_for_it() {
+        let gains = Gains { seconds: 60.0, named: Some(9000.0), leading: 0.8, ..Gains::default() };
+        assert_eq!(gains.verdict(true), Verdict::MissingPhysics);
+        assert_eq!(Gains { leading: 0.34, ..gains }.verdict(true), Verdict::UnknownPhysics);
     }
 
     #[test]

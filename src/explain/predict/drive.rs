@@ -1,5 +1,6 @@
 //! A recording as the filter takes it: inputs on a grid, readings at their own times.
 
+use super::smoothing::{on_grid, smooth_on_grid};
 use crate::model::Vehicle;
 use crate::model::effect::Recorded;
 use crate::{Quantity, Wheel};
@@ -25,14 +26,17 @@ impl Recording {
     }
 }
 
-/// Seconds between grid points.
-pub const STEP_S: f64 = 0.01;
+/// Seconds between grid points. Readings within a step keep their own times; what a car does is smooth on
+/// this scale.
+pub const STEP_S: f64 = 0.02;
+
+/// Grid points in so many seconds.
+pub const fn points(seconds: f64) -> usize {
+    (seconds / STEP_S + 0.5) as usize
+}
 
 /// Below this speed slip angles mean nothing and wheel sensors are coarse, m/s.
 const SLOWEST_MPS: f64 = 3.0;
-
-/// An input, or all wheels, missing for so long ends a run, s.
-const LONGEST_GAP_S: f64 = 0.3;
 
 /// Shorter runs say nothing, s.
 const SHORTEST_RUN_S: f64 = 3.0;
@@ -158,17 +162,40 @@ impl Drive {
         (from, &self.measured[from..to])
     }
 
-    /// Inputs as recorded some time after a grid point, s; between grid points linear.
-    pub fn input_after(&self, k: usize, delay: f64) -> Recorded {
-        if delay == 0.0 {
-            return self.inputs[k];
+    /// Speed by the wheels around a time, m/s; 0 where nobody knows.
+    pub fn speed_at(&self, t: f64) -> f64 {
+        let speed = self.speed.get((t / STEP_S).round() as usize).copied();
+        speed.filter(|speed| speed.is_finite()).unwrap_or(0.0)
+    }
+
+    /// The inputs that act at a time, s, where the steering's record is so late and torques act so late after
+    /// theirs.
+    pub fn acting(&self, t: f64, steering_delay: f64, torque_delay: f64) -> Recorded {
+        let steering = self.around(t + steering_delay);
+        let torques = self.around(t - torque_delay);
+        Recorded {
+            steering_wheel: steering.of(|input| input.steering_wheel),
+            drive_torque: torques.of(|input| input.drive_torque),
+            brake_pressure: torques.of(|input| input.brake_pressure),
         }
+    }
+
+    /// The inputs recorded around a time.
+    fn around(&self, t: f64) -> Around<'_> {
         let last = self.inputs.len() - 1;
-        let place = (k as f64 + delay / STEP_S).clamp(0.0, last as f64);
+        let place = (t / STEP_S).clamp(0.0, last as f64);
         let before = (place as usize).min(last.saturating_sub(1));
-        let share = place - before as f64;
-        let (a, b) = (self.inputs[before].steering_wheel, self.inputs[before + 1].steering_wheel);
-        Recorded { steering_wheel: a + share * (b - a), ..self.inputs[k] }
+        let x = place - before as f64;
+        let at = |k: usize| &self.inputs[k.min(last)];
+        let inputs = [at(before.saturating_sub(1)), at(before), at(before + 1), at(before + 2)];
+        // Catmull and Rom's cubic: through the grid points, slopes by their neighbours.
+        let weights = [
+            0.5 * x * (x * (2.0 - x) - 1.0),
+            0.5 * (x * x * (3.0 * x - 5.0) + 2.0),
+            0.5 * x * (x * (4.0 - 3.0 * x) + 1.0),
+            0.5 * x * x * (x - 1.0),
+        ];
+        Around { inputs, weights }
     }
 
     /// Seconds from the recording's start to its end.
@@ -177,69 +204,19 @@ impl Drive {
     }
 }
 
-/// Inputs are smoothed over so long to each side, s: nobody turns a wheel or a pedal faster, and noise of an
-/// input would act as a force.
-const SMOOTH_S: f64 = 0.055;
-
-/// A parabola through the readings around each grid point; not-a-number in gaps.
-fn smooth_on_grid(track: &[(f64, f64)], points: usize) -> Vec<f64> {
-    let plain = on_grid(track, points);
-    let (mut from, mut to) = (0, 0);
-    let at = |k: usize| {
-        let t = k as f64 * STEP_S;
-        while from < track.len() && track[from].0 < t - SMOOTH_S {
-            from += 1;
-        }
-        while to < track.len() && track[to].0 <= t + SMOOTH_S {
-            to += 1;
-        }
-        let around = &track[from..to.max(from)];
-        // Moments of the times, scaled, and of the values.
-        let mut m = [0.0; 5];
-        let mut y = [0.0; 3];
-        for (other, value) in around {
-            let x = (other - t) / SMOOTH_S;
-            let mut power = 1.0;
-            for (i, moment) in m.iter_mut().enumerate() {
-                *moment += power;
-                if i < 3 {
-                    y[i] += power * value;
-                }
-                power *= x;
-            }
-        }
-        let normal = nalgebra::Matrix3::new(m[0], m[1], m[2], m[1], m[2], m[3], m[2], m[3], m[4]);
-        let is_within =
-            around.first().is_some_and(|(t0, _)| *t0 <= t) && around.last().is_some_and(|(t1, _)| *t1 >= t);
-        let fit = (is_within && around.len() > 3 && plain[k].is_finite())
-            .then(|| normal.lu().solve(&nalgebra::Vector3::from(y)))
-            .flatten();
-        fit.map_or(plain[k], |fit| fit[0])
-    };
-    (0..points).map(at).collect()
+/// Inputs at four grid points around a time, and what each of them weighs.
+struct Around<'a> {
+    inputs: [&'a Recorded; 4],
+    weights: [f64; 4],
 }
 
-/// Linear between readings; not-a-number in gaps.
-fn on_grid(track: &[(f64, f64)], points: usize) -> Vec<f64> {
-    let mut after = 0;
-    let at = |k: usize| {
-        let t = k as f64 * STEP_S;
-        while after < track.len() && track[after].0 < t {
-            after += 1;
-        }
-        let before = after.checked_sub(1).map(|before| track[before]);
-        match (before, track.get(after)) {
-            (Some((t0, a)), Some((t1, b))) if t1 - t0 <= LONGEST_GAP_S => {
-                if *t1 > t0 {
-                    a + (b - a) * (t - t0) / (t1 - t0)
-                } else {
-                    a
-                }
-            }
-            (None, Some((t1, b))) if t1 - t <= 0.05 => *b,
-            (Some((t0, a)), None) if t - t0 <= 0.05 => a,
-            _ => f64::NAN,
-        }
-    };
-    (0..points).map(at).collect()
+impl Around<'_> {
+    fn of(&self, value: impl Fn(&Recorded) -> f64) -> f64 {
+        let [before, from, to, after] = self.inputs.map(value);
+        // Beside a gap the nearest neighbour must do.
+        let or = |value: f64, other: f64| if value.is_finite() { value } else { other };
+        let (from, to) = (or(from, to), or(to, from));
+        let all = [or(before, from), from, to, or(after, to)];
+        all.iter().zip(self.weights).map(|(value, weight)| value * weight).sum()
+    }
 }

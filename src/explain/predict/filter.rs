@@ -63,7 +63,7 @@ impl Filter {
         let predicted = self.lane.predict(car, drive, k, &noise.live);
         let t = k as f64 * STEP_S;
         let (derivatives, age) = self.derivatives.take().unwrap_or_else(|| {
-            let (input, rates) = (&predicted.ends.input[0], &predicted.ends.rates);
+            let (input, rates) = (&predicted.inputs.at[0], &predicted.inputs.rates);
             let at = |state: &State| {
                 let state = car.settled(t, state, input, &before);
                 car.instant(t, &state, input, rates, &before, car::Ask::Readings)
@@ -84,7 +84,7 @@ impl Filter {
         let derivatives = if age + 1 < SERVES {
             self.derivatives.insert((derivatives, age + 1))
         } else {
-            let (input, rates) = (&predicted.ends.input[1], &predicted.ends.rates);
+            let (input, rates) = (&predicted.inputs.at[2], &predicted.inputs.rates);
             let first = predicted.first.before();
             let at = |state: &State| {
                 let state = car.settled(t + STEP_S, state, input, &first);
@@ -155,7 +155,7 @@ fn start_covariance(noise: &Noise) -> Square {
 }
 
 /// Steps that derivatives serve.
-const SERVES: usize = 3;
+const SERVES: usize = 2;
 
 /// Derivatives by the filtered states.
 struct Derivatives {

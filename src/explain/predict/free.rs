@@ -1,7 +1,7 @@
 //! A free simulation: from the measured state at the start of each block, then by the inputs alone.
 
 use super::car::Car;
-use super::drive::{Drive, STEP_S};
+use super::drive::{Drive, points};
 use super::lane::Lane;
 use super::noise::Noise;
 use super::pass::pass_with;
@@ -26,7 +26,7 @@ const RESTART_S: f64 = 20.0;
 /// there. They may differ in how they come by a course: one estimates it, the other is told.
 pub fn run(drive: &Drive, held: &Car, free: &Car, noise: &Noise) -> Vec<Said> {
     let mut said = Vec::new();
-    let per_block = (RESTART_S / STEP_S) as usize;
+    let per_block = points(RESTART_S);
     let mut watch = |lane: &Lane, k: usize, to: usize, begins: bool| {
         if !begins && !k.is_multiple_of(per_block) {
             return;

@@ -1,14 +1,14 @@
 //! A car on its way beside a recording: what it says of each reading, and what it is told.
 
-use super::car::{self, BODY_STATES, Before, Car, Ends, Instant, State};
-use super::drive::{Drive, STEP_S};
+use super::car::{self, BODY_STATES, Before, Car, Inputs, Instant, State};
+use super::drive::{Drive, STEP_S, points};
 use super::filter::{Column, FILTERED, Gain};
 use super::free::Said;
 use super::noise::{Live, Noise};
 use crate::model::effect::Readings;
 
 /// Readings may be so many grid points late.
-const LATEST: usize = 64;
+const LATEST: usize = points(0.64);
 
 /// The last rows of readings.
 #[derive(Clone, Debug)]
@@ -27,13 +27,9 @@ impl Rows {
         self.rows[self.newest] = *row;
     }
 
-    /// So many grid points before the newest (not a whole number).
-    fn ago(&self, channel: usize, points: f64) -> f64 {
-        let points = points.clamp(0.0, (LATEST - 2) as f64);
-        let whole = points as usize;
-        let share = points - whole as f64;
-        let at = |back: usize| self.rows[(self.newest + LATEST - back) % LATEST][channel];
-        at(whole) + share * (at(whole + 1) - at(whole))
+    /// So many rows before the newest.
+    fn ago(&self, channel: usize, rows: usize) -> f64 {
+        self.rows[(self.newest + LATEST - rows) % LATEST][channel]
     }
 }
 
@@ -56,57 +52,61 @@ pub(super) struct Predicted {
     /// Its end.
     pub(super) end: Instant,
     /// The inputs.
-    pub(super) ends: Ends,
+    pub(super) inputs: Inputs,
 }
 
 impl Lane {
     pub(super) fn start(car: &Car, drive: &Drive, k: usize, yaw_rate: f64) -> Self {
         let t = k as f64 * STEP_S;
-        let input = car.undo(t, drive.input_after(k, car.steering_delay()));
+        let input = car.input(drive, t);
         let state = car.rolling(t, drive.speed[k], yaw_rate, &input);
         Self { state, before: Before::default(), rows: None }
     }
 
     pub(super) fn predict(&mut self, car: &Car, drive: &Drive, k: usize, live: &[Live]) -> Predicted {
         let t = k as f64 * STEP_S;
-        let input =
-            [k, k + 1].map(|k| car.undo(k as f64 * STEP_S, drive.input_after(k, car.steering_delay())));
-        let ends = Ends::new(input, STEP_S);
-        let first = car.instant(t, &self.state, &input[0], &ends.rates, &self.before, car::Ask::Readings);
+        let inputs = Inputs::new([0.0, 0.5, 1.0].map(|share| car.input(drive, t + share * STEP_S)), STEP_S);
+        let (at, rates) = (&inputs.at, &inputs.rates);
+        let first = car.instant(t, &self.state, &at[0], rates, &self.before, car::Ask::Readings);
         let substeps = (car.fastest_rate(self.state.body[0]) * STEP_S / 0.8).ceil().clamp(1.0, 20.0);
         let mut next = self.state;
         if substeps == 1.0 {
-            next = car.step(&next, &first, t, STEP_S, &ends);
+            next = car.step(&next, &first, t, STEP_S, &inputs);
         } else {
             let h = STEP_S / substeps;
             for part in 0..substeps as usize {
                 let share = |part: usize| part as f64 / substeps;
-                let ends = Ends { input: [ends.at(share(part)), ends.at(share(part + 1))], ..ends };
+                let inputs = inputs.part(share(part), share(part + 1));
                 let t = t + part as f64 * h;
-                let here =
-                    car.instant(t, &next, &ends.input[0], &ends.rates, &first.before(), car::Ask::Readings);
-                next = car.step(&next, &here, t, h, &ends);
+                let here = car.instant(t, &next, &inputs.at[0], rates, &first.before(), car::Ask::Readings);
+                next = car.step(&next, &here, t, h, &inputs);
             }
         }
         for (value, live) in next.live.iter_mut().zip(live) {
             *value *= (-STEP_S / live.length_s).exp();
         }
-        let end = car.instant(t + STEP_S, &next, &input[1], &ends.rates, &first.before(), car::Ask::Readings);
+        let end = car.instant(t + STEP_S, &next, &at[2], rates, &first.before(), car::Ask::Readings);
         match &mut self.rows {
             Some(rows) => rows.push(&first.readings),
             none => *none = Some(Rows::filled(&first.readings)),
         }
-        Predicted { first, next, end, ends }
+        Predicted { first, next, end, inputs }
     }
 
     /// What a sensor says in the step.
     pub(super) fn reading(&self, car: &Car, predicted: &Predicted, channel: usize, share: f64) -> f64 {
-        let at = share - car.delay(channel) / STEP_S;
-        let row = predicted.first.readings[channel];
-        if at >= 0.0 {
-            return row + at * (predicted.end.readings[channel] - row);
-        }
-        self.rows.as_ref().map_or(row, |rows| rows.ago(channel, -at))
+        // Grid points before the step's end, the newest that there is.
+        let back = (1.0 - share + car.delay(channel) / STEP_S).min((LATEST - 3) as f64);
+        let whole = back.max(0.0) as usize;
+        let x = back - whole as f64;
+        let at = |back: usize| match (back.checked_sub(1), &self.rows) {
+            (Some(rows), Some(all)) => all.ago(channel, rows),
+            (Some(_), None) => predicted.first.readings[channel],
+            (None, _) => predicted.end.readings[channel],
+        };
+        let [a, b, c] = [whole, whole + 1, whole + 2].map(at);
+        // The parabola through three.
+        a + x * (b - a) + 0.5 * x * (x - 1.0) * (c - 2.0 * b + a)
     }
 
     pub(super) fn finish(&mut self, predicted: &Predicted, correction: &Column) {
@@ -131,10 +131,11 @@ impl Lane {
     /// Takes the speed from the wheels.
     pub(super) fn set_speed(&mut self, drive: &Drive, k: usize) {
         let around = |by: isize| k.checked_add_signed(by).and_then(|k| drive.speed.get(k)).copied();
-        let (Some(before), Some(after)) = (around(-10), around(10)) else { return };
+        let near = points(0.1) as isize;
+        let (Some(before), Some(after)) = (around(-near), around(near)) else { return };
         if before.is_finite() && after.is_finite() {
             self.state.body[0] = 0.5 * (before + after);
-            self.state.live[0] = (after - before) / (20.0 * STEP_S);
+            self.state.live[0] = (after - before) / (2.0 * near as f64 * STEP_S);
         }
     }
 

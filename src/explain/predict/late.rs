@@ -67,10 +67,9 @@ impl Late {
     /// milliseconds, a gyroscope hardly.
     pub fn prior(self) -> (f64, f64) {
         match self {
-            Self::FrontWheels | Self::RearWheels | Self::Torque => (0.005, 0.005),
-            Self::YawRate | Self::LateralAcceleration => (0.0, 0.004),
-            Self::LongitudinalAcceleration => (0.005, 0.006),
-            Self::Steering => (0.003, 0.004),
+            Self::FrontWheels | Self::RearWheels => (0.005, 0.005),
+            Self::Torque => (0.0, 0.005),
+            _ => (0.0, 0.004),
         }
     }
 

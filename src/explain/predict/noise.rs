@@ -34,20 +34,13 @@ impl Noise {
     pub fn first(drives: &[Drive]) -> Self {
         let mut sensor = [f64::NAN; Quantity::COUNT];
         for channel in COMPARED {
-            // Second differences leave of a smooth signal nothing, of white noise six times its variance.
-            let mut squares = Vec::new();
-            for drive in drives {
-                let track: Vec<f64> =
-                    drive.measured.iter().filter(|m| m.channel == channel as u8).map(|m| m.value).collect();
-                squares.extend(track.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2) / 6.0));
+            let of_drive = |drive: &Drive| -> Vec<f64> {
+                drive.measured.iter().filter(|m| m.channel == channel as u8).map(|m| m.value).collect()
+            };
+            let tracks: Vec<Vec<f64>> = drives.iter().map(of_drive).collect();
+            if let Some(std) = white_std(tracks.iter().map(Vec::as_slice)) {
+                sensor[channel as usize] = std.max(floor(channel));
             }
-            if squares.is_empty() {
-                continue;
-            }
-            let middle = squares.len() / 2;
-            let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
-            // The median of a squared normal number is 0.455 of its variance.
-            sensor[channel as usize] = (*median / 0.455).sqrt().max(floor(channel));
         }
         Self { diffusion: Self::LEAST_DIFFUSION, sensor, live: Vec::new() }
     }
@@ -94,6 +87,20 @@ impl Noise {
         }
         noise
     }
+}
+
+/// Standard deviation of the white noise in some tracks. Second differences leave of a smooth signal
+/// nothing, of white noise six times its variance.
+pub fn white_std<'t>(tracks: impl Iterator<Item = &'t [f64]>) -> Option<f64> {
+    let mut squares: Vec<f64> =
+        tracks.flat_map(|track| track.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2) / 6.0)).collect();
+    let middle = squares.len() / 2;
+    if squares.is_empty() {
+        return None;
+    }
+    let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
+    // The median of a squared normal number is 0.455 of its variance.
+    Some((*median / 0.455).sqrt())
 }
 
 /// No sensor of a car is better than this.

@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::car::Car;
-use super::drive::{Drive, STEP_S};
+use super::drive::{Drive, STEP_S, points};
 use super::filter::{Column, Filter, Gain, Square};
 use super::lane::Lane;
 use super::noise::Noise;
@@ -124,7 +124,7 @@ pub fn pass(
 ) -> Vec<Sums> {
     let mut all = Vec::new();
     let Some((car, others)) = cars.split_first() else { return all };
-    let per_block = (BLOCK_S / STEP_S) as usize;
+    let per_block = points(BLOCK_S);
     for &(from, to) in &drive.runs {
         let yaw_rate = yaw_rate_at(drive, from);
         let mut filter = Filter::new(Lane::start(car, drive, from, yaw_rate), noise);
@@ -188,7 +188,7 @@ pub(super) fn pass_with(
 }
 
 fn yaw_rate_at(drive: &Drive, k: usize) -> f64 {
-    let to = (k + 10).min(drive.first.len() - 1);
+    let to = (k + points(0.1)).min(drive.first.len() - 1);
     let (from, to) = (drive.first[k] as usize, drive.first[to] as usize);
     let rates = drive.measured[from..to].iter().filter(|m| m.channel == Quantity::YawRate as u8);
     let (sum, count) = rates.fold((0.0, 0.0), |(sum, count), m| (sum + m.value, count + 1.0));

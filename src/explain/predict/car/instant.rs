@@ -4,7 +4,7 @@ use super::{Car, State};
 use crate::Quantity;
 use crate::model::body::{External, Steer};
 use crate::model::effect::{Acting, Felt, Readings, Recorded};
-use crate::model::tire::{Contact, Curve, Tire};
+use crate::model::tire::{Brush, Contact, Curve, Tire};
 use crate::model::wheel;
 
 /// Everything at one instant.
@@ -94,7 +94,7 @@ impl Car {
         }
 
         // Forces as if the wheels had no inertia.
-        let torque = self.torques(input, rates, state, &on);
+        let torque = self.torques(input, state, &on);
         let mut x = [0.0; 4];
         let (mut fx, mut fy) = ([0.0; 4], [0.0; 4]);
         let (mut on_body_x, mut on_body_y) = ([0.0; 4], [0.0; 4]);
@@ -163,12 +163,10 @@ impl Car {
         Instant { rate, readings, felt, front_force }
     }
 
-    /// Torque at each wheel, N m. Slip takes some milliseconds to build up (J v/(r² C_x)), as does the way
-    /// from the torque's frame to the wheel: both are in `torque_delay`.
-    fn torques(&self, input: &Recorded, rates: &Recorded, state: &State, on: &Acting) -> [f64; 4] {
+    /// Torque at each wheel, N m.
+    fn torques(&self, input: &Recorded, state: &State, on: &Acting) -> [f64; 4] {
         if self.knows_torque {
-            let torque = input.drive_torque - self.torque_delay * rates.drive_torque;
-            let pressure = input.brake_pressure - self.torque_delay * rates.brake_pressure;
+            let (torque, pressure) = (input.drive_torque, input.brake_pressure);
             return std::array::from_fn(|i| self.torque_share[i] * torque - self.brake_share[i] * pressure);
         }
         // Driving comes from the driven wheels, braking from all by their load.
@@ -218,19 +216,10 @@ impl Car {
                 }
                 let friction = contact.friction_x / bend;
                 let most = 0.995 * friction;
-                let alone = self.slip(tire, contact.stiffness_x, friction, x.clamp(-most, most));
-                let Tire::Brush(_) = tire else { return alone };
-                let lateral = contact.stiffness_y * angle / contact.friction_y;
-                let mut slip = alone;
-                for _ in 0..3 {
-                    let along = contact.stiffness_x * slip / contact.friction_x;
-                    let total = along.hypot(lateral);
-                    if total < 1e-6 {
-                        return alone;
-                    }
-                    slip = x / contact.stiffness_x * total / tire.force(1.0, 1.0, total);
+                if let Tire::Brush(brush) = tire {
+                    return slip_of_brush(brush, &Contact { friction_x: friction, ..*contact }, x, angle);
                 }
-                slip
+                self.slip(tire, contact.stiffness_x, friction, x.clamp(-most, most))
             }
         }
     }
@@ -254,6 +243,22 @@ impl Car {
             _ => tire.slip(stiffness, friction, force),
         }
     }
+}
+
+/// The slip at which a brush tire at this slip angle transmits `x` along: x divided by the secant stiffness
+/// there, again and again, the way it goes extrapolated (Aitken).
+fn slip_of_brush(brush: &Brush, contact: &Contact, x: f64, angle: f64) -> f64 {
+    let next = |slip: f64| {
+        let slip = slip.abs().clamp(1e-6, 1.0).copysign(slip);
+        let [along, _] = brush.combined(contact, slip, angle);
+        x * slip / along
+    };
+    let first = x / contact.stiffness_x;
+    let second = next(first);
+    let third = next(second);
+    let (one, two) = (second - first, third - second);
+    let limit = if (two - one).abs() > 1e-12 { third - two * two / (two - one) } else { third };
+    next(limit).clamp(-1.0, 1.0)
 }
 
 /// The friction ellipse: what is left across at `x` along.

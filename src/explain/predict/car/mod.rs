@@ -17,10 +17,11 @@ use crate::{Quantity, Wheel};
 
 use lookup::Lookup;
 
+use super::drive::Drive;
 use super::late::{Delays, Late};
 
 pub use instant::{Ask, Before, Instant};
-pub use step::{Ends, State};
+pub use step::{Inputs, State};
 
 /// States of the body: vx, vy, yaw rate.
 pub const BODY_STATES: usize = 3;
@@ -66,6 +67,7 @@ pub struct Car {
     knows_torque: bool,
     bend_along: f64,
     torque_delay: f64,
+    slip_delay_per_mps: f64,
     steering_offset: f64,
     offset: Readings,
     delay: Readings,
@@ -169,6 +171,7 @@ impl Car {
             knows_torque,
             bend_along,
             torque_delay: delays[Late::Torque as usize],
+            slip_delay_per_mps: get(Parameter::WheelInertia) / (radius * radius * along),
             steering_offset: get(Parameter::SteeringOffset),
             offset,
             delay,
@@ -187,9 +190,11 @@ impl Car {
         self.knows_torque
     }
 
-    /// How late the recorded steering wheel angle is, s.
-    pub fn steering_delay(&self) -> f64 {
-        self.steering_delay
+    /// The inputs that act at a time of a drive, s. A torque takes time to become a force: that of its frame,
+    /// and that in which the wheel's slip builds up, J v/(r² C_x).
+    pub fn input(&self, drive: &Drive, t: f64) -> Recorded {
+        let slip_delay = self.slip_delay_per_mps * drive.speed_at(t);
+        self.undo(t, drive.acting(t, self.steering_delay, self.torque_delay + slip_delay))
     }
 
     /// What was, from what was recorded.

@@ -17,39 +17,44 @@ pub struct State {
 impl Car {
     /// One step of `h` seconds by the midpoint rule, from an instant already known. Driving is smooth on
     /// this scale, and what settles faster than a step still ends where it should: of second order is enough.
-    pub fn step(&self, from: &State, first: &Instant, t: f64, h: f64, ends: &Ends) -> State {
+    pub fn step(&self, from: &State, first: &Instant, t: f64, h: f64, inputs: &Inputs) -> State {
         let middle = from.advanced(&first.rate, 0.5 * h);
-        let (input, before) = (ends.at(0.5), first.before());
-        let there = self.instant(t + 0.5 * h, &middle, &input, &ends.rates, &before, Ask::Rates);
+        let (input, before) = (&inputs.at[1], first.before());
+        let there = self.instant(t + 0.5 * h, &middle, input, &inputs.rates, &before, Ask::Rates);
         from.advanced(&there.rate, h)
     }
 }
 
-/// The inputs at both ends of a step.
+/// The inputs over a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Ends {
-    /// At its beginning and its end.
-    pub input: [Recorded; 2],
-    /// Their rates, per second.
+pub struct Inputs {
+    /// At its beginning, in its middle, and at its end.
+    pub at: [Recorded; 3],
+    /// Their rates over the step, per second.
     pub rates: Recorded,
 }
 
-impl Ends {
-    /// Inputs that go evenly from one to the other in `h` seconds.
-    pub fn new(input: [Recorded; 2], h: f64) -> Self {
-        let [from, to] = &input;
+impl Inputs {
+    /// Of a step of `h` seconds.
+    pub fn new(at: [Recorded; 3], h: f64) -> Self {
+        let [from, _, to] = &at;
         let rates = Recorded {
             steering_wheel: (to.steering_wheel - from.steering_wheel) / h,
             drive_torque: (to.drive_torque - from.drive_torque) / h,
             brake_pressure: (to.brake_pressure - from.brake_pressure) / h,
         };
-        Self { input, rates }
+        Self { at, rates }
     }
 
-    /// At a share of the way.
-    pub fn at(&self, share: f64) -> Recorded {
-        let [from, to] = &self.input;
-        let mix = |a: f64, b: f64| a + share * (b - a);
+    /// Over a part of the step, between two shares of it.
+    pub fn part(&self, from: f64, to: f64) -> Self {
+        Self { at: [from, 0.5 * (from + to), to].map(|share| self.between(share)), rates: self.rates }
+    }
+
+    fn between(&self, share: f64) -> Recorded {
+        let half = if share < 0.5 { 0 } else { 1 };
+        let (from, to) = (&self.at[half], &self.at[half + 1]);
+        let mix = |a: f64, b: f64| a + (2.0 * share - half as f64) * (b - a);
         Recorded {
             steering_wheel: mix(from.steering_wheel, to.steering_wheel),
             drive_torque: mix(from.drive_torque, to.drive_torque),

@@ -203,9 +203,9 @@ impl<'d> Data<'d> {
         for round in 0..rounds {
             let varied: Vec<_> = free.iter().map(|free| model.varied(free)).collect();
             let sums = self.pass(&model, &varied, &noise);
-            let (information, gradient) = self.normal(&sums, &model, free);
+            let (mut information, gradient) = self.normal(&sums, &model, free);
             let Some(inverse) = information.clone().cholesky().map(|c| c.inverse()) else { break };
-            let Some(step) = within_bounds(&model, free, information, &gradient) else { break };
+            let Some(step) = within_bounds(&model, free, &mut information, &gradient) else { break };
             let before = self.minus_two_ln(&sums) + prior(&model, free);
             last = Some(inverse);
             // Halve a step that makes it worse.
@@ -304,11 +304,12 @@ impl<'d> Data<'d> {
     }
 }
 
-/// The step that solves the normal equations; numbers that it would push out of their bounds stay.
-fn within_bounds(
+/// The step that solves the normal equations; numbers that it would push out of their bounds stay, and are
+/// known for certain from then on, as far as the equations go.
+pub fn within_bounds(
     model: &Model<'_>,
     free: &[Free],
-    mut information: DMatrix<f64>,
+    information: &mut DMatrix<f64>,
     gradient: &DVector<f64>,
 ) -> Option<DVector<f64>> {
     let mut stays = vec![false; free.len()];

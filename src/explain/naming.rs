@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::candidates::Candidate;
-use super::fit::{Data, Fit, Learn};
+use super::fit::{Data, Fit, Learn, within_bounds};
 use super::model::{Free, Model, Place};
 use super::predict::drive::STEP_S;
 use super::predict::noise::{Live, Noise};
@@ -49,6 +49,23 @@ impl<'a> Refitted<'a> {
     pub fn onset(&self) -> Option<f64> {
         let place = self.candidate.kind.place_of("at_s")?;
         Some(self.fit.model.effects.last()?.numbers[place]).filter(|at| *at > 0.0)
+    }
+
+    /// The model with the moment at which it began where it fits best, within so many seconds.
+    pub fn begun_within(&self, data: &Data<'_>, within_s: f64) -> Model<'a> {
+        let model = &self.fit.model;
+        let Some((at, place)) = self.onset().zip(self.candidate.kind.place_of("at_s")) else {
+            return model.clone();
+        };
+        let steps = within_s as i32;
+        let tried = (-steps..=steps).into_par_iter().map(|by| {
+            let mut model = model.clone();
+            if let Some(effect) = model.effects.last_mut() {
+                effect.numbers[place] = (at + f64::from(by)).max(0.0);
+            }
+            (data.minus_two_ln(&data.pass(&model, &[], &self.fit.noise)), model)
+        });
+        tried.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(|| model.clone(), |best| best.1)
     }
 }
 
@@ -281,7 +298,10 @@ impl Normal {
             gram[(place + 1, place + 1)] += weight;
             gram[(place + 1, 0)] += weight * (free.mean - fit.model.get(free.place));
         }
-        let own = gram.view((1, 1), (ordinary, ordinary)).into_owned();
+        let mut own = gram.view((1, 1), (ordinary, ordinary)).into_owned();
+        // What ordinary numbers cannot reach without leaving their bounds they do not explain.
+        let gradient = DVector::from_fn(ordinary, |place, _| gram[(place + 1, 0)]);
+        let _ = within_bounds(&fit.model, &fit.free, &mut own, &gradient);
         let inverse = own.cholesky().map_or_else(|| DMatrix::zeros(ordinary, ordinary), |c| c.inverse());
         Self { gram, ordinary, inverse }
     }

@@ -11,7 +11,7 @@ use super::fit::{Data, Fit, Learn};
 use super::naming::{Refitted, Scored, refine, refit, scan};
 use super::patches;
 use super::smooth::courses;
-use super::split::{Part, Split};
+use super::split::{BLOCK_S, Part, Split};
 use crate::Quantity;
 
 /// Evidence (twice the logarithm of the odds) that the first finding needs. The odds must beat those of
@@ -138,6 +138,11 @@ pub fn select<'a>(
             let again = |fit: &Fit<'a>| data.fit(&fit.model, &fit.free, &fit.noise, NEXT_ROUNDS);
             baseline = again(&baseline);
             extended = if chosen.is_empty() { baseline.clone() } else { again(&extended) };
+            // What was fitted to other blocks cannot be compared; and within one that was held out, it could
+            // have begun anywhere.
+            let mut fit = first.fit.clone();
+            fit.model = first.begun_within(&data, BLOCK_S);
+            first = Refitted::new(&extended, first.candidate, again(&fit));
             first = refine(&data, &extended, &first, NEXT_ROUNDS);
         }
         let (after, noise) = (&first.fit, &first.fit.noise);

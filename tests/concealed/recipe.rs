@@ -178,8 +178,13 @@ pub fn make(cause: &Cause, factor: f64, plan: &Plan, car: &Car, dice: &mut Dice)
         }
         "sensor_drift" => {
             let size = spread * [0.006, 0.20, 0.15, 0.03][channel(sensor) - 4];
-            h.faults[channel(sensor)].drift = drift(size, dice);
-            parameters = json!({ "drift_rms": size });
+            let fault = &mut h.faults[channel(sensor)];
+            fault.drift = drift(size, dice);
+            // What came of it within the drive; the sines' size is that of an endless one.
+            let every = 0.1;
+            let count = (plan.seconds / every) as usize;
+            let square = (0..count).map(|i| fault.wander(every * i as f64).powi(2)).sum::<f64>();
+            parameters = json!({ "drift_rms": (square / count as f64).sqrt() });
             (size, "SI")
         }
         "sensor_bias" => {

@@ -19,7 +19,7 @@ const WRONG: &[(&str, &[&str])] = &[
         &[
             "cg_hight_m",
             "no such key",
-            "cg_height_m, load_sensitivity, load_sensitivity_along, front_roll_share, radius_loss_m_per_n",
+            "cg_height_m, load_sensitivity, load_sensitivity_along, front_roll_share, radius_loss_m_per_n, load_sensitivity_growth",
         ],
     ),
     ("cg_hight_m = 0.5\nkind = \"load_transfer\"", &["cg_hight_m", "no such key", "cg_height_m"]),

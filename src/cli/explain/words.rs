@@ -224,6 +224,7 @@ fn parameter_name(name: &str) -> String {
         "track_rear_m" => "rear track",
         "front_roll_share" => "front share of the roll moment",
         "load_sensitivity" => "load sensitivity of the tires",
+        "load_sensitivity_growth" => "growth of the load sensitivity with load",
         "roll_gain_rad_per_mps2" => "roll per lateral acceleration",
         "roll_frequency_rad_per_s" => "roll frequency",
         "roll_steer_rad_per_rad" => "steer angle per roll angle",

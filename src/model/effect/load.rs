@@ -20,13 +20,29 @@ pub(super) const SENSITIVITY: Spec = Spec {
     is_main: false,
 };
 
-/// Multiplies a wheel's load. Its stiffness in N grows less than in proportion, with the load to the
-/// power 1 − `sensitivity` (along, across); the normalized stiffness falls accordingly.
-pub(super) fn change(on: &mut Acting, wheel: usize, share: f64, sensitivity: [f64; 2]) {
+/// How stiffness goes with load: in N with its power 1 − e near the usual load, and the more it falls behind
+/// the further the load grows, `growth` for each e-fold. The normalized stiffness falls accordingly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sensitivity {
+    pub(super) along: f64,
+    pub(super) across: f64,
+    pub(super) growth: f64,
+}
+
+impl Sensitivity {
+    /// The same along and across, a power of the load.
+    pub(super) fn power(e: f64) -> Self {
+        Self { along: e, across: e, growth: 0.0 }
+    }
+}
+
+/// Multiplies a wheel's load.
+pub(super) fn change(on: &mut Acting, wheel: usize, share: f64, sensitivity: Sensitivity) {
     let share = share.max(SMALLEST_SHARE);
     on.load[wheel] *= share;
-    on.contact[wheel].stiffness_x *= share.powf(-sensitivity[0]);
-    on.contact[wheel].stiffness_y *= share.powf(-sensitivity[1]);
+    let further = 0.5 * sensitivity.growth * share.ln();
+    on.contact[wheel].stiffness_x *= share.powf(-sensitivity.along - further);
+    on.contact[wheel].stiffness_y *= share.powf(-sensitivity.across - further);
 }
 
 /// Moves the centre of gravity rearwards, m, and adds mass, kg, with what the axles then carry.
@@ -39,6 +55,6 @@ pub(super) fn shift(on: &mut Acting, rearwards: f64, mass: f64, sensitivity: f64
     on.body.b -= rearwards;
     for wheel in 0..4 {
         let share = if wheel < 2 { (b - rearwards) / b } else { (a + rearwards) / a };
-        change(on, wheel, heavier * share, [sensitivity; 2]);
+        change(on, wheel, heavier * share, Sensitivity::power(sensitivity));
     }
 }

@@ -1,13 +1,13 @@
 //! Accelerating moves load between the wheels.
 
-use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec, load};
+use super::load::{self, Sensitivity};
+use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec};
 
 /// The height of the centre of gravity moves load in proportion to the accelerations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct LoadTransfer {
     height: f64,
-    load_sensitivity: f64,
-    load_sensitivity_along: f64,
+    sensitivity: Sensitivity,
     front_roll_share: f64,
     radius_loss: f64,
 }
@@ -17,7 +17,8 @@ pub static KIND: Kind = Kind {
     name: "load_transfer",
     about: "accelerating, braking and turning move load between the wheels, and tires grow less stiff than \
             their load",
-    equation: "F_z = static ∓ m h a_x/(2 L) ± (front share) m h a_y/t;  C ∝ F_z^(1 − e);  r = r_0 − c (F_z − static)",
+    equation: "F_z = static ∓ m h a_x/(2 L) ± (front share) m h a_y/t;  C ∝ x^(1 − e − g ln(x)/2), x = F_z/static;  \
+               r = r_0 − c (F_z − static)",
     source: "Pacejka, Tire and Vehicle Dynamics, ch. 1.3; rigid-body statics",
     place: "the tires' loads and stiffnesses",
     to_tell_apart: "hard turns without braking, hard braking straight ahead, and both at once: load \
@@ -75,18 +76,23 @@ pub static KIND: Kind = Kind {
             step: 1e-7,
             is_main: false,
         },
+        Spec {
+            name: "load_sensitivity_growth",
+            unit: "1",
+            scale: Scale::Linear,
+            mean: 0.0,
+            std: 0.6,
+            bounds: (0.0, 2.0),
+            step: 0.1,
+            is_main: false,
+        },
     ],
     course: None,
     make: |setting: &Setting<'_>| {
-        let [height, load_sensitivity, load_sensitivity_along, front_roll_share, radius_loss] =
+        let [height, across, along, front_roll_share, radius_loss, growth] =
             std::array::from_fn(|i| setting.values[i]);
-        Box::new(LoadTransfer {
-            height,
-            load_sensitivity,
-            load_sensitivity_along,
-            front_roll_share,
-            radius_loss,
-        })
+        let sensitivity = Sensitivity { along, across, growth };
+        Box::new(LoadTransfer { height, sensitivity, front_roll_share, radius_loss })
     },
 };
 
@@ -99,9 +105,8 @@ impl Effect for LoadTransfer {
         let rear = (1.0 - self.front_roll_share) * lever * now.ay / (2.0 * body.half_track_rear);
         let more = [-rearwards - front, -rearwards + front, rearwards - rear, rearwards + rear];
         for (wheel, more) in more.into_iter().enumerate() {
-            let sensitivity = [self.load_sensitivity_along, self.load_sensitivity];
             let static_load = on.load[wheel];
-            load::change(on, wheel, 1.0 + more / static_load, sensitivity);
+            load::change(on, wheel, 1.0 + more / static_load, self.sensitivity);
             on.radius[wheel] -= self.radius_loss * (on.load[wheel] - static_load);
         }
     }
@@ -112,7 +117,7 @@ mod tests {
     use super::super::bench::{Bench, simple};
     use super::*;
 
-    fn acted(ax: f64, ay: f64, values: [f64; 5]) -> (Acting, Acting) {
+    fn acted(ax: f64, ay: f64, values: [f64; 6]) -> (Acting, Acting) {
         let mut bench = Bench::driving(20.0);
         (bench.now.ax, bench.now.ay) = (ax, ay);
         (bench.plain(), bench.acted(&*simple(&KIND, &values), &[]))
@@ -120,7 +125,7 @@ mod tests {
 
     #[test]
     fn moments_balance() {
-        let (plain, on) = acted(2.0, 4.0, [0.5, 0.45, 0.4, 0.55, 0.0]);
+        let (plain, on) = acted(2.0, 4.0, [0.5, 0.45, 0.4, 0.55, 0.0, 0.0]);
         let more: [f64; 4] = std::array::from_fn(|i| on.load[i] - plain.load[i]);
         let moment = 1700.0 * 0.5;
         assert!(more.iter().sum::<f64>().abs() < 1e-9);
@@ -134,18 +139,29 @@ mod tests {
     #[test]
     fn an_axle_with_unequal_loads_is_softer() {
         let axle = |on: &Acting| (0..2).map(|i| on.load[i] * on.contact[i].stiffness_y).sum::<f64>();
-        let (plain, on) = acted(0.0, 6.0, [0.5, 0.45, 0.4, 0.55, 0.0]);
+        let (plain, on) = acted(0.0, 6.0, [0.5, 0.45, 0.4, 0.55, 0.0, 0.0]);
         assert!(axle(&on) < 0.99 * axle(&plain));
         let share = on.load[1] / plain.load[1];
         let stiffer = on.load[1] * on.contact[1].stiffness_y / (plain.load[1] * 11.5);
         assert!((stiffer - share.powf(0.55)).abs() < 1e-12);
-        let (plain, on) = acted(0.0, 6.0, [0.5, 0.0, 0.0, 0.55, 0.0]);
+        let (plain, on) = acted(0.0, 6.0, [0.5, 0.0, 0.0, 0.55, 0.0, 0.0]);
         assert!((axle(&on) - axle(&plain)).abs() < 1e-6, "in proportion to the load nothing is lost");
     }
 
     #[test]
+    fn a_sensitivity_that_grows_is_of_second_order() {
+        let (plain, power) = acted(0.0, 6.0, [0.5, 0.45, 0.4, 0.55, 0.0, 0.0]);
+        let (_, growing) = acted(0.0, 6.0, [0.5, 0.45, 0.4, 0.55, 0.0, 0.6]);
+        for i in 0..4 {
+            let further = (growing.load[i] / plain.load[i]).ln();
+            let ratio = growing.contact[i].stiffness_y / power.contact[i].stiffness_y;
+            assert!((ratio - (-0.3 * further * further).exp()).abs() < 1e-12);
+        }
+    }
+
+    #[test]
     fn wheels_stay_on_the_ground() {
-        let (plain, on) = acted(0.0, 30.0, [0.5, 0.45, 0.4, 0.55, 0.0]);
+        let (plain, on) = acted(0.0, 30.0, [0.5, 0.45, 0.4, 0.55, 0.0, 0.0]);
         assert!((on.load[0] - 0.05 * plain.load[0]).abs() < 1e-9);
     }
 }

@@ -23,7 +23,6 @@ fn answered(cause: &str, number: u64) -> (Score, Value) {
 }
 
 #[test]
-#[ignore = "minutes in a debug build: cargo test --release --test concealed -- --ignored sample::"]
 fn where_nothing_is_hidden_nothing_is_missing() {
     let (score, answer) = answered("control", 6);
     assert_eq!(score.verdict, "adequate", "{answer:#}");
@@ -31,7 +30,6 @@ fn where_nothing_is_hidden_nothing_is_missing() {
 }
 
 #[test]
-#[ignore = "minutes in a debug build: cargo test --release --test concealed -- --ignored sample::"]
 fn banked_bends_are_named_and_found_where_they_are() {
     let (score, answer) = answered("road_bank", 9);
     assert!(score.named && score.findings == 1, "{answer:#}");
@@ -42,7 +40,6 @@ fn banked_bends_are_named_and_found_where_they_are() {
 }
 
 #[test]
-#[ignore = "minutes in a debug build: cargo test --release --test concealed -- --ignored sample::"]
 fn roll_that_leaks_into_the_accelerometer_is_named_with_its_gain() {
     let (score, answer) = answered("body_roll", 7);
     assert!(score.class, "{answer:#}");
@@ -53,7 +50,6 @@ fn roll_that_leaks_into_the_accelerometer_is_named_with_its_gain() {
 }
 
 #[test]
-#[ignore = "minutes in a debug build: cargo test --release --test concealed -- --ignored sample::"]
 fn play_in_the_steering_which_no_library_has_is_called_unknown() {
     let (score, answer) = answered("freeplay", 4);
     assert_eq!(score.verdict, "unknown_physics", "{answer:#}");

@@ -17,7 +17,7 @@ pub static KIND: Kind = Kind {
     name: "load_transfer",
     about: "accelerating, braking and turning move load between the wheels, and tires grow less stiff than \
             their load",
-    equation: "F_z = static ∓ m h a_x/(2 L) ± (front share) m h a_y/t;  C ∝ x^(1 − e − g ln(x)/2), x = F_z/static;  \
+    equation: "F_z = static ∓ m h a_x/(2 L) ± (front share) m h a_y/t;  C ∝ x^(1 − e − g/2 ln x), x = F_z/static;  \
                r = r_0 − c (F_z − static)",
     source: "Pacejka, Tire and Vehicle Dynamics, ch. 1.3; rigid-body statics",
     place: "the tires' loads and stiffnesses",

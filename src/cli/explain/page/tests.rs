@@ -67,7 +67,7 @@ fn a_finding_is_on_the_first_screen_with_its_numbers() {
     assert!(part(&html, "where").contains("|a<sub>y</sub>| above 5 m/s²"));
     let missing = part(&html, "missing");
     assert!(
-        missing.contains("C ∝ x<sup>1 − e − g ln(x)/2</sup>")
+        missing.contains("C ∝ x<sup>1 − e − g/2 ln x</sup>")
             && missing.contains("Hard turns without braking"),
         "{missing}"
     );

@@ -52,7 +52,7 @@ impl Chosen {
 pub struct Model<'a> {
     /// What does not change.
     pub vehicle: &'a Vehicle,
-    /// Is the drive torque on the bus?
+    /// Are drive and brake torques known?
     pub knows_torque: bool,
     /// Ordinary numbers.
     pub values: Values,

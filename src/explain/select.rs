@@ -255,17 +255,15 @@ fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> f64 {
     shares.iter().sum::<f64>() / shares.len().max(1) as f64
 }
 
-/// A number that is the same all the time is the simpler explanation than a course that could be anything:
-/// where both explain about the same, it goes first.
+/// A number that is the same all the time is the simpler explanation than a course that could be anything, or
+/// something that begins at a moment of its choice: where both explain about the same, it goes first.
 fn prefer_the_simpler(refitted: &mut [Refitted<'_>]) {
-    let Some(best) = refitted.first() else { return };
-    if best.candidate.live.is_none() {
-        return;
-    }
+    let always = |other: &Refitted<'_>| other.candidate.live.is_none() && other.onset().is_none();
+    let Some(best) = refitted.first().filter(|best| !always(best)) else { return };
     let enough = 0.9 * best.evidence;
-    let simpler = refitted.iter().position(|other| {
-        other.candidate.live.is_none() && other.evidence > enough && other.candidate.channel.is_none()
-    });
+    let simpler = refitted
+        .iter()
+        .position(|other| always(other) && other.evidence > enough && other.candidate.channel.is_none());
     if let Some(place) = simpler {
         refitted[..=place].rotate_right(1);
     }

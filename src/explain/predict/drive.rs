@@ -69,7 +69,7 @@ pub struct Drive {
     pub runs: Vec<(usize, usize)>,
     /// Speed by the wheels at each grid point, m/s.
     pub speed: Vec<f64>,
-    /// Is the drive torque known?
+    /// Are drive and brake torques known?
     pub knows_torque: bool,
 }
 
@@ -91,7 +91,8 @@ impl Drive {
         let at = |quantity: Quantity| on_grid(&recording.tracks[quantity as usize], steps + 1);
         let input = |quantity: Quantity| smooth_on_grid(&recording.tracks[quantity as usize], steps + 1);
         let steering = input(Quantity::SteeringWheelAngle);
-        let knows_torque = recording.has(Quantity::DriveTorque);
+        // Who does not see the brakes does not know what slows the car down.
+        let knows_torque = recording.has(Quantity::DriveTorque) && recording.has(Quantity::BrakePressure);
         let (torque, pressure) = (input(Quantity::DriveTorque), input(Quantity::BrakePressure));
         let radius = vehicle.wheel_radius_m.value;
         let wheels = Wheel::ALL.map(|wheel| at(Quantity::wheel_speed(wheel)));

@@ -39,7 +39,7 @@ pub struct Settings<'a> {
     pub vehicle: &'a Vehicle,
     /// The numbers.
     pub values: &'a Values,
-    /// Is the drive torque on the bus?
+    /// Are drive and brake torques known?
     pub knows_torque: bool,
     /// How much of the lateral curve's bend the longitudinal one has: 0 straight, 1 the same.
     pub bend_along: f64,
@@ -185,7 +185,7 @@ impl Car {
         self.delay[channel]
     }
 
-    /// Is the drive torque known?
+    /// Are drive and brake torques known?
     pub fn knows_torque(&self) -> bool {
         self.knows_torque
     }

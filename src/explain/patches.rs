@@ -35,6 +35,24 @@ pub fn is_patchy(candidate: &Candidate) -> bool {
     candidate.kind.surroundings(candidate.channel).is_some_and(|course| course.sign != 0.0)
 }
 
+/// Could there be such a surface? Where a course is most of it, whatever it is a share of must be within its
+/// bounds: a road that grips more than any is none.
+pub fn is_possible(data: &Data<'_>, refitted: &Refitted<'_>) -> bool {
+    if refitted.candidate.live.is_none() || !is_patchy(&refitted.candidate) {
+        return true;
+    }
+    let Some(chosen) = refitted.fit.model.effects.last() else { return true };
+    let peaks = data.drives.iter().filter_map(|drive| {
+        let course = courses(drive, &refitted.fit.model, &refitted.fit.noise, Default::default()).pop()?;
+        course.value.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()))
+    });
+    let peak = peaks.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0);
+    chosen.specs().zip(&chosen.numbers).all(|(spec, number)| {
+        let there = spec.mean + peak * (number - spec.mean);
+        (spec.bounds.0..=spec.bounds.1).contains(&there)
+    })
+}
+
 /// Where a fitted course has patches; none, if it has none, or the recordings are several.
 pub fn intervals(data: &Data<'_>, fit: &Fit<'_>) -> Option<Vec<[f64; 2]>> {
     let [drive] = data.drives else { return None };

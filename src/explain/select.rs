@@ -196,6 +196,7 @@ fn fitted<'f, 'a: 'f>(
         }
     });
     let patches = patches(data, before, &all);
+    all.retain(|refitted| patches::is_possible(data, refitted));
     best_of_each(all.into_iter().chain(patches).collect())
 }
 

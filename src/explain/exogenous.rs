@@ -14,8 +14,9 @@ const EVERY: usize = points(0.1);
 const NEAR: usize = points(0.1);
 
 /// Share of a course's variance that follows from the driver's inputs and the speed, the number of
-/// regressors counted against the course's independent pieces: 0 none, 1 all.
-pub fn follows_motion(drive: &Drive, course: &Smoothed, length_s: f64) -> f64 {
+/// regressors counted against the course's independent pieces: 0 none, 1 all. Of the road the drive torque is
+/// no witness: the driver answers a grade with it.
+pub fn follows_motion(drive: &Drive, course: &Smoothed, length_s: f64, is_of_the_road: bool) -> f64 {
     let compared: Vec<(usize, f64)> = course
         .t
         .iter()
@@ -26,6 +27,8 @@ pub fn follows_motion(drive: &Drive, course: &Smoothed, length_s: f64) -> f64 {
     if compared.len() < 50 {
         return 0.0;
     }
+    let strongest = drive.inputs.iter().map(|input| input.drive_torque.abs()).fold(1e-9, f64::max);
+    let torque = |k: usize| if is_of_the_road { 0.0 } else { drive.inputs[k].drive_torque / strongest };
     let played = PLAYS.map(|width| play(drive, width));
     let demand = |k: usize| drive.inputs[k].steering_wheel * drive.speed[k] * drive.speed[k] * 0.0025;
     let row = |k: usize| {
@@ -45,6 +48,8 @@ pub fn follows_motion(drive: &Drive, course: &Smoothed, length_s: f64) -> f64 {
             faster,
             faster * steering,
             input.brake_pressure * 0.1,
+            torque(k),
+            torque(k) * torque(k).abs(),
         ];
         row[..motion.len()].copy_from_slice(&motion);
         // The car answers within tenths of a second; what swings or settles in it, within seconds.
@@ -77,7 +82,7 @@ pub fn follows_motion(drive: &Drive, course: &Smoothed, length_s: f64) -> f64 {
     adjusted.clamp(0.0, 1.0)
 }
 
-const REGRESSORS: usize = 10 + LAGS.len() + PLAYS.len();
+const REGRESSORS: usize = 12 + LAGS.len() + PLAYS.len();
 
 /// Lags, grid points.
 const LAGS: [usize; 6] = [0, points(0.15), points(0.3), points(0.6), points(1.0), points(1.5)];

@@ -250,7 +250,8 @@ fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> f64 {
     }
     let shares = data.drives.iter().map(|drive| {
         let courses = courses(drive, model, &refitted.fit.noise, Default::default());
-        courses.last().map_or(0.0, |course| follows_motion(drive, course, length))
+        let is_of_the_road = refitted.candidate.channel.is_none();
+        courses.last().map_or(0.0, |course| follows_motion(drive, course, length, is_of_the_road))
     });
     let shares: Vec<f64> = shares.collect();
     shares.iter().sum::<f64>() / shares.len().max(1) as f64
@@ -259,7 +260,12 @@ fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> f64 {
 /// A number that is the same all the time is the simpler explanation than a course that could be anything, or
 /// something that begins at a moment of its choice: where both explain about the same, it goes first.
 fn prefer_the_simpler(refitted: &mut [Refitted<'_>]) {
-    let always = |other: &Refitted<'_>| other.candidate.live.is_none() && other.onset().is_none();
+    // A jump before the beginning is one all the same.
+    let jumps =
+        |candidate: &Candidate| candidate.channel.is_some() && candidate.kind.place_of("at_s").is_some();
+    let always = |other: &Refitted<'_>| {
+        other.candidate.live.is_none() && other.onset().is_none() && !jumps(&other.candidate)
+    };
     let Some(best) = refitted.first().filter(|best| !always(best)) else { return };
     let enough = 0.9 * best.evidence;
     let simpler = refitted

@@ -25,7 +25,8 @@ const ALWAYS_LEFT: f64 = 5.0;
 /// …and never more than this.
 const NEVER_LEFT: f64 = 1000.0;
 
-/// A cause that holds less of all the evidence found is not what is missing: several together imitate it.
+/// Where anything is left, a cause that holds less of all the evidence found is not what is missing: several
+/// together imitate it.
 const LEAST_LEADING: f64 = 0.5;
 
 /// Some restlessness is every sensor's, and so much of it may be left beside a name.
@@ -87,8 +88,9 @@ impl Gains {
     pub fn verdict(&self, turns: bool) -> Verdict {
         let left = self.beyond_usual(&self.left);
         let most = MOST_LEFT * self.beyond_usual(&self.missing);
-        let is_much = left > most.clamp(ALWAYS_LEFT * self.seconds, NEVER_LEFT * self.seconds);
-        let imitates = self.leading < LEAST_LEADING;
+        let always = ALWAYS_LEFT * self.seconds;
+        let is_much = left > most.clamp(always, NEVER_LEFT * self.seconds);
+        let imitates = left > always && self.leading < LEAST_LEADING;
         let is_restless = self.still_restless > (MOST_RESTLESS * self.restless).max(USUALLY_RESTLESS);
         match self.named {
             Some(_) if is_much || is_restless || imitates => Verdict::UnknownPhysics,
@@ -162,9 +164,12 @@ mod tests {
 
     #[test]
     fn several_that_only_together_explain_it_are_no_name_for_it() {
-        let gains = Gains { seconds: 60.0, named: Some(9000.0), leading: 0.8, ..Gains::default() };
-        assert_eq!(gains.verdict(true), Verdict::MissingPhysics);
+        let (missing, left) = ([0.0, 90_000.0, 0.0], [0.0, 5000.0, 0.0]);
+        let gains = Gains { seconds: 60.0, named: Some(9000.0), missing, left, ..Gains::default() };
+        assert_eq!(Gains { leading: 0.8, ..gains }.verdict(true), Verdict::MissingPhysics);
         assert_eq!(Gains { leading: 0.34, ..gains }.verdict(true), Verdict::UnknownPhysics);
+        let complete = Gains { leading: 0.34, left: [0.0; 3], ..gains };
+        assert_eq!(complete.verdict(true), Verdict::MissingPhysics, "several small causes");
     }
 
     #[test]

@@ -63,10 +63,10 @@ impl Filter {
         let predicted = self.lane.predict(car, drive, k, &noise.live);
         let t = k as f64 * STEP_S;
         let (derivatives, age) = self.derivatives.take().unwrap_or_else(|| {
-            let (input, rates) = (&predicted.inputs.at[0], &predicted.inputs.rates);
+            let (input, rate) = (&predicted.inputs.at[0], predicted.inputs.steering_rate);
             let at = |state: &State| {
                 let state = car.settled(t, state, input, &before);
-                car.instant(t, &state, input, rates, &before, car::Ask::Readings)
+                car.instant(t, &state, input, rate, &before, car::Ask::Readings)
             };
             (Derivatives::of(&from, &noise.live, at), 0)
         });
@@ -84,11 +84,11 @@ impl Filter {
         let derivatives = if age + 1 < SERVES {
             self.derivatives.insert((derivatives, age + 1))
         } else {
-            let (input, rates) = (&predicted.inputs.at[2], &predicted.inputs.rates);
+            let (input, rate) = (&predicted.inputs.at[2], predicted.inputs.steering_rate);
             let first = predicted.first.before();
             let at = |state: &State| {
                 let state = car.settled(t + STEP_S, state, input, &first);
-                car.instant(t + STEP_S, &state, input, rates, &first, car::Ask::Readings)
+                car.instant(t + STEP_S, &state, input, rate, &first, car::Ask::Readings)
             };
             self.derivatives.insert((Derivatives::of(&predicted.next, &noise.live, at), 0))
         };

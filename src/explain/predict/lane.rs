@@ -66,8 +66,8 @@ impl Lane {
     pub(super) fn predict(&mut self, car: &Car, drive: &Drive, k: usize, live: &[Live]) -> Predicted {
         let t = k as f64 * STEP_S;
         let inputs = Inputs::new([0.0, 0.5, 1.0].map(|share| car.input(drive, t + share * STEP_S)), STEP_S);
-        let (at, rates) = (&inputs.at, &inputs.rates);
-        let first = car.instant(t, &self.state, &at[0], rates, &self.before, car::Ask::Readings);
+        let (at, rate) = (&inputs.at, inputs.steering_rate);
+        let first = car.instant(t, &self.state, &at[0], rate, &self.before, car::Ask::Readings);
         let substeps = (car.fastest_rate(self.state.body[0]) * STEP_S / 0.8).ceil().clamp(1.0, 20.0);
         let mut next = self.state;
         if substeps == 1.0 {
@@ -78,14 +78,14 @@ impl Lane {
                 let share = |part: usize| part as f64 / substeps;
                 let inputs = inputs.part(share(part), share(part + 1));
                 let t = t + part as f64 * h;
-                let here = car.instant(t, &next, &inputs.at[0], rates, &first.before(), car::Ask::Readings);
+                let here = car.instant(t, &next, &inputs.at[0], rate, &first.before(), car::Ask::Readings);
                 next = car.step(&next, &here, t, h, &inputs);
             }
         }
         for (value, live) in next.live.iter_mut().zip(live) {
             *value *= (-STEP_S / live.length_s).exp();
         }
-        let end = car.instant(t + STEP_S, &next, &at[2], rates, &first.before(), car::Ask::Readings);
+        let end = car.instant(t + STEP_S, &next, &at[2], rate, &first.before(), car::Ask::Readings);
         match &mut self.rows {
             Some(rows) => rows.push(&first.readings),
             none => *none = Some(Rows::filled(&first.readings)),

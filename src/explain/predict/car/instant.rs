@@ -46,7 +46,7 @@ impl Instant {
 }
 
 impl Car {
-    /// Forces, accelerations and readings. `rates` are those of the inputs, per second; the
+    /// Forces, accelerations and readings. `steering_rate` is that of the steering wheel, rad/s; the
     /// input is what truly was ([`Self::undo`]). Where no torque is known, the first course that is
     /// estimated is the acceleration it gives.
     pub fn instant(
@@ -54,7 +54,7 @@ impl Car {
         t: f64,
         state: &State,
         input: &Recorded,
-        rates: &Recorded,
+        steering_rate: f64,
         before: &Before,
         ask: Ask,
     ) -> Instant {
@@ -116,8 +116,8 @@ impl Car {
         let all = at_front + mass_of(2) + mass_of(3);
         let squares =
             body.half_track_front.powi(2) * at_front + body.half_track_rear.powi(2) * (all - at_front);
-        let turning = (bare.vy_rate + body.a * bare.yaw) * steer.sin
-            + front_across * rates.steering_wheel / on.steering_ratio;
+        let turning =
+            (bare.vy_rate + body.a * bare.yaw) * steer.sin + front_across * steering_rate / on.steering_ratio;
         let yaw_rate = velocity.yaw_rate;
         let total =
             (bare.ax * body.mass - all * (velocity.vy * yaw_rate) - at_front * turning) / (body.mass + all);

@@ -20,7 +20,7 @@ impl Car {
     pub fn step(&self, from: &State, first: &Instant, t: f64, h: f64, inputs: &Inputs) -> State {
         let middle = from.advanced(&first.rate, 0.5 * h);
         let (input, before) = (&inputs.at[1], first.before());
-        let there = self.instant(t + 0.5 * h, &middle, input, &inputs.rates, &before, Ask::Rates);
+        let there = self.instant(t + 0.5 * h, &middle, input, inputs.steering_rate, &before, Ask::Rates);
         from.advanced(&there.rate, h)
     }
 }
@@ -30,25 +30,21 @@ impl Car {
 pub struct Inputs {
     /// At its beginning, in its middle, and at its end.
     pub at: [Recorded; 3],
-    /// Their rates over the step, per second.
-    pub rates: Recorded,
+    /// How fast the steering wheel turns over the step, rad/s.
+    pub steering_rate: f64,
 }
 
 impl Inputs {
     /// Of a step of `h` seconds.
     pub fn new(at: [Recorded; 3], h: f64) -> Self {
         let [from, _, to] = &at;
-        let rates = Recorded {
-            steering_wheel: (to.steering_wheel - from.steering_wheel) / h,
-            drive_torque: (to.drive_torque - from.drive_torque) / h,
-            brake_pressure: (to.brake_pressure - from.brake_pressure) / h,
-        };
-        Self { at, rates }
+        let steering_rate = (to.steering_wheel - from.steering_wheel) / h;
+        Self { at, steering_rate }
     }
 
     /// Over a part of the step, between two shares of it.
     pub fn part(&self, from: f64, to: f64) -> Self {
-        Self { at: [from, 0.5 * (from + to), to].map(|share| self.between(share)), rates: self.rates }
+        Self { at: [from, 0.5 * (from + to), to].map(|share| self.between(share)), ..*self }
     }
 
     fn between(&self, share: f64) -> Recorded {

@@ -74,11 +74,13 @@ pub fn finding(told: &Told<'_, '_>, number: usize, extended: &Fit<'_>, mut place
     }
 }
 
-/// Among all that was fitted in its round, and nothing at all.
+/// Among all that was fitted in its round, and nothing at all. What it was preferred to for being simpler is no
+/// more probable, whatever its evidence.
 fn probability(taken: &Refitted<'_>, round: &Round<'_>) -> f64 {
-    let weight = |evidence: f64| (0.5 * (evidence - taken.evidence)).clamp(-700.0, 700.0).exp();
-    let all: f64 = round.refitted.iter().map(|other| weight(other.evidence)).sum::<f64>() + weight(0.0);
-    weight(taken.evidence) / all.max(1.0)
+    let weight = |evidence: f64| (0.5 * (evidence - taken.evidence).min(0.0)).exp();
+    let others = round.refitted.iter().filter(|other| other.candidate.name() != taken.candidate.name());
+    let rest: f64 = others.map(|other| weight(other.evidence)).sum::<f64>() + weight(0.0);
+    1.0 / (1.0 + rest)
 }
 
 /// What this recording cannot tell it from.

@@ -7,7 +7,7 @@ use super::model::{Free, Model};
 use super::predict::Drive;
 use super::predict::car::BODY_STATES;
 use super::predict::noise::{Noise, floor};
-use super::predict::pass::{Ask, Sums, pass};
+use super::predict::pass::{Ask, Other, Sums, pass};
 use super::split::{Part, Split};
 use crate::Quantity;
 
@@ -67,11 +67,15 @@ impl<'d> Data<'d> {
 
     /// One pass over all drives.
     pub fn pass(&self, model: &Model<'_>, varied: &[(Model<'_>, f64)], noise: &Noise) -> Vec<Sums> {
-        let mut cars = vec![model.car()];
-        cars.extend(varied.iter().map(|(model, _)| model.car()));
-        let differences: Vec<f64> = varied.iter().map(|(_, by)| *by).collect();
+        let car = model.car();
+        let other = |(other, by): &(Model<'_>, f64)| Other {
+            car: other.car(),
+            by: *by,
+            same_until: model.same_until(other),
+        };
+        let others: Vec<Other> = varied.iter().map(other).collect();
         let drives = self.drives.iter().enumerate();
-        drives.flat_map(|drive| pass(drive, &cars, &differences, noise, Ask::default())).collect()
+        drives.flat_map(|drive| pass(drive, &car, &others, noise, Ask::default())).collect()
     }
 
     /// The sums that count.

@@ -26,7 +26,7 @@ pub struct Gains {
 pub fn innovations(drive: &Drive, model: &Model<'_>, noise: &Noise) -> Vec<Innovation> {
     let mut all = Vec::new();
     let ask = Ask { innovations: Some(&mut all), ..Ask::default() };
-    pass((0, drive), &[model.car()], &[], noise, ask);
+    pass((0, drive), &model.car(), &[], noise, ask);
     all
 }
 

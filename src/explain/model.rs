@@ -8,7 +8,7 @@ use crate::model::Vehicle;
 use crate::model::effect::{Channel, Course, EffectConfig, KINDS, Kind, Setting, Spec};
 
 /// An effect with its numbers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Chosen {
     /// What it is.
     pub kind: &'static Kind,
@@ -34,6 +34,11 @@ impl Chosen {
     /// What is known of its numbers.
     pub fn specs(&self) -> impl Iterator<Item = Spec> + '_ {
         (0..self.kind.parameters.len()).filter_map(|place| self.kind.spec(place, self.channel))
+    }
+
+    /// When it begins, s; long ago, where it is always there.
+    pub fn onset(&self) -> f64 {
+        self.kind.place_of("at_s").map_or(f64::NEG_INFINITY, |place| self.numbers[place])
     }
 
     /// Its numbers in their units.
@@ -250,6 +255,26 @@ impl<'a> Model<'a> {
                 }
             }
         }
+    }
+
+    /// Until when another model says the same, s: what begins later makes no difference before. (No effect that
+    /// begins later has states of its own.)
+    pub fn same_until(&self, other: &Self) -> f64 {
+        let is_plain_alike = self.values == other.values
+            && self.delays == other.delays
+            && self.bend_along == other.bend_along
+            && self.knows_torque == other.knows_torque;
+        if !is_plain_alike {
+            return f64::NEG_INFINITY;
+        }
+        let count = self.effects.len().max(other.effects.len());
+        let pairs = (0..count).map(|place| (self.effects.get(place), other.effects.get(place)));
+        let different = pairs.filter(|(one, another)| one != another);
+        different
+            .flat_map(|(one, another)| [one, another])
+            .flatten()
+            .map(Chosen::onset)
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// The same, one number changed by so much (in the other direction at its bound). Returns the change

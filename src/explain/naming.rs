@@ -79,6 +79,11 @@ const STRICT_ROUNDS: usize = 3;
 /// first a small step. What grows with the square, or begins at a threshold, shows only in a large one.
 const WAYS: [Option<f64>; 4] = [None, Some(0.7), Some(2.0), Some(-2.0)];
 
+/// The ways for a candidate: a zero that jumps acts in proportion, of it the small step tells all.
+fn ways(candidate: &Candidate) -> &'static [Option<f64>] {
+    if candidate.kind.name == "sensor_bias" { &WAYS[..1] } else { &WAYS }
+}
+
 /// All candidates, best first; of the same effect with different onsets only the best one.
 pub fn scan(data: &Data<'_>, fit: &Fit<'_>, library: &[Candidate]) -> Vec<Scored> {
     let ordinary: Vec<(Model<'_>, f64)> = fit.free.iter().map(|free| fit.model.varied(free)).collect();
@@ -101,7 +106,7 @@ pub fn scan(data: &Data<'_>, fit: &Fit<'_>, library: &[Candidate]) -> Vec<Scored
                 if !spec.is_main {
                     continue;
                 }
-                for (way, share) in WAYS.iter().enumerate() {
+                for (way, share) in ways(candidate).iter().enumerate() {
                     let step = Free { step: share.map_or(free.step, |share| share * free.std), ..free };
                     if let Some(by) = model.moved(&step) {
                         varied.push(by);

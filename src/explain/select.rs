@@ -61,6 +61,16 @@ pub struct Round<'a> {
     pub following: Vec<(Candidate, f64)>,
 }
 
+impl Round<'_> {
+    /// With what another look found.
+    fn and(mut self, other: Self) -> Self {
+        self.refitted.extend(other.refitted);
+        self.refitted = best_of_each(self.refitted);
+        self.following.extend(other.following);
+        self
+    }
+}
+
 /// What was chosen.
 #[derive(Clone, Debug)]
 pub struct Selection<'a> {
@@ -104,35 +114,35 @@ pub fn select<'a>(
             !chosen.iter().any(same)
         };
         let library: Vec<Candidate> = library.into_iter().filter(is_new).collect();
-        // Equations that hardly err as they are would only say the same again.
-        let strict = data.strict(&extended.noise);
-        let errs =
-            extended.noise.diffusion.iter().zip(strict.diffusion).any(|(learnt, least)| *learnt > least);
-        let strict = errs.then(|| data.fit_strictly(&extended, STRICT_ROUNDS));
-        let mut grounds = vec![(&extended, Learn::Noise)];
-        grounds.extend(strict.iter().map(|strict| (strict, Learn::Nothing)));
-        let scans: Vec<Vec<Scored>> = grounds.iter().map(|(at, _)| scan(&data, at, &library)).collect();
         let found: f64 = chosen.iter().map(|refitted| refitted.evidence).sum();
         let least =
             if chosen.is_empty() { LEAST_EVIDENCE } else { FURTHER_EVIDENCE.max(FURTHER_SHARE * found) };
-        let mut refitted = fitted(&data, &extended, grounds.iter().zip(&scans), least);
-        let scanned = scans.into_iter().next().unwrap_or_default();
-        let mut following = Vec::new();
-        refitted.retain(|refitted| {
-            let share = following_share(&data, refitted);
-            if share > MOST_FOLLOWING {
-                following.push((refitted.candidate.clone(), refitted.evidence));
-            }
-            share <= MOST_FOLLOWING
-        });
-        prefer_the_simpler(&mut refitted);
-        for refitted in &refitted {
+        // Equations that hardly err as they are would only say the same again.
+        let least_diffusion = data.strict(&extended.noise).diffusion;
+        let errs =
+            extended.noise.diffusion.iter().zip(least_diffusion).any(|(learnt, least)| *learnt > least);
+        let strictly = || errs.then(|| data.fit_strictly(&extended, STRICT_ROUNDS));
+        let learnt = (&extended, Learn::Noise);
+        let mut round = if let Some(strict) = chosen.is_empty().then(strictly).flatten() {
+            look(&data, &extended, &[learnt, (&strict, Learn::Nothing)], &library, least)
+        } else {
+            look(&data, &extended, &[learnt], &library, least)
+        };
+        let shows = |round: &Round<'_>| round.refitted.first().is_some_and(|first| first.evidence > least);
+        // Beside what was found, the rest mostly shows without.
+        if !chosen.is_empty()
+            && !shows(&round)
+            && let Some(strict) = strictly()
+        {
+            round = round.and(look(&data, &extended, &[(&strict, Learn::Nothing)], &library, least));
+        }
+        prefer_the_simpler(&mut round.refitted);
+        for refitted in &round.refitted {
             tracing::debug!(name = refitted.candidate.name(), evidence = refitted.evidence, "fitted");
         }
-        let Some(mut first) = refitted.first().filter(|first| first.evidence > least).cloned() else {
-            rounds.push(Round { scanned, refitted, following });
-            break;
-        };
+        let best = round.refitted.first().filter(|_| shows(&round)).cloned();
+        rounds.push(round);
+        let Some(mut first) = best else { break };
         if let Some(split) = first.onset().and_then(|at| data.split.released(at, ONSET_S)) {
             data.split = split;
             let again = |fit: &Fit<'a>| data.fit(&fit.model, &fit.free, &fit.noise, NEXT_ROUNDS);
@@ -154,15 +164,28 @@ pub fn select<'a>(
         let confirmed = gain > -0.02 * first.evidence - 5.0 && (chosen.is_empty() || gain > 0.0);
         tracing::debug!(name = first.candidate.name(), evidence = first.evidence, held_out = gain, confirmed);
         if !confirmed {
-            rounds.push(Round { scanned, refitted, following });
             break;
         }
-        let taken = Refitted { fit: fit.clone(), ..first };
-        rounds.push(Round { scanned, refitted, following });
-        chosen.push(taken);
+        chosen.push(Refitted { fit: fit.clone(), ..first });
         extended = fit;
     }
     Selection { baseline, extended, chosen, rounds, split: data.split }
+}
+
+/// Scans the library from some fits, fits what is worth it, and refuses what only follows the driver.
+fn look<'a>(
+    data: &Data<'_>,
+    before: &Fit<'a>,
+    grounds: &[(&Fit<'a>, Learn)],
+    library: &[Candidate],
+    least: f64,
+) -> Round<'a> {
+    let scans: Vec<Vec<Scored>> = grounds.iter().map(|(at, _)| scan(data, at, library)).collect();
+    let (refitted, refused): (Vec<_>, Vec<_>) = fitted(data, before, grounds.iter().zip(&scans), least)
+        .into_iter()
+        .partition(|refitted| following_share(data, refitted) <= MOST_FOLLOWING);
+    let following = refused.into_iter().map(|refused| (refused.candidate, refused.evidence)).collect();
+    Round { scanned: scans.into_iter().next().unwrap_or_default(), refitted, following }
 }
 
 /// The candidates that are worth it by any of the scans, fitted with everything else, best first.

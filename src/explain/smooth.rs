@@ -48,7 +48,7 @@ impl Smoothed {
 pub fn courses(drive: &Drive, model: &Model<'_>, noise: &Noise, readers: Readers) -> Vec<Smoothed> {
     let mut steps = Vec::new();
     let ask = Ask { steps: Some(&mut steps), readers, ..Ask::default() };
-    pass((0, drive), &[model.car()], &[], noise, ask);
+    pass((0, drive), &model.car(), &[], noise, ask);
     let n = BODY_STATES + noise.live.len();
     let mut all = vec![Smoothed::default(); noise.live.len()];
     // Run by run, each from its end.

@@ -188,6 +188,8 @@ pub fn parameters(finding: &Finding) -> Vec<Shown> {
 fn shown(name: &str, channel: &str, unit: &str, estimate: Estimate, is_main: bool) -> Shown {
     let (factor, unit) = match name {
         "delay_s" | "time_constant_s" => (1e3, "ms".to_owned()),
+        // An ordinary number: how late a channel is.
+        _ if name.ends_with("_delay") => (1e3, "ms".to_owned()),
         "relative_error" => (100.0, "%".to_owned()),
         _ if name.starts_with("relative_difference") || name.starts_with("slip_offset") => {
             (100.0, "%".to_owned())
@@ -224,6 +226,8 @@ fn parameter_name(name: &str) -> String {
         "track_rear_m" => "rear track",
         "front_roll_share" => "front share of the roll moment",
         "load_sensitivity" => "load sensitivity of the tires",
+        "load_sensitivity_along" => "load sensitivity along the wheel",
+        "radius_loss_m_per_n" => "loss of rolling radius per load",
         "load_sensitivity_growth" => "growth of the load sensitivity with load",
         "roll_gain_rad_per_mps2" => "roll per lateral acceleration",
         "roll_frequency_rad_per_s" => "roll frequency",

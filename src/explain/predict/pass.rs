@@ -113,49 +113,74 @@ pub struct Filtered {
     pub filtered: (Column, Square),
 }
 
-/// Goes over a drive. `cars[0]` is the one the filter is made for; each other one differs from it by
-/// `difference` in something.
+/// A car that differs from the one the filter is made for.
+#[derive(Debug)]
+pub struct Other {
+    /// The car.
+    pub car: Car,
+    /// By how much of something it differs.
+    pub by: f64,
+    /// Until when it is the same, s.
+    pub same_until: f64,
+}
+
+/// Readings may be so late, s, or ahead: so long before anything can be seen of it, a car that begins to differ
+/// goes its own way.
+const AHEAD_S: f64 = 1.0;
+
+/// Goes over a drive with the car that the filter is made for, and others beside it.
 pub fn pass(
     (number, drive): (usize, &Drive),
-    cars: &[Car],
-    differences: &[f64],
+    car: &Car,
+    others: &[Other],
     noise: &Noise,
     mut ask: Ask<'_>,
 ) -> Vec<Sums> {
     let mut all = Vec::new();
-    let Some((car, others)) = cars.split_first() else { return all };
     let per_block = points(BLOCK_S);
     for &(from, to) in &drive.runs {
         let yaw_rate = yaw_rate_at(drive, from);
         let mut filter = Filter::new(Lane::start(car, drive, from, yaw_rate), noise);
-        let mut lanes: Vec<Lane> = others.iter().map(|car| Lane::start(car, drive, from, yaw_rate)).collect();
+        let differs = |other: &Other, k: usize| k as f64 * STEP_S + AHEAD_S > other.same_until;
+        let start = |other: &Other| Lane::start(&other.car, drive, from, yaw_rate);
+        // Those that are still the same have no lane of their own.
+        let mut lanes: Vec<Option<Lane>> =
+            others.iter().map(|other| differs(other, from).then(|| start(other))).collect();
         let mut k = from;
         while k < to {
             // The blocks' borders are the drive's, not the run's.
             let end = ((k / per_block + 1) * per_block).min(to);
             let mut out = Out::new(number, (k, end));
+            for (lane, other) in lanes.iter_mut().zip(others) {
+                if lane.is_none() && differs(other, end) {
+                    *lane = Some(filter.lane.clone());
+                }
+            }
             for step in k..end {
                 filter.step((car, drive, noise), (step, step == from), &mut out, &mut ask);
             }
             let Out { gains, errors, mut sums } = out;
             let rows = errors.len();
-            let lane_errors: Vec<Vec<f64>> = lanes
+            let lane_errors: Vec<Option<Vec<f64>>> = lanes
                 .par_iter_mut()
                 .zip(others)
-                .map(|(lane, car)| {
+                .map(|(lane, other)| {
+                    let lane = lane.as_mut()?;
                     let mut errors = Vec::with_capacity(rows);
                     for step in k..end {
-                        lane.follow(car, drive, step, noise, &gains, &mut errors);
+                        lane.follow(&other.car, drive, step, noise, &gains, &mut errors);
                     }
-                    errors
+                    Some(errors)
                 })
                 .collect();
             let mut z = DMatrix::zeros(rows, others.len() + 1);
             for (row, (gain, error)) in gains.iter().zip(&errors).enumerate() {
                 let weight = 1.0 / gain.s.sqrt();
                 z[(row, 0)] = error * weight;
-                for (column, (lane, by)) in lane_errors.iter().zip(differences).enumerate() {
-                    z[(row, column + 1)] = (error - lane[row]) * weight / by;
+                for (column, (lane, other)) in lane_errors.iter().zip(others).enumerate() {
+                    if let Some(lane) = lane {
+                        z[(row, column + 1)] = (error - lane[row]) * weight / other.by;
+                    }
                 }
             }
             sums.gram = z.transpose() * &z;
@@ -205,6 +230,51 @@ impl Sums {
             square: [0.0; Quantity::COUNT],
             excess: [0.0; Quantity::COUNT],
             of: [0; Quantity::COUNT],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::bench::recorded;
+    use super::super::super::model::{Chosen, Model};
+    use super::*;
+    use crate::model::effect::{Channel, Course, KINDS, Setting};
+
+    #[test]
+    fn what_begins_late_needs_no_lane_until_then() {
+        let (vehicle, recording) = recorded("");
+        let drives = [Drive::new(&recording, &vehicle)];
+        let plain = Model::plain(&vehicle, true);
+        let kind = KINDS.iter().find(|kind| kind.name == "sensor_bias").unwrap();
+        let steering = Some(Channel::One(Quantity::SteeringWheelAngle));
+        let mut jump = Chosen::usual(kind, steering, Course::None);
+        jump.numbers[kind.place_of("at_s").unwrap()] = 22.0;
+        jump.numbers[kind.place_of("bias").unwrap()] = 0.02;
+        let jumps = plain.with(jump);
+        assert_eq!(plain.same_until(&jumps), 22.0);
+        assert_eq!(jumps.same_until(&jumps), f64::INFINITY);
+        let sums = |same_until: f64| {
+            let others = [Other { car: jumps.car(), by: 0.02, same_until }];
+            pass((0, &drives[0]), &plain.car(), &others, &Noise::first(&drives), Ask::default())
+        };
+        let (own, late) = (sums(f64::NEG_INFINITY), sums(22.0));
+        for (own, late) in own.iter().zip(&late) {
+            assert!((&own.gram - &late.gram).amax() <= 1e-9 * own.gram.amax(), "{:?}", own.t);
+            assert_eq!(own.gram[(1, 1)] > 0.0, own.t.1 > 22.0, "{:?}", own.t);
+        }
+    }
+
+    #[test]
+    fn nothing_that_begins_late_has_states_of_its_own() {
+        let late: Vec<_> = KINDS.iter().filter(|kind| kind.place_of("at_s").is_some()).collect();
+        assert!(late.len() >= 3);
+        for kind in late {
+            let channel = kind.channels.first().copied();
+            let chosen = Chosen::usual(kind, channel, Course::None);
+            let values = chosen.values();
+            let effect = kind.effect(&Setting { values: &values, channel, course: &chosen.course });
+            assert_eq!(effect.states(), 0, "{}", kind.name);
         }
     }
 }

@@ -158,6 +158,13 @@ impl Setting<'_> {
     }
 }
 
+/// There is one of each name.
+impl PartialEq for Kind {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
 impl Kind {
     /// Makes one of it.
     pub fn effect(&self, setting: &Setting<'_>) -> Box<dyn Effect> {

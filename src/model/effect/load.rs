@@ -40,9 +40,14 @@ impl Sensitivity {
 pub(super) fn change(on: &mut Acting, wheel: usize, share: f64, sensitivity: Sensitivity) {
     let share = share.max(SMALLEST_SHARE);
     on.load[wheel] *= share;
-    let further = 0.5 * sensitivity.growth * share.ln();
-    on.contact[wheel].stiffness_x *= share.powf(-sensitivity.along - further);
-    on.contact[wheel].stiffness_y *= share.powf(-sensitivity.across - further);
+    // Powers of the share by its logarithm, taken once.
+    let folds = share.ln();
+    let further = 0.5 * sensitivity.growth * folds;
+    let along = (-folds * (sensitivity.along + further)).exp();
+    let is_alike = sensitivity.across == sensitivity.along;
+    let across = if is_alike { along } else { (-folds * (sensitivity.across + further)).exp() };
+    on.contact[wheel].stiffness_x *= along;
+    on.contact[wheel].stiffness_y *= across;
 }
 
 /// Moves the centre of gravity rearwards, m, and adds mass, kg, with what the axles then carry.

@@ -277,7 +277,9 @@ fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> f64 {
         courses.last().map_or(0.0, |course| follows_motion(drive, course, length, is_of_the_road))
     });
     let shares: Vec<f64> = shares.collect();
-    shares.iter().sum::<f64>() / shares.len().max(1) as f64
+    let share = shares.iter().sum::<f64>() / shares.len().max(1) as f64;
+    tracing::trace!(name = refitted.candidate.name(), share, "follows the driver");
+    share
 }
 
 /// A number that is the same all the time is the simpler explanation than a course that could be anything, or

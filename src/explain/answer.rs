@@ -38,7 +38,7 @@ impl<'a> Told<'_, 'a> {
     /// The answer, of so many usable seconds.
     pub fn answer(self, usable: f64) -> Answer<'a> {
         let baseline = &self.selection.baseline;
-        let extended = match self.verdict {
+        let differing = match self.verdict {
             Verdict::MissingPhysics => &self.selection.extended,
             Verdict::UnknownPhysics => self.corrected,
             Verdict::Adequate | Verdict::InsufficientExcitation => baseline,
@@ -46,12 +46,18 @@ impl<'a> Told<'_, 'a> {
         let differs = matches!(self.verdict, Verdict::MissingPhysics | Verdict::UnknownPhysics);
         let split = &self.data.split;
         let before = proof::simulate(self.drives, baseline);
-        let after = if differs { proof::simulate(self.drives, extended) } else { before.clone() };
-        let steps = Models { baseline: self.innovations(baseline), extended: self.innovations(extended) };
+        let after = if differs { proof::simulate(self.drives, differing) } else { before.clone() };
+        // Unknown forces say where something is missing, whether or not they help to simulate.
+        let helps = self.verdict != Verdict::UnknownPhysics || proof::is_better(&before, &after, split);
+        let (extended, after) = if helps { (differing, after) } else { (baseline, before.clone()) };
+        let (plainly, differently) = (self.innovations(baseline), self.innovations(differing));
+        let place = self.place(&plainly, &differently);
+        let extended_steps = if helps { differently } else { plainly.clone() };
+        let steps = Models { baseline: plainly, extended: extended_steps };
         let equations = Models { baseline: self.equations(baseline), extended: self.equations(extended) };
 
         let mut explanation = Explanation::empty(self.verdict);
-        explanation.place = self.place(&steps.baseline, &steps.extended);
+        explanation.place = place;
         if let Some(most) =
             equations.baseline.iter().max_by(|a, b| a.ratio.total_cmp(&b.ratio)).filter(|_| differs)
         {

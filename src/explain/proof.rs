@@ -120,6 +120,15 @@ pub fn fits(saids: &Saids, split: &Split) -> Parts<ByChannel> {
     parts
 }
 
+/// Is the mean held-out fit of the channels better after than before?
+pub fn is_better(before: &Saids, after: &Saids, split: &Split) -> bool {
+    let mean = |saids: &Saids| {
+        let fits = fits(saids, split).holdout;
+        fits.values().sum::<f64>() / fits.len().max(1) as f64
+    };
+    mean(after) > mean(before)
+}
+
 /// Blocks of the bootstrap, s.
 const BOOTSTRAP_S: f64 = 4.0;
 const DRAWS: usize = 400;

@@ -7,7 +7,8 @@ pub fn number(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         return "–".into();
     }
-    let text = format!("{value:.decimals$}");
+    // What has run away is no number to read all digits of.
+    let text = if value.abs() < 1e7 { format!("{value:.decimals$}") } else { format!("{value:.0e}") };
     let is_zero = text.bytes().all(|byte| matches!(byte, b'-' | b'.' | b'0'));
     if is_zero { text.replace('-', "") } else { text.replace('-', "−") }
 }
@@ -90,6 +91,7 @@ mod tests {
         assert_eq!(said(1.23e-5, 8.1e-7), "(1.23 ± 0.08)·10⁻⁵");
         assert_eq!(said(-0.0004, 0.012), "0.000 ± 0.012");
         assert_eq!(said(f64::NAN, 0.1), "–");
+        assert_eq!((number(-8.2e23, 1), number(-880.64, 1)), ("−8e23".into(), "−880.6".into()));
         assert_eq!(said(35.2, f64::NAN), "35.2");
         assert_eq!(three(2.5e-7), "2.50·10⁻⁷");
         assert_eq!(signed(-3.25, 1), "−3.2");

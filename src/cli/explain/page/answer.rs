@@ -82,18 +82,25 @@ fn lead(explanation: &Explanation) -> Vec<String> {
             left(explanation)
         )],
         Verdict::UnknownPhysics => {
-            let helps = stretch::gains(explanation).first().is_some_and(|gain| gain.points() > 0.0);
+            let gains = stretch::gains(explanation);
+            let better = gains.iter().filter(|gain| gain.points() > 0.0).count();
             vec![
                 format!(
                     "The plain model misses something structured{}, but none of {tried} clears the bar.",
                     place(explanation)
                 ),
-                if helps {
-                    "A correction without a name, fitted there, makes the simulation better on data it was not \
-                     fitted to: something real is missing."
-                        .into()
-                } else {
-                    "A correction without a name does not help on held-out data, either.".into()
+                match better {
+                    0 => "A correction without a name does not help on held-out data, either.".into(),
+                    all if all == gains.len() => {
+                        "A correction without a name, fitted there, makes the simulation better on data it was \
+                         not fitted to: something real is missing."
+                            .into()
+                    }
+                    some => format!(
+                        "A correction without a name, fitted there, makes {some} of {} channels better on data it \
+                         was not fitted to, and the others worse: a hint, and no more.",
+                        gains.len()
+                    ),
                 },
             ]
         }

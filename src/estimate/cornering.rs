@@ -24,6 +24,7 @@
 
 use nalgebra::SVector;
 
+use super::learned::{ERRORS, Known, Learned, Trial};
 use super::window::{Means, Path, Window, YawAcceleration};
 use super::{Car, Cornering, CorneringConfig, Kinematics};
 use crate::estimates::{Estimate, SensorOffsets};
@@ -69,6 +70,10 @@ pub struct CorneringEstimator {
     idle_s: f64,
     seen: bool,
     motion: Option<LateralMotion>,
+    /// The stiffnesses when they were last known well. The surface may have changed since.
+    settled: [Option<Known>; 2],
+    /// What was taken up from an earlier drive is on trial.
+    trial: Option<Trial<STATES>>,
 }
 
 /// What the filter knows of the motion.
@@ -88,6 +93,16 @@ struct SensorNoise {
     yaw_rate: f64,
     acceleration: f64,
     road_angle: f64,
+}
+
+/// What a window said besides what it measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Said {
+    Nothing,
+    /// The surface changed.
+    Changed,
+    /// What an earlier drive learned is not true of this one.
+    OtherCar,
 }
 
 /// What an axle's innovations say.
@@ -122,28 +137,24 @@ impl CorneringEstimator {
     /// All wheels slower than this, for [`Self::STANDING_AFTER`]: the car stands, m/s.
     const STANDING_BELOW: f64 = 0.1;
     const STANDING_AFTER: f64 = 0.5;
+    /// Between two drives an error of a sensor moves by this share of what it may be at all:
+    /// temperature, a steering sensor that was reset, load, tires.
+    const BETWEEN_DRIVES: f64 = 0.25;
+    /// Beyond this many times what it may be at all, an error is not known.
+    const FORGOTTEN: f64 = 1.5;
+    /// Stiffnesses and errors are taken up as independent of each other. With variances these many times
+    /// what they were they are nowhere surer than they were together, however they were correlated:
+    /// P ≤ diag((1 + c) P₁, (1 + 1/c) P₂), here for c = 4.
+    const APART: (f64, f64) = (5.0, 1.25);
+    /// Readings (two for each window) for which an earlier drive's numbers are on trial.
+    const TRIAL: u32 = 80;
+    /// The errors of the sensors, in the order of [`Learned::errors`].
+    const ERRORS: [usize; ERRORS] = [ANGLE_OFFSET, AY_OFFSET, YAW_OFFSET, SPEED_SCALE, ANGLE_SCALE];
     /// Lateral velocity of which nothing is known yet, m/s.
     const UNKNOWN_VY: f64 = 0.5;
 
     /// Starts from the vehicle's priors.
     pub fn new(car: &Car, sensors: &Sensors, config: &CorneringConfig, minimum_speed: f64) -> Self {
-        let compliance = car.cornering_prior.map(|(value, std)| {
-            let relative = (std / value).max(0.05);
-            (1.0 / value, relative / value)
-        });
-        let mut mean = [0.0; STATES];
-        let mut std = [0.0; STATES];
-        for (i, (value, deviation)) in [FRONT, REAR].into_iter().zip(compliance) {
-            mean[i] = value;
-            std[i] = deviation;
-        }
-        std[VY] = Self::UNKNOWN_VY;
-        std[ANGLE_OFFSET] = config.steering_offset_std;
-        std[AY_OFFSET] = config.acceleration_offset_std;
-        std[YAW_OFFSET] = config.yaw_rate_offset_std;
-        std[SPEED_SCALE] = config.speed_scale_std.hypot(car.radius_relative_std);
-        std[ANGLE_SCALE] = car.steering_ratio_relative_std;
-        std[BANK] = config.bank_std;
         let axle = AxleMonitor {
             noise: LearnedNoise::new(Self::NOISE_MEMORY),
             cusum: Cusum::new(config.cusum_drift, config.cusum_threshold),
@@ -154,7 +165,7 @@ impl CorneringEstimator {
                 acceleration: sensors.noise_std(Quantity::LateralAcceleration),
                 road_angle: sensors.noise_std(Quantity::SteeringWheelAngle) / car.steering_ratio,
             },
-            state: Gaussian::new(mean, std),
+            state: Self::prior(car, config),
             window: Window::new(Self::WINDOW_S),
             running: false,
             axles: [axle.clone(), axle],
@@ -166,8 +177,88 @@ impl CorneringEstimator {
             idle_s: 0.0,
             seen: false,
             motion: None,
+            settled: [None; 2],
+            trial: None,
             car: car.clone(),
             config: config.clone(),
+        }
+    }
+
+    /// What is known before anything is measured.
+    fn prior(car: &Car, config: &CorneringConfig) -> Gaussian<STATES> {
+        let mut mean = [0.0; STATES];
+        let mut std = [0.0; STATES];
+        for (i, (value, deviation)) in [FRONT, REAR].into_iter().zip(car.cornering_prior) {
+            mean[i] = 1.0 / value;
+            std[i] = (deviation / value).max(0.05) / value;
+        }
+        std[VY] = Self::UNKNOWN_VY;
+        std[ANGLE_OFFSET] = config.steering_offset_std;
+        std[AY_OFFSET] = config.acceleration_offset_std;
+        std[YAW_OFFSET] = config.yaw_rate_offset_std;
+        std[SPEED_SCALE] = config.speed_scale_std.hypot(car.radius_relative_std);
+        std[ANGLE_SCALE] = car.steering_ratio_relative_std;
+        std[BANK] = config.bank_std;
+        Gaussian::new(mean, std)
+    }
+
+    /// Starts from what an earlier drive learned, less sure of it. Before the first sample only.
+    pub fn restore(&mut self, learned: &Learned) {
+        let fresh = Self::prior(&self.car, &self.config);
+        let mut state = fresh;
+        // Half of what makes a stiffness valid has to be news.
+        let least = std::f64::consts::SQRT_2 * self.config.valid_relative_std;
+        for (i, stiffness) in [FRONT, REAR].into_iter().zip(learned.cornering) {
+            let Some(stiffness) = stiffness else { continue };
+            let relative = least.max(Self::APART.0.sqrt() * stiffness.std / stiffness.value);
+            if relative < fresh.std(i) / fresh.mean[i] {
+                state.mean[i] = 1.0 / stiffness.value;
+                state.covariance[(i, i)] = (relative / stiffness.value).powi(2);
+            }
+        }
+        let correlation = learned.correlation();
+        let errors = learned.errors().map(|error| error.map(|e| (e.value, Self::APART.1.sqrt() * e.std)));
+        for (place, i) in Self::ERRORS.into_iter().enumerate() {
+            // What is known much worse than the data sheet has it is not known.
+            let known = |place: usize| {
+                let std = errors[place]?.1;
+                (std < Self::FORGOTTEN * fresh.std(Self::ERRORS[place])).then_some(std)
+            };
+            let (Some((value, _)), Some(std)) = (errors[place], known(place)) else { continue };
+            for (other, &j) in Self::ERRORS[..place].iter().enumerate() {
+                let shared = known(other).map_or(0.0, |other_std| std * other_std);
+                state.covariance[(i, j)] = correlation[(place, other)] * shared;
+                state.covariance[(j, i)] = state.covariance[(i, j)];
+            }
+            state.mean[i] = value;
+            state.covariance[(i, i)] = std * std + (Self::BETWEEN_DRIVES * fresh.std(i)).powi(2);
+        }
+        self.settled = learned.cornering;
+        self.state = state;
+        self.trial = Some(Trial::new(fresh, Self::TRIAL));
+    }
+
+    /// Puts into `learned` what outlives the drive; motion and bank do not.
+    pub fn learn(&self, learned: &mut Learned) {
+        learned.cornering = self.settled;
+        if !(self.seen || self.trial.is_some()) {
+            return;
+        }
+        let known = |i: usize| {
+            let std = self.state.std(i);
+            (std > 0.0).then(|| Known { value: self.state.mean[i], std })
+        };
+        learned.road_angle_offset = known(ANGLE_OFFSET);
+        learned.lateral_acceleration_offset = known(AY_OFFSET);
+        learned.yaw_rate_offset = known(YAW_OFFSET);
+        learned.speed_scale = known(SPEED_SCALE);
+        learned.road_angle_scale = known(ANGLE_SCALE);
+        let mut triangle = learned.error_correlations.iter_mut();
+        for (place, &i) in Self::ERRORS.iter().enumerate() {
+            for (&j, correlation) in Self::ERRORS[place + 1..].iter().zip(&mut triangle) {
+                let scale = self.state.std(i) * self.state.std(j);
+                *correlation = if scale > 0.0 { self.state.covariance[(i, j)] / scale } else { 0.0 };
+            }
         }
     }
 
@@ -328,7 +419,14 @@ impl CorneringEstimator {
         }
         let mut changed = false;
         for axle in [FRONT, REAR] {
-            changed |= self.measure(axle, now);
+            match self.measure(axle, now) {
+                Said::Nothing => {}
+                Said::Changed => changed = true,
+                Said::OtherCar => {
+                    self.start_afresh();
+                    return false;
+                }
+            }
         }
         for i in [FRONT, REAR] {
             let (low, high) = Self::COMPLIANCE_LIMITS;
@@ -340,6 +438,7 @@ impl CorneringEstimator {
         if now.acceleration.abs() > Self::INFORMATIVE {
             self.age_s = 0.0;
             self.informed = true;
+            self.settle();
         }
         if changed {
             self.surface_changed();
@@ -375,7 +474,7 @@ impl CorneringEstimator {
     }
 
     /// One axle's equation: what the slip angle is by the motion, less what it is by the force.
-    fn measure(&mut self, axle: usize, now: &Means) -> bool {
+    fn measure(&mut self, axle: usize, now: &Means) -> Said {
         let car = &self.car;
         let x = &self.state.mean;
         let front = axle == FRONT;
@@ -404,6 +503,11 @@ impl CorneringEstimator {
         let monitor = &mut self.axles[axle - FRONT];
         let variance = monitor.noise.variance(promised) * nonlinear;
         let expected = self.state.innovation(&h, residual, variance);
+        match self.trial.as_mut().map(|trial| trial.step(&expected, variance)) {
+            Some(Some(true)) => return Said::OtherCar,
+            Some(None) => self.trial = None,
+            _ => {}
+        }
         if excess == 0.0 {
             monitor.noise.learn(&expected, promised);
         }
@@ -413,10 +517,13 @@ impl CorneringEstimator {
         // Steered fast to and fro, sensors a few milliseconds apart disagree in ways that look like softness.
         let steady = now.acceleration.abs() > now.acceleration_spread;
         if force.abs() * GRAVITY < Self::INFORMATIVE || !settled || !steady {
-            return false;
+            return Said::Nothing;
         }
         let evidence = expected.normalized() * force.signum() / redundancy.sqrt();
-        monitor.cusum.step(evidence.clamp(-Self::ALARM_CLIP, Self::ALARM_CLIP)).is_some()
+        match monitor.cusum.step(evidence.clamp(-Self::ALARM_CLIP, Self::ALARM_CLIP)) {
+            Some(_) => Said::Changed,
+            None => Said::Nothing,
+        }
     }
 
     /// Noise of an axle's equation as the sensors' data sheets promise it, rad².
@@ -443,6 +550,25 @@ impl CorneringEstimator {
         }
     }
 
+    /// Remembers stiffnesses that are known well.
+    fn settle(&mut self) {
+        for (i, settled) in [FRONT, REAR].into_iter().zip(&mut self.settled) {
+            let compliance = self.state.mean[i];
+            let relative = self.state.alone_std(i, &[FRONT, REAR]) / compliance;
+            if relative <= self.config.valid_relative_std {
+                *settled = Some(Known { value: 1.0 / compliance, std: relative / compliance });
+            }
+        }
+    }
+
+    /// Fresh readings contradict an earlier drive's numbers: another load or another sensor, perhaps. As
+    /// if there were none.
+    fn start_afresh(&mut self) {
+        let idle = (self.idle_s, self.seen);
+        self.start_again();
+        (self.idle_s, self.seen) = idle;
+    }
+
     /// Numbers got out of hand: better to know nothing than to go on with them.
     fn start_again(&mut self) {
         let noise = self.noise;
@@ -452,79 +578,4 @@ impl CorneringEstimator {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::filter::discretize::zero_order_hold;
-    use crate::model::Vehicle;
-    use nalgebra::Vector2;
-
-    const OFFSETS: [f64; 3] = [0.004, -0.08, 0.006];
-
-    /// A linear car with front and rear stiffness 14 and 9, driven through random-looking steering
-    /// with offset sensors; returns its last true lateral velocity.
-    fn drive(estimator: &mut CorneringEstimator, car: &Car, amplitude: f64, seconds: f64) -> f64 {
-        let model = car.bicycle(14.0, 9.0);
-        let (speed, step) = (22.0, 0.01);
-        let mut x = Vector2::zeros();
-        for i in 0..(seconds / step) as usize {
-            let t = i as f64 * step;
-            let angle = amplitude * ((1.3 * t).sin() + 0.6 * (3.7 * t).sin() + 0.4 * (7.0 * t).sin());
-            let (a, b) = model.dynamics(speed);
-            let (f, gamma) = zero_order_hold(&a, step);
-            x = f * x + gamma * b * angle;
-            let (h, d) = model.lateral_acceleration(speed);
-            let noise = [(i * 7919 % 101) as f64 - 50.0, (i * 104_729 % 103) as f64 - 51.0].map(|n| n / 29.0);
-            let now = Kinematics {
-                elapsed_s: step,
-                speed: Some(speed),
-                wheels: Some([speed; 4]),
-                yaw_rate: Some(x[1] + OFFSETS[2] + 0.003 * noise[0]),
-                lateral_acceleration: Some(h.dot(&x) + d * angle + OFFSETS[1] + 0.07 * noise[1]),
-                longitudinal_acceleration: None,
-                road_angle: Some(angle + OFFSETS[0]),
-                axle_torque: None,
-                braking: None,
-                abs: None,
-            };
-            estimator.step(&now);
-        }
-        x[0]
-    }
-
-    fn estimator() -> (CorneringEstimator, Car) {
-        let mut vehicle = Vehicle::thesis();
-        vehicle.lateral_stiffness_front = crate::model::Uncertain { value: 12.0, std: 3.0 };
-        vehicle.lateral_stiffness_rear = vehicle.lateral_stiffness_front;
-        vehicle.steering_ratio.value = 16.0;
-        let car = Car::new(&vehicle);
-        (CorneringEstimator::new(&car, &Sensors::default(), &CorneringConfig::default(), 4.0), car)
-    }
-
-    #[test]
-    fn both_stiffnesses_and_all_offsets_are_found_when_excited() {
-        let (mut estimator, car) = estimator();
-        let vy = drive(&mut estimator, &car, 0.012, 120.0);
-        for (stiffness, truth) in estimator.stiffness().into_iter().zip([14.0, 9.0]) {
-            let c = stiffness.unwrap();
-            assert!((c.value - truth).abs() < 3.0 * c.std && c.std < 0.1 * truth, "{c:?} for {truth}");
-        }
-        assert!(estimator.is_valid() && estimator.is_motion_valid(22.0));
-        let motion = estimator.motion().unwrap();
-        assert!((motion.lateral_velocity - vy).abs() < 0.1, "{motion:?} for {vy}");
-        let found = estimator.offsets();
-        for (offset, truth) in
-            [found.road_angle, found.lateral_acceleration, found.yaw_rate].into_iter().zip(OFFSETS)
-        {
-            let offset = offset.unwrap();
-            assert!((offset.value - truth).abs() < 4.0 * offset.std, "{offset:?} for {truth}");
-        }
-    }
-
-    #[test]
-    fn driving_straight_the_stiffness_is_not_valid() {
-        let (mut estimator, car) = estimator();
-        drive(&mut estimator, &car, 0.0, 60.0);
-        assert_eq!(estimator.stiffness(), [None; 2]);
-        assert!(!estimator.is_valid());
-    }
-}
+mod tests;

@@ -9,6 +9,7 @@ use super::friction::{Evidence, FrictionMonitor};
 use super::joint_ekf::JointEkf;
 use super::lateral_slope::LateralSlopeEstimator;
 use super::lateral_velocity::LateralVelocityEstimator;
+use super::learned::Learned;
 use super::mapping::{MappedFriction, Mapping, mean_slope};
 use super::saturation::SaturationDetector;
 use super::slope::SlopeEstimator;
@@ -42,12 +43,16 @@ pub struct Pipeline {
     block_acceleration: Option<f64>,
     /// Seconds since a surface change was last noticed.
     unchanged_s: f64,
+    /// Seconds that the car moved, those of earlier drives included.
+    driving_s: f64,
     latest: Estimates,
 }
 
 impl Pipeline {
     /// Several wheels and filters notice the same change: within this time it is one, s.
     const ONE_CHANGE_S: f64 = 2.0;
+    /// Nobody knows whether the car moved during a gap as long as this, s.
+    const GAP_S: f64 = 1.0;
     /// Normalized force (rms) at which the slopes are fully excited.
     const FULL_EXCITATION: f64 = 0.1;
 
@@ -73,11 +78,35 @@ impl Pipeline {
             excitation: [Excitation::default(); 2],
             block_acceleration: None,
             unchanged_s: f64::INFINITY,
+            driving_s: 0.0,
             latest: Estimates::default(),
             config: config.clone(),
             sensors: *sensors,
             car,
         }
+    }
+
+    /// Starts from what an earlier drive learned of this car, taken for less sure than it was. To be called
+    /// before the first sample. Nothing of it is given out, let alone as valid, before this drive has
+    /// measured the same; and what its first readings contradict is forgotten.
+    pub fn restore(&mut self, learned: &Learned) {
+        self.slope.restore(learned);
+        self.cornering.restore(learned);
+        self.driving_s = learned.driving_s;
+    }
+
+    /// What the estimators know that outlives the drive; never friction. Some hundred operations and no
+    /// allocation: it may be asked for between any two samples.
+    pub fn learned(&self) -> Learned {
+        let mut learned = Learned { time: self.latest.time, driving_s: self.driving_s, ..Learned::default() };
+        self.slope.learn(&mut learned);
+        self.cornering.learn(&mut learned);
+        learned.plausible()
+    }
+
+    /// Seconds that the car moved, those of the drives before included.
+    pub fn driving_s(&self) -> f64 {
+        self.driving_s
     }
 
     /// Takes a sample; what is returned holds until the next one.
@@ -87,6 +116,11 @@ impl Pipeline {
         self.latest.faults = sample.faults;
         self.latest.state = self.state(sample);
         self.unchanged_s += now.elapsed_s;
+        if now.elapsed_s < Self::GAP_S
+            && now.speed.is_some_and(|speed| speed >= self.config.minimum_speed_mps)
+        {
+            self.driving_s += now.elapsed_s;
+        }
         self.abs.step(&now);
         self.longitudinal(&now);
         self.lateral(&now);

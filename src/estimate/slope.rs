@@ -7,6 +7,7 @@
 
 use nalgebra::vector;
 
+use super::learned::{Known, Learned, Trial};
 use super::traction::TractionPoint;
 use super::{Car, SlopeConfig};
 use crate::estimates::Estimate;
@@ -46,6 +47,25 @@ impl SlopeEstimator {
             car.acceleration_scale_std
         };
         Self { wheels, cusum, usual, config: config.clone(), force_scale_std }
+    }
+
+    /// Starts from what an earlier drive learned, less sure of it. Before the first sample only.
+    pub fn restore(&mut self, learned: &Learned) {
+        for (place, wheel) in Wheel::ALL.into_iter().zip(&mut self.wheels) {
+            if let Some(wheel) = wheel {
+                let (slope, offset) = learned.of_wheel(place);
+                wheel.restore(slope, offset, &self.config);
+            }
+        }
+    }
+
+    /// Puts into `learned` what outlives the drive.
+    pub fn learn(&self, learned: &mut Learned) {
+        for (place, wheel) in self.wheels.iter().enumerate() {
+            let Some(wheel) = wheel else { continue };
+            learned.slope[place] = wheel.settled;
+            learned.slip_offset[place] = wheel.learned_offset(&self.config);
+        }
     }
 
     /// Time passes; nothing was measured.
@@ -134,6 +154,10 @@ struct WheelSlope {
     informed: bool,
     /// Up to this normalized force the slip curve is known.
     known_up_to: f64,
+    /// The slope when it was last known well. The surface may have changed since, unseen.
+    settled: Option<Known>,
+    /// What was taken up from an earlier drive is on trial.
+    trial: Option<Trial<2>>,
 }
 
 impl WheelSlope {
@@ -150,18 +174,74 @@ impl WheelSlope {
     /// More force than this many times what the curve is known for may be off the line because the
     /// curve bends there: no evidence of another surface.
     const BEYOND: f64 = 1.4;
+    /// A compliance is at first uncertain by this share of itself at least, however sure the data sheet or
+    /// an earlier drive: the surface is the road's.
+    const SURFACE: f64 = 0.3;
+    /// Between two drives the offset moves by this share of what tires may differ by at all: temperature,
+    /// pressure, passengers.
+    const BETWEEN_DRIVES: f64 = 0.03;
+    /// An offset is worth keeping when it is surer than this share of what it was before anything was
+    /// measured.
+    const WORTH_KEEPING: f64 = 0.5;
+    /// Blocks for which an earlier drive's numbers are on trial.
+    const TRIAL: u32 = 40;
     /// How fast a curve becomes known further up, and how slowly that is forgotten, s.
     const KNOWN_S: (f64, f64) = (4.0, 120.0);
 
     fn new((slope, slope_std): (f64, f64), config: &SlopeConfig) -> Self {
-        let compliance_std = (slope_std / (slope * slope)).max(0.3 / slope);
+        let compliance_std = (slope_std / (slope * slope)).max(Self::SURFACE / slope);
         Self {
             filter: Gaussian::new([1.0 / slope, 0.0], [compliance_std, config.initial_offset_std]),
             noise: LearnedNoise::new(Self::NOISE_MEMORY),
             age_s: 0.0,
             informed: false,
             known_up_to: 0.0,
+            settled: None,
+            trial: None,
         }
+    }
+
+    /// Takes up an earlier drive's numbers, where they are surer than the start. What it learned of the
+    /// slope counts as `settled` still: a drive that tells nothing loses nothing.
+    fn restore(&mut self, slope: Option<Known>, offset: Option<Known>, config: &SlopeConfig) {
+        let trial = Trial::new(self.filter, Self::TRIAL);
+        let [mut mean, mut std] = [self.filter.mean.into(), [self.filter.std(0), self.filter.std(1)]];
+        if let Some(offset) = offset {
+            let drift = Self::BETWEEN_DRIVES * config.initial_offset_std;
+            let widened = offset.std.hypot(drift);
+            if widened < std[1] {
+                (mean[1], std[1]) = (offset.value, widened);
+            }
+        }
+        if let Some(slope) = slope {
+            let compliance = (1.0 + mean[1]) / slope.value;
+            // Half of what makes it valid has to be news.
+            let least = Self::SURFACE.max(std::f64::consts::SQRT_2 * config.valid_relative_std);
+            (mean[0], std[0]) = (compliance, compliance * least.max(slope.std / slope.value));
+            self.settled = Some(slope);
+        }
+        self.filter = Gaussian::new(mean, std);
+        self.trial = Some(trial);
+    }
+
+    /// The offset, if enough is known of it to be worth keeping.
+    fn learned_offset(&self, config: &SlopeConfig) -> Option<Known> {
+        let std = self.filter.alone_std(1, &[0, 1]);
+        (std < Self::WORTH_KEEPING * config.initial_offset_std)
+            .then(|| Known { value: self.filter.mean[1], std })
+    }
+
+    /// Fresh readings contradict an earlier drive's numbers: other tires, perhaps. As if there were none.
+    fn start_afresh(&mut self, fresh: Gaussian<2>) {
+        *self = Self {
+            filter: fresh,
+            noise: LearnedNoise::new(Self::NOISE_MEMORY),
+            age_s: self.age_s,
+            informed: false,
+            known_up_to: 0.0,
+            settled: None,
+            trial: None,
+        };
     }
 
     /// After some seconds without information the surface may have become another one, unseen.
@@ -188,6 +268,17 @@ impl WheelSlope {
         let promised = point.slip_std * point.slip_std + mu_part * mu_part;
         let noise = self.noise.variance(promised);
         let expected = self.filter.innovation(&regressor, residual, noise);
+        if let Some(trial) = &mut self.trial {
+            match trial.step(&expected, noise) {
+                Some(false) => {}
+                Some(true) => {
+                    let fresh = trial.fresh;
+                    self.start_afresh(fresh);
+                    return None;
+                }
+                None => self.trial = None,
+            }
+        }
         self.noise.learn(&expected, promised);
         // An outlier's residual is limited rather than dropped: at a change of surface all are.
         let normalized = expected.normalized();
@@ -196,6 +287,7 @@ impl WheelSlope {
         if point.mu.abs() >= config.informative_mu {
             self.age_s = 0.0;
             self.informed = true;
+            self.settle(config);
         }
         let beyond = point.mu.abs() > Self::BEYOND * self.known_up_to;
         self.explore(point.mu.abs(), duration_s);
@@ -219,6 +311,15 @@ impl WheelSlope {
     /// Is the slope known well enough that a contradiction is news?
     fn is_settled(&self) -> bool {
         self.filter.std(0) < Self::SETTLED * self.filter.mean[0]
+    }
+
+    /// Remembers a slope that is known well.
+    fn settle(&mut self, config: &SlopeConfig) {
+        let Some(slope) = self.slope() else { return };
+        if slope.std <= config.valid_relative_std * slope.value {
+            let relative = self.filter.alone_std(0, &[0, 1]) / self.filter.mean[0];
+            self.settled = Some(Known { value: slope.value, std: relative * slope.value });
+        }
     }
 
     fn boost(&mut self, config: &SlopeConfig) {
@@ -248,51 +349,4 @@ impl WheelSlope {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::Vehicle;
-
-    fn point(slope: f64, mu: f64, noise: f64) -> TractionPoint {
-        TractionPoint { slip: mu / slope + 0.015 + noise, slip_std: 2e-4, mu, mu_std: 0.0 }
-    }
-
-    /// Drives `blocks` blocks on a surface; returns at which of them changes were noticed.
-    fn drive(estimator: &mut SlopeEstimator, slope: f64, blocks: usize) -> Vec<usize> {
-        (0..blocks)
-            .filter(|&i| {
-                let mu = 0.1 * (i as f64 * 0.3).sin();
-                let noise = 2e-4 * ((i * 7919 % 13) as f64 - 6.0) / 3.74;
-                let points = Wheel::ALL.map(|w| w.is_front().then(|| point(slope, mu, noise)));
-                estimator.step(&points, 0.25)
-            })
-            .collect()
-    }
-
-    #[test]
-    fn a_change_of_surface_is_noticed_once_and_followed() {
-        let car = Car::new(&Vehicle::thesis());
-        let mut estimator = SlopeEstimator::new(&car, &Sensors::default(), &SlopeConfig::default());
-        drive(&mut estimator, 95.0, 400);
-        let [Some(fl), Some(_), None, None] = estimator.slopes() else { panic!("{:?}", estimator.slopes()) };
-        assert!((fl.value - 95.0).abs() < 3.0 * fl.std && fl.std < 5.0, "{fl:?}");
-        assert!((estimator.offsets()[0].unwrap().value - 0.015).abs() < 1e-4);
-        let noticed = drive(&mut estimator, 50.0, 80);
-        assert_eq!(noticed.len(), 1, "{noticed:?}");
-        assert!(noticed[0] < 20);
-        let fl = estimator.slopes()[0].unwrap();
-        assert!((fl.value - 50.0).abs() < 5.0, "{fl:?}");
-        assert!(estimator.is_valid());
-    }
-
-    #[test]
-    fn cruising_without_force_tells_no_slope() {
-        let car = Car::new(&Vehicle::thesis());
-        let mut estimator = SlopeEstimator::new(&car, &Sensors::default(), &SlopeConfig::default());
-        for _ in 0..400 {
-            let points = Wheel::ALL.map(|w| w.is_front().then(|| point(95.0, 0.01, 0.0)));
-            estimator.step(&points, 0.25);
-        }
-        assert_eq!(estimator.slopes(), [None; 4]);
-        assert!(!estimator.is_valid());
-    }
-}
+mod tests;

@@ -48,6 +48,19 @@ impl<const N: usize> Gaussian<N> {
         self.covariance[(i, i)].max(0.0).sqrt()
     }
 
+    /// Standard deviation with which component `i` may stand alone. Independent components with these
+    /// deviations are nowhere surer than this state is of all of `among` together, however they are
+    /// correlated: a symmetric matrix that dominates its diagonal is positive.
+    pub fn alone_std(&self, i: usize, among: &[usize]) -> f64 {
+        let own = self.std(i);
+        let shared: f64 = among
+            .iter()
+            .filter(|&&j| j != i && self.std(j) > 0.0)
+            .map(|&j| self.covariance[(i, j)].abs() / self.std(j))
+            .sum();
+        (own * (own + shared)).sqrt()
+    }
+
     /// Linear time update: mean ← F mean, P ← F P Fᵀ + Q.
     pub fn predict(&mut self, transition: &SMatrix<f64, N, N>, noise: &SMatrix<f64, N, N>) {
         self.mean = transition * self.mean;
@@ -135,6 +148,21 @@ mod tests {
         }
         assert!(filter.is_sound());
         assert!(filter.covariance.symmetric_eigenvalues().min() >= 0.0);
+    }
+
+    #[test]
+    fn components_that_stand_alone_are_together_no_surer_than_they_were() {
+        let mut filter = Gaussian::<4>::new([0.0; 4], [1.0, 0.1, 10.0, 2.0]);
+        for i in 0..50 {
+            let t = f64::from(i);
+            let h = vector![t.sin(), 10.0 * (0.7 * t).cos(), 0.1, (1.9 * t).sin()];
+            filter.update(&h, 0.0, 0.3);
+            let among = [0, 1, 3];
+            let alone = vector![0, 1, 3].map(|i| filter.alone_std(i, &among).powi(2));
+            let together = SMatrix::<f64, 3, 3>::from_fn(|i, j| filter.covariance[(among[i], among[j])]);
+            let more = SMatrix::from_diagonal(&alone) - together;
+            assert!(more.symmetric_eigenvalues().min() >= -1e-12, "{more}");
+        }
     }
 
     #[test]

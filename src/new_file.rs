@@ -1,8 +1,9 @@
 //! Files that appear under their name only when they are complete.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, OpenOptions};
 use std::io;
+use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -92,6 +93,35 @@ impl Drop for Aside {
     }
 }
 
+/// Removes what processes that were killed (or lost their power) while writing `path` left beside it. To be
+/// called where nobody else writes that file.
+///
+/// # Errors
+/// If the folder cannot be looked through.
+pub fn remove_leftovers(path: &Path) -> io::Result<()> {
+    let Some(name) = path.file_name() else { return Ok(()) };
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        if is_leftover(&entry.file_name(), name) {
+            fs::remove_file(entry.path())?;
+        }
+    }
+    Ok(())
+}
+
+/// Is it `.NAME.PROCESS-COUNT.part`?
+fn is_leftover(found: &OsStr, name: &OsStr) -> bool {
+    let is_number = |digits: &[u8]| !digits.is_empty() && digits.iter().all(u8::is_ascii_digit);
+    let between = || {
+        let rest = found.as_bytes().strip_prefix(b".")?.strip_prefix(name.as_bytes())?;
+        let numbers = rest.strip_prefix(b".")?.strip_suffix(b".part")?;
+        let dash = numbers.iter().position(|byte| *byte == b'-')?;
+        Some(is_number(&numbers[..dash]) && is_number(&numbers[dash + 1..]))
+    };
+    between().unwrap_or(false)
+}
+
 /// `.NAME.PROCESS-COUNT.part` beside the target; `None` if the path has no file name.
 fn temporary_name(target: &Path) -> Option<PathBuf> {
     static COUNT: AtomicU32 = AtomicU32::new(0);
@@ -105,6 +135,25 @@ fn temporary_name(target: &Path) -> Option<PathBuf> {
 mod tests {
     use super::*;
     use std::io::Write;
+
+    #[test]
+    fn only_leftovers_of_that_file_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("state");
+        // As if the power had gone.
+        let (file, mut aside) = Aside::create(&path).unwrap();
+        drop(file);
+        aside.temporary = PathBuf::new();
+        let others =
+            [".state.part", ".state.1-x.part", ".state.1-.part", ".other.1-2.part", "state.1-2.part"];
+        for name in others {
+            fs::write(folder.path().join(name), "").unwrap();
+        }
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 6);
+        remove_leftovers(&path).unwrap();
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 5);
+        assert!(others.iter().all(|name| folder.path().join(name).exists()));
+    }
 
     #[test]
     fn what_is_not_committed_leaves_the_old_file_and_no_other() {

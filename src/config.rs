@@ -149,6 +149,10 @@ impl Config {
         for file in config.dbc.input.iter_mut().chain(config.dbc.output.as_mut()) {
             *file = folder.join(&*file);
         }
+        // An empty name stays one: it means that nothing is kept.
+        if let Some(file) = config.service.state_file.as_mut().filter(|file| !file.as_os_str().is_empty()) {
+            *file = folder.join(&*file);
+        }
         config.validate(path)?;
         Ok(config)
     }
@@ -164,6 +168,11 @@ impl Config {
         }
         if self.dbc.input.is_empty() {
             return fail("dbc.input", "name at least one DBC file of the car".into());
+        }
+        if let Some(file) = &self.service.state_file
+            && (file == path || self.dbc.input.contains(file) || self.dbc.output.as_ref() == Some(file))
+        {
+            return fail("service.state_file", "is written: give it a name of its own".into());
         }
         if let Some((key, reason)) = self.estimators.problem() {
             return fail(&format!("estimators.{key}"), reason.into());

@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 
 use gripd::can::Frame;
 use gripd::can::candump::Reader;
-use gripd::service::{Engine, Sink};
+use gripd::service::{Engine, Keeper, SavedState, Sink};
 use gripd::{Config, Estimates, Micros, Sample};
 
 /// The system's, but it counts what each thread asks for.
@@ -125,6 +125,30 @@ fn the_engine_takes_none() {
     let samples = engine.counts().samples - before;
     assert!(samples > 11_800 && sink.published > 30_000 && sink.running > 0, "{samples} samples");
     assert_eq!(requests, 0, "in {samples} samples");
+}
+
+/// Nor does handing over what was learned, to a writer that waits for the disk in its own time.
+#[test]
+fn keeping_what_was_learned_takes_none() {
+    let car = Config::load(&project("config/demo.toml")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("state.toml");
+    let mut engine = Engine::new(&car).unwrap();
+    let mut keeper = Keeper::start(SavedState::new(&path, &car), 1, &mut engine).unwrap();
+    let mut sink = Count::default();
+    let drive = frames(demo_drive());
+    let (start, rest) = drive.split_at(drive.len() / 100);
+    start.iter().for_each(|frame| engine.frame(frame, &mut sink));
+    let requests = requests_of(|| {
+        for frame in rest {
+            engine.frame(frame, &mut sink);
+            keeper.offer(&engine);
+        }
+    });
+    assert_eq!(requests, 0);
+    keeper.finish(&engine);
+    let learned = SavedState::new(&path, &car).load().unwrap().unwrap();
+    assert!(learned.driving_s > 100.0 && learned.driving_s == engine.driving_s());
 }
 
 /// Nor do bad days change that: gaps, damaged frames, a clock that is set back.

@@ -152,7 +152,7 @@ fn run(
         };
         let mut link = SimulatedTimeLink::new(ends, drive, log);
         let over = link.over();
-        service::serve(engine, &mut link, None, recorder, 0, over).await;
+        service::serve(engine, &mut link, None, recorder, None, 0, over).await;
         let (drive, lost) = link.finish()?;
         Ok(Ran { truth: drive.into_truth(), lost })
     })

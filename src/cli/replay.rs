@@ -14,7 +14,8 @@ use super::progress::Progress;
 use super::tables::{EstimatesTable, SamplesTable};
 use crate::can::Frame;
 use crate::can::candump::{LogError, Reader, Writer};
-use crate::service::{Engine, Sink};
+use crate::service::saved::Refusal;
+use crate::service::{Engine, SavedState, Sink};
 use crate::{Config, Estimates, Sample};
 
 /// Without -i nothing touches a bus, and the same input gives the same output to the last bit.
@@ -41,6 +42,10 @@ pub struct Replay {
     /// Write counts and speed as JSON.
     #[arg(long, value_name = "JSON")]
     stats: Option<PathBuf>,
+    /// Go on from what an earlier drive learned of this car, and write there what this one did: the
+    /// service's `state_file`. A file that is refused is an error, and stays as it is.
+    #[arg(long, value_name = "TOML")]
+    state: Option<PathBuf>,
     /// Play in real time, or X times as fast.
     #[arg(long, value_name = "X", num_args = 0..=1, require_equals = true, default_missing_value = "1")]
     realtime: Option<f64>,
@@ -72,10 +77,14 @@ impl Replay {
         }
         outputs_are_no_inputs(
             self.logs.iter().chain([&self.config]),
-            [&self.out, &self.estimates, &self.samples, &self.stats].into_iter().flatten(),
+            [&self.out, &self.estimates, &self.samples, &self.stats, &self.state].into_iter().flatten(),
         )?;
         let config = super::for_the_service(&self.config)?;
         let mut engine = Engine::new(&config)?;
+        let state = self.state.as_deref().map(|path| SavedState::new(path, &config));
+        if let Some(state) = &state {
+            take_up(state, &mut engine)?;
+        }
         let mut results = Results::create(&self, &config)?;
         let mut player = Player::new(self.realtime, self.interface.as_deref(), &config)?;
         let started = Instant::now();
@@ -96,6 +105,10 @@ impl Replay {
         progress.finish();
         let stats = totals.stats(&engine, started);
         results.finish()?;
+        if let Some(state) = &state {
+            let failed = |error| format!("cannot write {}: {error}", state.path().display());
+            state.save(&engine.learned()).map_err(|error| Failure::work(failed(error)))?;
+        }
         if let Some(path) = &self.stats {
             write_json(path, &stats)?;
         }
@@ -116,6 +129,18 @@ impl Replay {
         }
         if totals.broken.is_empty() { Ok(()) } else { Err(Failure::Work(totals.broken.join("; "))) }
     }
+}
+
+/// What an earlier drive saved, where there is something.
+fn take_up(state: &SavedState, engine: &mut Engine) -> Result<(), Failure> {
+    let refused = |refusal: Refusal| {
+        let what_to_do = "give another name, or delete it to begin anew";
+        Failure::usage(format_args!("{} {refusal}; {what_to_do}", state.path().display()))
+    };
+    if let Some(learned) = state.load().map_err(refused)? {
+        engine.restore(&learned);
+    }
+    Ok(())
 }
 
 /// One recording through the engine.

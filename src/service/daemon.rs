@@ -9,7 +9,7 @@ use thiserror::Error;
 use tokio::time::{Interval, MissedTickBehavior};
 
 use super::throttle::Throttle;
-use super::{Engine, SetupError, Sink};
+use super::{Engine, Keeper, SavedState, SetupError, Sink};
 use crate::can::{
     Bus, BusState, ErrorReport, Event, Frame, InterfaceName, OpenError, SendError, SocketCan, SocketCanConfig,
 };
@@ -72,7 +72,7 @@ pub async fn run(
     interface: Option<&str>,
     shutdown: impl Future<Output = ()>,
 ) -> Result<Tally, ServiceError> {
-    let engine = Engine::new(config)?;
+    let mut engine = Engine::new(config)?;
     let name = interface.unwrap_or(&config.bus.interface);
     let ids = Some(engine.ids().to_vec());
     let input = open(name, ids, config)?;
@@ -87,7 +87,12 @@ pub async fn run(
         "gripd {} runs",
         env!("CARGO_PKG_VERSION")
     );
-    Ok(serve(engine, input, output, &mut Unobserved, config.service.report_every_s, shutdown).await)
+    // Last: what cannot run leaves the file alone.
+    let state = SavedState::of_service(config, std::env::var_os("STATE_DIRECTORY").as_deref());
+    let every_s = config.service.state_every_s;
+    let keeper = state.and_then(|state| Keeper::start(state, every_s, &mut engine));
+    let report_every_s = config.service.report_every_s;
+    Ok(serve(engine, input, output, &mut Unobserved, keeper, report_every_s, shutdown).await)
 }
 
 fn open(name: &str, ids: Option<Vec<crate::can::CanId>>, config: &Config) -> Result<Bus, ServiceError> {
@@ -98,12 +103,13 @@ fn open(name: &str, ids: Option<Vec<crate::can::CanId>>, config: &Config) -> Res
 }
 
 /// The loop itself, on any link. `observer` sees every sample with its estimates, and every frame
-/// that is published.
+/// that is published; `keeper` saves what is learned, where it is to be saved.
 pub async fn serve<L: Link>(
     engine: Engine,
     mut input: L,
     mut output: Option<L>,
     observer: &mut impl Sink,
+    mut keeper: Option<Keeper>,
     report_every_s: u64,
     shutdown: impl Future<Output = ()>,
 ) -> Tally {
@@ -125,11 +131,17 @@ pub async fn serve<L: Link>(
                 daemon.input(event, observer);
                 let target = output.as_mut().unwrap_or(&mut input);
                 daemon.send(target, observer);
+                if let Some(keeper) = &mut keeper {
+                    keeper.offer(&daemon.engine);
+                }
             }
         }
     }
     notify(&[NotifyState::Stopping]);
     daemon.report();
+    if let Some(keeper) = keeper {
+        keeper.finish(&daemon.engine);
+    }
     daemon.tally
 }
 

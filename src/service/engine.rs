@@ -3,7 +3,7 @@
 use super::SetupError;
 use crate::can::{CanId, Frame, FrameKind};
 use crate::dbc::Database;
-use crate::estimate::Pipeline;
+use crate::estimate::{Learned, Pipeline};
 use crate::estimates::State;
 use crate::signals::publish::Publisher;
 use crate::signals::{Inputs, Pushed, Sampler};
@@ -84,6 +84,21 @@ impl Engine {
             dropped: 0,
             counts: EngineCounts::default(),
         })
+    }
+
+    /// Goes on from what an earlier drive learned ([`Pipeline::restore`]). Before the first frame.
+    pub fn restore(&mut self, learned: &Learned) {
+        self.pipeline.restore(learned);
+    }
+
+    /// What is worth keeping for the next drive ([`Pipeline::learned`]).
+    pub fn learned(&self) -> Learned {
+        self.pipeline.learned()
+    }
+
+    /// Seconds that the car moved, those of earlier drives included if they were restored.
+    pub fn driving_s(&self) -> f64 {
+        self.pipeline.driving_s()
     }
 
     /// Identifiers that are needed: all others may be filtered out before.

@@ -5,7 +5,10 @@
 
 mod daemon;
 mod engine;
+pub mod saved;
 mod throttle;
+
+use std::path::PathBuf;
 
 use serde::Deserialize;
 use thiserror::Error;
@@ -18,6 +21,7 @@ use crate::signals::publish::PublishError;
 
 pub use daemon::{Link, ServiceError, Tally, run, serve};
 pub use engine::{Engine, EngineCounts, Sink, sensors};
+pub use saved::{Keeper, SavedState};
 
 /// `[service]`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -25,11 +29,16 @@ pub use engine::{Engine, EngineCounts, Sink, sensors};
 pub struct ServiceConfig {
     /// A line with counts goes to the log this often, s; 0: never.
     pub report_every_s: u64,
+    /// Where what was learned is kept between drives, relative to the configuration. Default: `learned.toml`
+    /// in systemd's `STATE_DIRECTORY`, if there is one; `""`: nowhere.
+    pub state_file: Option<PathBuf>,
+    /// It is written after so many seconds of driving, and at the end, s; 0: at the end only.
+    pub state_every_s: u64,
 }
 
 impl Default for ServiceConfig {
     fn default() -> Self {
-        Self { report_every_s: 60 }
+        Self { report_every_s: 60, state_file: None, state_every_s: 60 }
     }
 }
 

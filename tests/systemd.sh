@@ -80,7 +80,10 @@ within 5 "it does not say that the interface is down" says waiting
 ip link set vcan0 up
 within 5 "it does not say that the interface is up" says "is up"
 kill $player 2>/dev/null
+[ ! -e /var/lib/gripd/learned.toml ] || rm /var/lib/gripd/learned.toml
 systemctl stop gripd || fail "it does not stop"
+within 2 "it did not save what it learned" test -s /var/lib/gripd/learned.toml
+grep -q '^driving_s' /var/lib/gripd/learned.toml || fail "what it saved is something else"
 [ "$(property Result) $(property ExecMainStatus)" = "success 0" ] || fail "it did not end cleanly"
 echo "stopped cleanly"
 

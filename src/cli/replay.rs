@@ -85,6 +85,7 @@ impl Replay {
         if let Some(state) = &state {
             take_up(state, &mut engine)?;
         }
+        let driven_before_s = engine.driving_s();
         let mut results = Results::create(&self, &config)?;
         let mut player = Player::new(self.realtime, self.interface.as_deref(), &config)?;
         let started = Instant::now();
@@ -105,7 +106,7 @@ impl Replay {
         progress.finish();
         let stats = totals.stats(&engine, started);
         results.finish()?;
-        if let Some(state) = &state {
+        if let Some(state) = state.filter(|_| engine.driving_s() > driven_before_s) {
             let failed = |error| format!("cannot write {}: {error}", state.path().display());
             state.save(&engine.learned()).map_err(|error| Failure::work(failed(error)))?;
         }

@@ -22,9 +22,11 @@
 //! steering angle, and the road's bank, which turns v_y but is no tire force. Noise is learned from the
 //! innovations; a CUSUM detector per axle notices a change of surface.
 
+mod lasting;
+
 use nalgebra::SVector;
 
-use super::learned::{ERRORS, Known, Learned, Trial};
+use super::learned::{Known, Trial};
 use super::window::{Means, Path, Window, YawAcceleration};
 use super::{Car, Cornering, CorneringConfig, Kinematics};
 use crate::estimates::{Estimate, SensorOffsets};
@@ -137,19 +139,6 @@ impl CorneringEstimator {
     /// All wheels slower than this, for [`Self::STANDING_AFTER`]: the car stands, m/s.
     const STANDING_BELOW: f64 = 0.1;
     const STANDING_AFTER: f64 = 0.5;
-    /// Between two drives an error of a sensor moves by this share of what it may be at all:
-    /// temperature, a steering sensor that was reset, load, tires.
-    const BETWEEN_DRIVES: f64 = 0.25;
-    /// Beyond this many times what it may be at all, an error is not known.
-    const FORGOTTEN: f64 = 1.5;
-    /// Stiffnesses and errors are taken up as independent of each other. With variances these many times
-    /// what they were they are nowhere surer than they were together, however they were correlated:
-    /// P ≤ diag((1 + c) P₁, (1 + 1/c) P₂), here for c = 4.
-    const APART: (f64, f64) = (5.0, 1.25);
-    /// Readings (two for each window) for which an earlier drive's numbers are on trial.
-    const TRIAL: u32 = 80;
-    /// The errors of the sensors, in the order of [`Learned::errors`].
-    const ERRORS: [usize; ERRORS] = [ANGLE_OFFSET, AY_OFFSET, YAW_OFFSET, SPEED_SCALE, ANGLE_SCALE];
     /// Lateral velocity of which nothing is known yet, m/s.
     const UNKNOWN_VY: f64 = 0.5;
 
@@ -200,66 +189,6 @@ impl CorneringEstimator {
         std[ANGLE_SCALE] = car.steering_ratio_relative_std;
         std[BANK] = config.bank_std;
         Gaussian::new(mean, std)
-    }
-
-    /// Starts from what an earlier drive learned, less sure of it. Before the first sample only.
-    pub fn restore(&mut self, learned: &Learned) {
-        let fresh = Self::prior(&self.car, &self.config);
-        let mut state = fresh;
-        // Half of what makes a stiffness valid has to be news.
-        let least = std::f64::consts::SQRT_2 * self.config.valid_relative_std;
-        for (i, stiffness) in [FRONT, REAR].into_iter().zip(learned.cornering) {
-            let Some(stiffness) = stiffness else { continue };
-            let relative = least.max(Self::APART.0.sqrt() * stiffness.std / stiffness.value);
-            if relative < fresh.std(i) / fresh.mean[i] {
-                state.mean[i] = 1.0 / stiffness.value;
-                state.covariance[(i, i)] = (relative / stiffness.value).powi(2);
-            }
-        }
-        let correlation = learned.correlation();
-        let errors = learned.errors().map(|error| error.map(|e| (e.value, Self::APART.1.sqrt() * e.std)));
-        for (place, i) in Self::ERRORS.into_iter().enumerate() {
-            // What is known much worse than the data sheet has it is not known.
-            let known = |place: usize| {
-                let std = errors[place]?.1;
-                (std < Self::FORGOTTEN * fresh.std(Self::ERRORS[place])).then_some(std)
-            };
-            let (Some((value, _)), Some(std)) = (errors[place], known(place)) else { continue };
-            for (other, &j) in Self::ERRORS[..place].iter().enumerate() {
-                let shared = known(other).map_or(0.0, |other_std| std * other_std);
-                state.covariance[(i, j)] = correlation[(place, other)] * shared;
-                state.covariance[(j, i)] = state.covariance[(i, j)];
-            }
-            state.mean[i] = value;
-            state.covariance[(i, i)] = std * std + (Self::BETWEEN_DRIVES * fresh.std(i)).powi(2);
-        }
-        self.settled = learned.cornering;
-        self.state = state;
-        self.trial = Some(Trial::new(fresh, Self::TRIAL));
-    }
-
-    /// Puts into `learned` what outlives the drive; motion and bank do not.
-    pub fn learn(&self, learned: &mut Learned) {
-        learned.cornering = self.settled;
-        if !(self.seen || self.trial.is_some()) {
-            return;
-        }
-        let known = |i: usize| {
-            let std = self.state.std(i);
-            (std > 0.0).then(|| Known { value: self.state.mean[i], std })
-        };
-        learned.road_angle_offset = known(ANGLE_OFFSET);
-        learned.lateral_acceleration_offset = known(AY_OFFSET);
-        learned.yaw_rate_offset = known(YAW_OFFSET);
-        learned.speed_scale = known(SPEED_SCALE);
-        learned.road_angle_scale = known(ANGLE_SCALE);
-        let mut triangle = learned.error_correlations.iter_mut();
-        for (place, &i) in Self::ERRORS.iter().enumerate() {
-            for (&j, correlation) in Self::ERRORS[place + 1..].iter().zip(&mut triangle) {
-                let scale = self.state.std(i) * self.state.std(j);
-                *correlation = if scale > 0.0 { self.state.covariance[(i, j)] / scale } else { 0.0 };
-            }
-        }
     }
 
     /// Takes a sample; returns whether the cornering stiffness jumped.
@@ -548,25 +477,6 @@ impl CorneringEstimator {
             lateral_velocity_std: self.state.std(VY),
             slip_angles: self.car.slip_angles(now.speed * (1.0 + x[SPEED_SCALE]), vy, r, angle),
         }
-    }
-
-    /// Remembers stiffnesses that are known well.
-    fn settle(&mut self) {
-        for (i, settled) in [FRONT, REAR].into_iter().zip(&mut self.settled) {
-            let compliance = self.state.mean[i];
-            let relative = self.state.alone_std(i, &[FRONT, REAR]) / compliance;
-            if relative <= self.config.valid_relative_std {
-                *settled = Some(Known { value: 1.0 / compliance, std: relative / compliance });
-            }
-        }
-    }
-
-    /// Fresh readings contradict an earlier drive's numbers: another load or another sensor, perhaps. As
-    /// if there were none.
-    fn start_afresh(&mut self) {
-        let idle = (self.idle_s, self.seen);
-        self.start_again();
-        (self.idle_s, self.seen) = idle;
     }
 
     /// Numbers got out of hand: better to know nothing than to go on with them.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::estimate::Learned;
 use crate::filter::discretize::zero_order_hold;
 use crate::model::Vehicle;
 use nalgebra::Vector2;

@@ -33,6 +33,9 @@ const LEAST_LEADING: f64 = 0.5;
 const USUALLY_RESTLESS: f64 = 600.0;
 const MOST_RESTLESS: f64 = 0.5;
 
+/// …and never more than this: what has a name leaves less than a tenth of it.
+const NEVER_RESTLESS: f64 = 5000.0;
+
 /// By how much −2 ln likelihood falls, the prior counted in.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gains {
@@ -91,7 +94,8 @@ impl Gains {
         let always = ALWAYS_LEFT * self.seconds;
         let is_much = left > most.clamp(always, NEVER_LEFT * self.seconds);
         let imitates = left > always && self.leading < LEAST_LEADING;
-        let is_restless = self.still_restless > (MOST_RESTLESS * self.restless).max(USUALLY_RESTLESS);
+        let most = (MOST_RESTLESS * self.restless).clamp(USUALLY_RESTLESS, NEVER_RESTLESS);
+        let is_restless = self.still_restless > most;
         match self.named {
             Some(_) if is_much || is_restless || imitates => Verdict::UnknownPhysics,
             Some(_) => Verdict::MissingPhysics,
@@ -160,6 +164,9 @@ mod tests {
         assert_eq!(gains.verdict(true), Verdict::UnknownPhysics);
         let named = Gains { named: Some(9000.0), leading: 1.0, still_restless: 100.0, ..gains };
         assert_eq!(named.verdict(true), Verdict::MissingPhysics);
+        // Half as much as before, and yet far from what any name leaves.
+        let imitated = Gains { restless: 120_000.0, still_restless: 50_000.0, ..named };
+        assert_eq!(imitated.verdict(true), Verdict::UnknownPhysics);
     }
 
     #[test]

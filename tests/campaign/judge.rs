@@ -1,0 +1,285 @@
+//! What the service says of a drive against what is true.
+
+use std::fmt;
+
+use gripd::can::Frame;
+use gripd::cli::SimulatedFrames;
+use gripd::dbc::Database;
+use gripd::estimates::MuSource;
+use gripd::model::{Simulation, Truth};
+use gripd::service::{Engine, Sink};
+use gripd::signals::Outputs;
+use gripd::{Estimates, Sample};
+
+use super::drive::Drive;
+
+const CAR_DBC: &str = include_str!("../../dbc/demo.dbc");
+
+/// After a change of surface an interval may be of the one before for so long, s of driving that uses
+/// [`NOTICEABLE`] of the new friction.
+const GRACE_S: f64 = 1.0;
+const NOTICEABLE: f64 = 0.5;
+
+/// An interval that excludes the truth by more than this is a lie.
+const MOST_OFF: f64 = 0.1;
+
+/// Edges of the use of friction by which samples are sorted.
+const EDGES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 0.95];
+
+/// Samples of one range of use.
+#[derive(Clone, Copy, Debug, Default)]
+struct Use {
+    samples: u64,
+    /// With a bound from above.
+    bounded: u64,
+    covered: u64,
+    valid: u64,
+    /// Valid and off by more than [`MOST_OFF`].
+    valid_wrong: u64,
+    /// Σ of the bounded intervals' widths.
+    width: f64,
+}
+
+/// All that is counted.
+#[derive(Clone, Debug, Default)]
+pub struct Judgement {
+    drives: u64,
+    by_use: [Use; EDGES.len() + 1],
+    by_source: [(u64, u64); 7],
+    /// Drives whose interval excluded the truth by more than [`MOST_OFF`] after the grace.
+    lies: Vec<(u64, f64, f64, String)>,
+    /// Drops to less than half of the friction, and in how many seconds of noticeable driving the interval held it.
+    drops: Vec<f64>,
+    drops_unnoticed: u64,
+    /// Cornering stiffness: samples where valid, and those within 7 %.
+    cornering: [u64; 2],
+    /// Sideslip up to 6 m/s²: count and sum of squares, rad².
+    sideslip: (u64, f64),
+}
+
+#[derive(Default)]
+struct Record {
+    truths: Vec<Truth>,
+    rows: Vec<(Truth, Estimates)>,
+}
+
+impl Sink for Record {
+    fn estimates(&mut self, sample: &Sample, estimates: &Estimates) {
+        let place = self.truths.partition_point(|truth| truth.time < sample.time);
+        if let Some(truth) = self.truths.get(place) {
+            self.rows.push((*truth, *estimates));
+        }
+    }
+
+    fn publish(&mut self, _frame: &Frame) {}
+}
+
+fn run(drive: &Drive) -> Vec<(Truth, Estimates)> {
+    let database = Database::parse(CAR_DBC.as_bytes(), "demo.dbc").unwrap();
+    let radius = drive.scenario.vehicle.wheel_radius_m.value;
+    let outputs = Outputs::compile(&drive.config.signals, &database, radius).unwrap();
+    let output = gripd::signals::publish::built_in_database().unwrap();
+    let mut engine = Engine::with_databases(&drive.config, &database, &output).unwrap();
+    let mut frames = SimulatedFrames::new(outputs);
+    let mut record = Record::default();
+    let mut simulation = Simulation::new(&drive.scenario, drive.seed).unwrap();
+    let mut sent = Vec::new();
+    while let Some(tick) = simulation.next_tick() {
+        record.truths.push(*tick.truth);
+        frames.take(tick.readings, &mut |frame| sent.push(*frame));
+        for frame in sent.drain(..) {
+            engine.frame(&frame, &mut record);
+        }
+    }
+    engine.finish(&mut record);
+    record.rows
+}
+
+/// By how much an interval excludes a value.
+fn excludes(estimates: &Estimates, truth: f64) -> f64 {
+    let friction = &estimates.friction;
+    let below = friction.low.map_or(0.0, |low| low - truth);
+    let above = friction.high.map_or(0.0, |high| truth - high);
+    below.max(above).max(0.0)
+}
+
+/// Drives, and judges.
+pub fn judge(drive: &Drive) -> Judgement {
+    let rows = run(drive);
+    let mut sum = Judgement { drives: 1, ..Judgement::default() };
+    let (mut before, mut noticeable_s) = (f64::NAN, f64::INFINITY);
+    let mut waiting: Option<f64> = None;
+    let mut worst = (0.0, 0.0);
+    for (truth, estimates) in &rows {
+        if truth.speed < 4.0 || !truth.mu_max.is_finite() {
+            continue;
+        }
+        let used = truth.mu_used / truth.mu_max;
+        // A change is one of more than a fifth; the transition takes a tenth of a second.
+        if !before.is_nan() && (truth.mu_max / before - 1.0).abs() > 0.2 {
+            noticeable_s = 0.0;
+            if truth.mu_max < 0.5 * before {
+                sum.drops_unnoticed += u64::from(waiting.is_some());
+                waiting = Some(0.0);
+            }
+            before = truth.mu_max;
+        }
+        if before.is_nan() {
+            before = truth.mu_max;
+        }
+        if used > NOTICEABLE {
+            noticeable_s += 0.01;
+            if let Some(waited) = &mut waiting {
+                *waited += 0.01;
+            }
+        }
+        let off = excludes(estimates, truth.mu_max);
+        if let Some(waited) = waiting.filter(|_| off == 0.0 && used > NOTICEABLE) {
+            sum.drops.push(waited);
+            waiting = None;
+        }
+        sum.add(truth, estimates, used, off);
+        if noticeable_s > GRACE_S && off > worst.0 {
+            worst = (off, truth.time.seconds());
+        }
+    }
+    sum.drops_unnoticed += u64::from(waiting.is_some_and(|waited| waited > GRACE_S));
+    if worst.0 > MOST_OFF {
+        sum.lies.push((drive.seed, worst.0, worst.1, drive.about.clone()));
+    }
+    sum
+}
+
+impl Judgement {
+    fn add(&mut self, truth: &Truth, estimates: &Estimates, used: f64, off: f64) {
+        let friction = &estimates.friction;
+        let row = &mut self.by_use[EDGES.iter().take_while(|edge| used >= **edge).count()];
+        row.samples += 1;
+        row.covered += u64::from(off == 0.0);
+        if let Some(high) = friction.high {
+            row.bounded += 1;
+            row.width += high - friction.low.unwrap_or(0.0);
+        }
+        if friction.valid {
+            row.valid += 1;
+            let is_wrong = friction.max.is_none_or(|max| (max - truth.mu_max).abs() > MOST_OFF);
+            row.valid_wrong += u64::from(is_wrong);
+        }
+        let (all, covered) = &mut self.by_source[friction.source as usize];
+        *all += 1;
+        *covered += u64::from(off == 0.0);
+        if estimates.cornering_valid {
+            let axles = [truth.cornering_front, truth.cornering_rear];
+            for (stiffness, truth) in estimates.cornering.iter().zip(axles) {
+                let Some(stiffness) = stiffness else { continue };
+                self.cornering[0] += 1;
+                self.cornering[1] += u64::from((stiffness.value / truth - 1.0).abs() <= 0.07);
+            }
+        }
+        if let Some(sideslip) = estimates.motion.sideslip.filter(|_| truth.lateral_acceleration.abs() < 6.0) {
+            self.sideslip.0 += 1;
+            self.sideslip.1 += (sideslip - truth.sideslip).powi(2);
+        }
+    }
+
+    /// Both together.
+    pub fn and(mut self, other: Self) -> Self {
+        self.drives += other.drives;
+        for (mine, other) in self.by_use.iter_mut().zip(other.by_use) {
+            mine.samples += other.samples;
+            mine.bounded += other.bounded;
+            mine.covered += other.covered;
+            mine.valid += other.valid;
+            mine.valid_wrong += other.valid_wrong;
+            mine.width += other.width;
+        }
+        for (mine, other) in self.by_source.iter_mut().zip(other.by_source) {
+            mine.0 += other.0;
+            mine.1 += other.1;
+        }
+        self.lies.extend(other.lies);
+        self.drops.extend(other.drops);
+        self.drops_unnoticed += other.drops_unnoticed;
+        self.cornering = [self.cornering[0] + other.cornering[0], self.cornering[1] + other.cornering[1]];
+        self.sideslip = (self.sideslip.0 + other.sideslip.0, self.sideslip.1 + other.sideslip.1);
+        self
+    }
+
+    pub fn samples(&self) -> u64 {
+        self.by_use.iter().map(|row| row.samples).sum()
+    }
+
+    /// Share of the samples whose interval holds the truth.
+    pub fn covered(&self) -> f64 {
+        self.by_use.iter().map(|row| row.covered).sum::<u64>() as f64 / self.samples().max(1) as f64
+    }
+
+    /// Samples beyond the last edge of use.
+    pub fn at_the_limit(&self) -> u64 {
+        self.by_use[EDGES.len()].samples
+    }
+}
+
+impl fmt::Display for Judgement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let share = |part: u64, all: u64| 100.0 * part as f64 / all.max(1) as f64;
+        writeln!(
+            f,
+            "{} drives, {} samples, truth in the interval {:.2} %",
+            self.drives,
+            self.samples(),
+            100.0 * self.covered()
+        )?;
+        writeln!(
+            f,
+            "| use of friction | samples | truth in the interval | bounded above | mean width | valid | valid and off by > 0.1 |"
+        )?;
+        writeln!(f, "|---|---|---|---|---|---|---|")?;
+        for (i, row) in self.by_use.iter().enumerate() {
+            let from = if i == 0 { 0.0 } else { EDGES[i - 1] };
+            writeln!(
+                f,
+                "| {:.0} % … | {} | {:.2} % | {:.1} % | {:.2} | {:.2} % | {} |",
+                100.0 * from,
+                row.samples,
+                share(row.covered, row.samples),
+                share(row.bounded, row.samples),
+                row.width / row.bounded.max(1) as f64,
+                share(row.valid, row.samples),
+                row.valid_wrong
+            )?;
+        }
+        use MuSource::{Abs, Brush, Joint, Limit, LowerBound, None, SlopeMap};
+        for source in [None, LowerBound, SlopeMap, Brush, Joint, Abs, Limit] {
+            let (all, covered) = self.by_source[source as usize];
+            writeln!(
+                f,
+                "{}: {all} samples, truth in the interval {:.2} %",
+                source.name(),
+                share(covered, all)
+            )?;
+        }
+        writeln!(f, "intervals that exclude the truth by more than {MOST_OFF}: {} drives", self.lies.len())?;
+        for (seed, off, at, about) in &self.lies {
+            writeln!(f, "  {seed}: by {off:.2} at {at:.1} s ({about})")?;
+        }
+        let mut drops = self.drops.clone();
+        drops.sort_by(f64::total_cmp);
+        let within = drops.iter().filter(|waited| **waited <= GRACE_S).count();
+        writeln!(
+            f,
+            "drops to less than half: {} seen, {within} within {GRACE_S} s of driving at {NOTICEABLE} of the new friction (most {:.2} s), {} not",
+            drops.len(),
+            drops.last().copied().unwrap_or(0.0),
+            self.drops_unnoticed
+        )?;
+        writeln!(
+            f,
+            "cornering stiffness where valid: {} values, {:.1} % within 7 %",
+            self.cornering[0],
+            share(self.cornering[1], self.cornering[0])
+        )?;
+        let rms = (self.sideslip.1 / self.sideslip.0.max(1) as f64).sqrt().to_degrees();
+        write!(f, "sideslip up to 6 m/s²: {rms:.3}° rms")
+    }
+}

@@ -151,13 +151,9 @@ impl AbsBraking {
             }
         }
         braking.take(now);
-        let so_far = *braking;
-        if active && let Ok(friction) = self.measure(&so_far, speed) {
-            self.last = Some(AbsFriction { mu: friction.mu, std: friction.std, age_s: 0.0 });
-        }
     }
 
-    /// The last one, if any; of the one that goes on, what it gave so far.
+    /// The last one, if any.
     pub fn last(&self) -> Option<AbsFriction> {
         self.last
     }

@@ -256,7 +256,7 @@ impl Default for BrushConfig {
 pub struct FrictionConfig {
     /// How long friction that was used counts as available, s.
     pub memory_s: f64,
-    /// How long a surface lasts on average, s: the less, the faster bounds and measurements age.
+    /// How long a surface lasts on average, s: the less, the faster the lower bound ages.
     pub surface_lasts_s: f64,
     /// Use of friction (used / estimated) from which the brush curvature is published.
     pub brush_from_use: f64,
@@ -264,8 +264,7 @@ pub struct FrictionConfig {
     pub valid_from_use: f64,
     /// Half-width of the interval up to which the published value counts as valid.
     pub valid_half_width: f64,
-    /// How long a measurement at the limit (ABS braking, spinning wheels) stays valid at most, s: another
-    /// surface is soon likelier than what a 95 % interval leaves out (`surface_lasts_s`).
+    /// How long a measurement at the limit (ABS braking, spinning wheels) stays valid, s.
     pub abs_valid_s: f64,
     /// … and how long it is still published, with a growing interval, s.
     pub abs_memory_s: f64,

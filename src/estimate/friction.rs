@@ -7,9 +7,7 @@
 //! The bound ages. Friction used T seconds ago was there then; since then the surface may have become
 //! another one, unseen. With surfaces that last T₀ on average and frictions equally likely from 0 to 1,
 //! friction is below L by now with probability (1 − exp(−T/T₀)) L: the bound that holds with 95 % is
-//! the largest of min(used, 0.05 T₀/T) over the time passed. A measurement ages the same way, to both
-//! sides: its interval opens as soon as another surface is likelier than the tails that an interval
-//! leaves out.
+//! the largest of min(used, 0.05 T₀/T) over the time passed.
 
 use super::abs_braking::AbsFriction;
 use super::brush::BrushFriction;
@@ -58,13 +56,8 @@ impl FrictionMonitor {
     const SHARING: f64 = 0.05;
     /// Deviation of an ABS measurement: the ABS does not hold the peak all the time.
     const ABS_STD: f64 = 0.04;
-    /// By which the interval of a measurement at the limit grows, 1/s: the same surface is not the same
-    /// everywhere.
+    /// By which the interval of a measurement at the limit grows, 1/s: the car moves on.
     const ABS_STD_GROWTH: f64 = 0.02;
-    /// No road grips more.
-    const MOST: f64 = 1.2;
-    /// What a 95 % interval leaves out at either end.
-    const TAIL: f64 = 0.025;
     /// Share of the time in which the bound may be above the friction.
     const RISK: f64 = 0.05;
     /// Model error of a brush at no use of friction, relative; it falls to zero at full use. A brush
@@ -192,9 +185,8 @@ impl FrictionMonitor {
         let std = measured + Self::ABS_STD_GROWTH * abs.age_s;
         self.publish(friction, abs.mu, std, MuSource::Abs);
         friction.age_s = Some(abs.age_s);
-        let is_sharp =
+        friction.valid =
             abs.age_s <= self.config.abs_valid_s && 1.96 * measured <= self.config.valid_half_width;
-        self.age(friction, abs.age_s, is_sharp);
     }
 
     fn add_limit(&self, friction: &mut Friction, limit: LimitFriction) {
@@ -204,25 +196,8 @@ impl FrictionMonitor {
         let std = limit.std + Self::ABS_STD_GROWTH * limit.age_s;
         self.publish(friction, limit.mu, std, MuSource::Limit);
         friction.age_s = Some(limit.age_s);
-        let is_sharp =
+        friction.valid =
             limit.age_s <= self.config.abs_valid_s && 1.96 * limit.std <= self.config.valid_half_width;
-        self.age(friction, limit.age_s, is_sharp);
-    }
-
-    /// Opens the interval of a measurement that is so old: by now the surface may be another one, with any
-    /// friction. It stays valid while that is less likely than what an interval leaves out anyway.
-    fn age(&self, friction: &mut Friction, age_s: f64, is_sharp: bool) {
-        let is_another = 1.0 - (-age_s / self.config.surface_lasts_s).exp();
-        friction.valid = is_sharp && is_another <= Self::TAIL;
-        if is_another <= Self::TAIL {
-            return;
-        }
-        let outside = Self::MOST * Self::TAIL / is_another;
-        // What is used now is there, whatever the road is.
-        let used = self.recent.maximum().unwrap_or(0.0);
-        friction.low = friction.low.map(|low| low.min(outside).max(used));
-        friction.high = friction.high.map(|high| high.max(Self::MOST - outside).max(used));
-        friction.max = friction.max.map(|max| max.max(used));
     }
 
     fn publish(&self, friction: &mut Friction, mu: f64, std: f64, source: MuSource) {
@@ -404,8 +379,7 @@ mod tests {
         };
         let (fresh, old, gone) = (after(0.1), after(10.0), after(30.0));
         assert!(fresh.valid && fresh.source == MuSource::Abs);
-        assert!(!old.valid && old.high > fresh.high && old.low < fresh.low);
-        assert!(old.high > Some(1.0), "by then it may be any road: {old:?}");
+        assert!(!old.valid && old.high > fresh.high);
         assert_eq!(gone.max, None);
     }
 }

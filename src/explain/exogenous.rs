@@ -16,8 +16,8 @@ const EVERY: usize = points(0.1);
 /// The speed changes by differences over so many to each side.
 const NEAR: usize = points(0.1);
 
-/// Share of a course's variance that follows from the driver's inputs and the speed beyond what would by chance:
-/// from a course of this correlation length: 0 none, 1 all. Of the road the drive torque is no witness: the
+/// Share of a course's variance that follows from the driver's inputs and the speed, beyond what would by chance
+/// of a course of its correlation length, s: 0 none, 1 all. Of the road the drive torque is no witness: the
 /// driver answers a grade with it.
 pub fn follows_motion(drive: &Drive, course: &Smoothed, length_s: f64, is_of_the_road: bool) -> f64 {
     let compared: Vec<(usize, f64)> = course

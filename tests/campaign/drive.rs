@@ -66,10 +66,10 @@ impl Drive {
             let until = at + dice.between(28.0, 45.0);
             let friction = surface.friction(&mut dice.0);
             let [along, across] = surface.stiffness(&mut dice.0);
-            write!(
+            writeln!(
                 roads,
                 "[[road]]\nfrom_s = {at}\ntransition_s = 0.1\nname = \"{}\"\nfriction = {friction}\n\
-                 longitudinal_factor = {along}\nlateral_factor = {across}\n",
+                 longitudinal_factor = {along}\nlateral_factor = {across}",
                 surface.name()
             )
             .unwrap();
@@ -92,9 +92,9 @@ impl Drive {
             about += ", braking";
             // The pedal is pressed: full pressure within 0.3 s, the anti-lock brake does the rest.
             let from = seconds - 4.0;
-            write!(
+            writeln!(
                 text,
-                "brake_pressure = [{{ kind = \"points\", points = [[{from}, 0], [{}, 90], [{}, 90], [{seconds}, 0]] }}]\n",
+                "brake_pressure = [{{ kind = \"points\", points = [[{from}, 0], [{}, 90], [{}, 90], [{seconds}, 0]] }}]",
                 from + 0.3,
                 seconds - 0.4
             )
@@ -103,9 +103,9 @@ impl Drive {
         if dice.chance(0.4) {
             about += ", bank";
             let (from, angle) = (dice.between(5.0, seconds - 20.0), dice.between(-0.05, 0.05));
-            write!(
+            writeln!(
                 effects,
-                "[[effect]]\nkind = \"road_bank\"\nseries = {{ t = [{from}, {}, {}, {}], value = [0, {angle}, {angle}, 0] }}\n",
+                "[[effect]]\nkind = \"road_bank\"\nseries = {{ t = [{from}, {}, {}, {}], value = [0, {angle}, {angle}, 0] }}",
                 from + 3.0,
                 from + 12.0,
                 from + 15.0
@@ -115,9 +115,9 @@ impl Drive {
         if dice.chance(0.4) {
             about += ", load";
             let mass = dice.between(0.05, 0.2) * sheet.mass_kg.value;
-            write!(
+            writeln!(
                 effects,
-                "[[effect]]\nkind = \"payload\"\nmass_kg = {mass}\nposition_behind_cg_m = {}\n",
+                "[[effect]]\nkind = \"payload\"\nmass_kg = {mass}\nposition_behind_cg_m = {}",
                 dice.between(-0.2, 0.7)
             )
             .unwrap();
@@ -214,18 +214,18 @@ impl Inputs {
         let time = dice.between(2.0, 4.0);
         // One slows down before a worse surface.
         write!(self.speed, "[{}, {speed:.2}], [{:.2}, {speed:.2}], ", from + 0.01, until - 4.0).unwrap();
-        write!(
+        writeln!(
             self.steering,
-            "[[driver.speed_mps]]\nkind = \"random\"\nrms = {}\ncorrelation_time_s = {time}\nfrom_s = {from}\nto_s = {until}\n",
+            "[[driver.speed_mps]]\nkind = \"random\"\nrms = {}\ncorrelation_time_s = {time}\nfrom_s = {from}\nto_s = {until}",
             0.5 * acceleration * time
         )
         .unwrap();
         // Steering for that lateral acceleration, the car taken for neutral with some understeer.
         let per_g =
             car.steering_ratio.value * (car.wheelbase_m.value + 0.0025 * speed * speed) / (speed * speed);
-        write!(
+        writeln!(
             self.steering,
-            "[[steering_wheel_angle]]\nkind = \"random\"\nrms = {}\ncorrelation_time_s = {}\nfrom_s = {from}\nto_s = {until}\n",
+            "[[steering_wheel_angle]]\nkind = \"random\"\nrms = {}\ncorrelation_time_s = {}\nfrom_s = {from}\nto_s = {until}",
             acceleration * per_g,
             dice.between(0.5, 1.2)
         )

@@ -6,38 +6,17 @@
 //! information.
 #![allow(clippy::unwrap_used, clippy::expect_used)] // Tests.
 
+#[path = "support/driven.rs"]
+mod driven;
+
 use std::path::Path;
 
-use gripd::can::Frame;
-use gripd::cli::SimulatedFrames;
-use gripd::dbc::Database;
-use gripd::model::{Scenario, Simulation, Truth, Uncertain};
-use gripd::service::{Engine, Sink};
-use gripd::signals::Outputs;
-use gripd::{Config, Estimates, Sample};
+use gripd::model::{Scenario, Truth, Uncertain};
+use gripd::{Config, Estimates};
 
 const SCENARIO: &str = include_str!("../config/scenarios/asphalt_gravel.toml");
 const CAR: &str = include_str!("../config/demo.toml");
-const CAR_DBC: &str = include_str!("../dbc/demo.dbc");
 const CHANGES_S: [f64; 2] = [90.0, 180.0];
-
-/// Collects what the engine knows, beside what was true.
-#[derive(Default)]
-struct Record {
-    truths: Vec<Truth>,
-    rows: Vec<(Truth, Estimates)>,
-}
-
-impl Sink for Record {
-    fn estimates(&mut self, sample: &Sample, estimates: &Estimates) {
-        let place = self.truths.partition_point(|truth| truth.time < sample.time);
-        if let Some(truth) = self.truths.get(place) {
-            self.rows.push((*truth, *estimates));
-        }
-    }
-
-    fn publish(&mut self, _frame: &Frame) {}
-}
 
 /// Drives a scenario through the engine. The car knows its data sheet, but neither its tires'
 /// stiffness nor the difference of their radii; `without` removes optional signals.
@@ -47,25 +26,7 @@ fn drive(scenario: &Scenario, seed: u64, without: &[&str]) -> Vec<(Truth, Estima
     config.vehicle.longitudinal_stiffness = Uncertain { value: 30.0, std: 15.0 };
     config.vehicle.lateral_stiffness_front = Uncertain { value: 12.0, std: 3.0 };
     config.vehicle.lateral_stiffness_rear = Uncertain { value: 12.0, std: 3.0 };
-    let database = Database::parse(CAR_DBC.as_bytes(), "demo.dbc").unwrap();
-    let radius = scenario.vehicle.wheel_radius_m.value;
-    let outputs = Outputs::compile(&config.signals, &database, radius).unwrap();
-    config.signals.quantities.retain(|quantity, _| !without.contains(&quantity.name()));
-    let output = gripd::signals::publish::built_in_database().unwrap();
-    let mut engine = Engine::with_databases(&config, &database, &output).unwrap();
-    let mut frames = SimulatedFrames::new(outputs);
-    let mut record = Record::default();
-    let mut simulation = Simulation::new(scenario, seed).unwrap();
-    let mut sent = Vec::new();
-    while let Some(tick) = simulation.next_tick() {
-        record.truths.push(*tick.truth);
-        frames.take(tick.readings, &mut |frame| sent.push(*frame));
-        for frame in sent.drain(..) {
-            engine.frame(&frame, &mut record);
-        }
-    }
-    engine.finish(&mut record);
-    record.rows
+    driven::drive(scenario, seed, config, without)
 }
 
 /// What came out of one drive.

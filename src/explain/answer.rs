@@ -47,9 +47,14 @@ impl<'a> Told<'_, 'a> {
         let split = &self.data.split;
         let before = proof::simulate(self.drives, baseline);
         let after = if differs { proof::simulate(self.drives, differing) } else { before.clone() };
+        let mut fits = Models { baseline: proof::fits(&before, split), extended: proof::fits(&after, split) };
         // Unknown forces say where something is missing, whether or not they help to simulate.
-        let helps = self.verdict != Verdict::UnknownPhysics || proof::is_better(&before, &after, split);
+        let helps = self.verdict != Verdict::UnknownPhysics
+            || proof::is_better(&fits.baseline.holdout, &fits.extended.holdout);
         let (extended, after) = if helps { (differing, after) } else { (baseline, before.clone()) };
+        if !helps {
+            fits.extended = fits.baseline.clone();
+        }
         let (plainly, differently) = (self.innovations(baseline), self.innovations(differing));
         let place = self.place(&plainly, &differently);
         let extended_steps = if helps { differently } else { plainly.clone() };
@@ -65,8 +70,7 @@ impl<'a> Told<'_, 'a> {
         }
         explanation.findings = self.findings(extended, &steps.baseline);
         explanation.ranking = ranking(self.selection);
-        explanation.fit =
-            Models { baseline: proof::fits(&before, split), extended: proof::fits(&after, split) };
+        explanation.fit = fits;
         explanation.prediction_fit = Models {
             baseline: proof::fits(&said(&steps.baseline), split),
             extended: proof::fits(&said(&steps.extended), split),

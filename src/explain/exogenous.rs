@@ -67,7 +67,7 @@ pub fn follows_motion(drive: &Drive, course: &Smoothed, length_s: f64, is_of_the
     let rows: Vec<[f64; REGRESSORS]> = compared.iter().map(|(k, _)| row(*k)).collect();
     let x = DMatrix::from_fn(rows.len(), REGRESSORS, |i, j| rows[i][j]);
     let y = DVector::from_iterator(compared.len(), compared.iter().map(|(_, value)| *value));
-    if x.iter().any(|value| !value.is_finite()) {
+    if x.iter().any(|value| !value.is_finite()) || y.variance() <= 0.0 {
         return 0.0;
     }
     let normal = x.tr_mul(&x) + DMatrix::identity(REGRESSORS, REGRESSORS) * 1e-6;
@@ -75,7 +75,7 @@ pub fn follows_motion(drive: &Drive, course: &Smoothed, length_s: f64, is_of_the
     let explained = |y: DVector<f64>| {
         // Centred, so that the mean explains nothing.
         let y = y.add_scalar(-y.mean());
-        1.0 - (&y - &x * normal.solve(&x.tr_mul(&y))).norm_squared() / y.norm_squared().max(1e-300)
+        1.0 - (&y - &x * normal.solve(&x.tr_mul(&y))).norm_squared() / y.norm_squared()
     };
     // What is slow follows anything slow, by chance: so much as it does when it comes at other times, or, where
     // the drive repeats itself, as something that knows nothing of the drive does.
@@ -85,7 +85,7 @@ pub fn follows_motion(drive: &Drive, course: &Smoothed, length_s: f64, is_of_the
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let others = (0..OTHERS).map(|_| explained(of_its_own(count, length_s, &mut random)));
     let by_chance = at_other_times.min(nine_of_ten(others.collect()));
-    ((explained(y.clone()) - by_chance) / (1.0 - by_chance).max(1e-3)).clamp(0.0, 1.0)
+    ((explained(y) - by_chance) / (1.0 - by_chance).max(1e-3)).clamp(0.0, 1.0)
 }
 
 /// What nine of ten are below.

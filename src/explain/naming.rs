@@ -47,8 +47,7 @@ impl<'a> Refitted<'a> {
 
     /// When it began, s, if it was not there from the start.
     pub fn onset(&self) -> Option<f64> {
-        let place = self.candidate.kind.place_of("at_s")?;
-        Some(self.fit.model.effects.last()?.numbers[place]).filter(|at| *at > 0.0)
+        Some(self.fit.model.effects.last()?.onset()).filter(|at| *at > 0.0)
     }
 
     /// The model with the moment at which it began where it fits best, within so many seconds.

@@ -120,12 +120,9 @@ pub fn fits(saids: &Saids, split: &Split) -> Parts<ByChannel> {
     parts
 }
 
-/// Is the mean held-out fit of the channels better after than before?
-pub fn is_better(before: &Saids, after: &Saids, split: &Split) -> bool {
-    let mean = |saids: &Saids| {
-        let fits = fits(saids, split).holdout;
-        fits.values().sum::<f64>() / fits.len().max(1) as f64
-    };
+/// Is the mean fit of the channels better after than before?
+pub fn is_better(before: &ByChannel, after: &ByChannel) -> bool {
+    let mean = |fits: &ByChannel| fits.values().sum::<f64>() / fits.len().max(1) as f64;
     mean(after) > mean(before)
 }
 

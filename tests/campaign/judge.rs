@@ -2,18 +2,12 @@
 
 use std::fmt;
 
-use gripd::can::Frame;
-use gripd::cli::SimulatedFrames;
-use gripd::dbc::Database;
+use gripd::Estimates;
 use gripd::estimates::MuSource;
-use gripd::model::{Simulation, Truth};
-use gripd::service::{Engine, Sink};
-use gripd::signals::Outputs;
-use gripd::{Estimates, Sample};
+use gripd::model::Truth;
 
 use super::drive::Drive;
-
-const CAR_DBC: &str = include_str!("../../dbc/demo.dbc");
+use super::driven;
 
 /// After a change of surface an interval may be of the one before for so long, s of driving that uses
 /// [`NOTICEABLE`] of the new friction.
@@ -22,6 +16,9 @@ const NOTICEABLE: f64 = 0.5;
 
 /// An interval that excludes the truth by more than this is a lie.
 const MOST_OFF: f64 = 0.1;
+
+/// Rows over which one surface goes over into the next: a tenth of a second, and a little.
+const TRANSITION: usize = 12;
 
 /// Edges of the use of friction by which samples are sorted.
 const EDGES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 0.95];
@@ -57,44 +54,6 @@ pub struct Judgement {
     sideslip: (u64, f64),
 }
 
-#[derive(Default)]
-struct Record {
-    truths: Vec<Truth>,
-    rows: Vec<(Truth, Estimates)>,
-}
-
-impl Sink for Record {
-    fn estimates(&mut self, sample: &Sample, estimates: &Estimates) {
-        let place = self.truths.partition_point(|truth| truth.time < sample.time);
-        if let Some(truth) = self.truths.get(place) {
-            self.rows.push((*truth, *estimates));
-        }
-    }
-
-    fn publish(&mut self, _frame: &Frame) {}
-}
-
-fn run(drive: &Drive) -> Vec<(Truth, Estimates)> {
-    let database = Database::parse(CAR_DBC.as_bytes(), "demo.dbc").unwrap();
-    let radius = drive.scenario.vehicle.wheel_radius_m.value;
-    let outputs = Outputs::compile(&drive.config.signals, &database, radius).unwrap();
-    let output = gripd::signals::publish::built_in_database().unwrap();
-    let mut engine = Engine::with_databases(&drive.config, &database, &output).unwrap();
-    let mut frames = SimulatedFrames::new(outputs);
-    let mut record = Record::default();
-    let mut simulation = Simulation::new(&drive.scenario, drive.seed).unwrap();
-    let mut sent = Vec::new();
-    while let Some(tick) = simulation.next_tick() {
-        record.truths.push(*tick.truth);
-        frames.take(tick.readings, &mut |frame| sent.push(*frame));
-        for frame in sent.drain(..) {
-            engine.frame(&frame, &mut record);
-        }
-    }
-    engine.finish(&mut record);
-    record.rows
-}
-
 /// By how much an interval excludes a value.
 fn excludes(estimates: &Estimates, truth: f64) -> f64 {
     let friction = &estimates.friction;
@@ -105,27 +64,25 @@ fn excludes(estimates: &Estimates, truth: f64) -> f64 {
 
 /// Drives, and judges.
 pub fn judge(drive: &Drive) -> Judgement {
-    let rows = run(drive);
+    let rows = driven::drive(&drive.scenario, drive.seed, drive.config.clone(), &[]);
     let mut sum = Judgement { drives: 1, ..Judgement::default() };
-    let (mut before, mut noticeable_s) = (f64::NAN, f64::INFINITY);
+    let (mut drops, mut noticeable_s) = (false, f64::INFINITY);
     let mut waiting: Option<f64> = None;
     let mut worst = (0.0, 0.0);
-    for (truth, estimates) in &rows {
+    for (place, (truth, estimates)) in rows.iter().enumerate() {
         if truth.speed < 4.0 || !truth.mu_max.is_finite() {
             continue;
         }
         let used = truth.mu_used / truth.mu_max;
-        // A change is one of more than a fifth; the transition takes a tenth of a second.
-        if !before.is_nan() && (truth.mu_max / before - 1.0).abs() > 0.2 {
+        // A change is one of more than a fifth.
+        let change = truth.mu_max / rows[place.saturating_sub(TRANSITION)].0.mu_max;
+        if (change - 1.0).abs() > 0.2 {
             noticeable_s = 0.0;
-            if truth.mu_max < 0.5 * before {
-                sum.drops_unnoticed += u64::from(waiting.is_some());
-                waiting = Some(0.0);
-            }
-            before = truth.mu_max;
         }
-        if before.is_nan() {
-            before = truth.mu_max;
+        let dropped_before = std::mem::replace(&mut drops, change < 0.5);
+        if drops && !dropped_before {
+            sum.drops_unnoticed += u64::from(waiting.is_some());
+            waiting = Some(0.0);
         }
         if used > NOTICEABLE {
             noticeable_s += 0.01;

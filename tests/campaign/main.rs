@@ -12,6 +12,8 @@
 
 mod cars;
 mod drive;
+#[path = "../support/driven.rs"]
+mod driven;
 mod judge;
 mod surface;
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::chain::{self, ChainReport};
+use super::course::give_means_to_zeros;
 use super::explanation::{Answer, Case};
 use super::finding::{finding, ranking};
 use super::fit::{Data, Fit};
@@ -83,6 +84,9 @@ impl<'a> Told<'_, 'a> {
         explanation.unexplained = proof::unexplained(&before, &after, split, &extended.noise.sensor);
         explanation.parameters =
             Models { baseline: self.numbers(baseline), extended: self.numbers(extended) };
+        if let [_] = self.drives {
+            give_means_to_zeros(&mut explanation.findings, &mut explanation.parameters.extended);
+        }
         explanation.equations = equations;
         explanation.to_drive = self.to_drive(&explanation.findings);
         explanation.measurement_chain = self.case.chain.iter().flat_map(chain_words).collect();

@@ -4,14 +4,14 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::answer::Told;
 use super::candidates::Candidate;
+use super::course::Course;
 use super::fit::Fit;
 use super::model::Place;
 use super::naming::{Refitted, onset_std};
-use super::predict::{Drive, drive::points};
-use super::result::{self, Estimate, Finding, Ranked, Where};
+use super::predict::Drive;
+use super::result::{Estimate, Finding, Ranked, Where};
 use super::select::{Round, Selection};
-use super::smooth::{Smoothed, courses};
-use crate::model::effect::{Course, Spec};
+use crate::model::effect::Spec;
 
 /// A rival whose evidence is less than so far behind cannot be told from what was chosen.
 const TOLD_APART: f64 = 7.0;
@@ -44,11 +44,11 @@ pub fn finding(told: &Told<'_, '_>, number: usize, extended: &Fit<'_>, mut place
     }
     let mut series = None;
     if candidate.live.is_some() {
-        if let Some((drive, course)) = course(told.drives, effect, extended, &place.recording) {
-            place.intervals = clear_stretches(&course);
-            place.recording.clone_from(&drive.name);
-            summarize(candidate, extended, effect, &course, &mut parameters);
-            series = Some(decimated(&course, candidate));
+        if let Some(course) = Course::new(told.drives, (extended, effect), candidate, &place.recording) {
+            place.intervals = course.clear_stretches();
+            place.recording.clone_from(&course.drive.name);
+            course.summarize(candidate, (extended, effect), &mut parameters);
+            series = Some(course.decimated(candidate));
         }
     } else if !candidate.stretches.is_empty() {
         place.intervals.clone_from(&candidate.stretches);
@@ -90,19 +90,6 @@ fn rivals(taken: &Refitted<'_>, round: &Round<'_>) -> Vec<String> {
     names.into_iter().filter(|name| *name != taken.candidate.name()).collect()
 }
 
-/// The course of a chosen effect, in the recording where it is clearest.
-fn course<'d>(
-    drives: &'d [Drive],
-    effect: usize,
-    fit: &Fit<'_>,
-    recording: &str,
-) -> Option<(&'d Drive, Smoothed)> {
-    let Course::Live(slot) = fit.model.effects.get(effect)?.course else { return None };
-    let drive = drives.iter().find(|drive| drive.name == recording).or(drives.first())?;
-    let course = courses(drive, &fit.model, &fit.noise, Default::default()).into_iter().nth(slot)?;
-    Some((drive, course))
-}
-
 /// Everything that was tried in the first round, best first: fitted ones by their evidence, the others to
 /// first order, never above a fitted one.
 pub fn ranking(selection: &Selection<'_>) -> Vec<Ranked> {
@@ -142,58 +129,4 @@ fn own_numbers(told: &Told<'_, '_>, fit: &Fit<'_>, number: usize) -> BTreeMap<St
         Some((spec.name.to_owned(), Estimate { value: spec.value(coordinate), std }))
     };
     chosen.specs().enumerate().filter_map(of).collect()
-}
-
-/// Where a course is clearly not nothing, s.
-fn clear_stretches(course: &Smoothed) -> Vec<[f64; 2]> {
-    let peak = course.peak();
-    course.stretches(|value, std| value.abs() > (0.2 * peak).max(2.0 * std), 0.3, 0.15)
-}
-
-/// What a course comes to in one number, under the contract's name.
-fn summarize(
-    candidate: &Candidate,
-    fit: &Fit<'_>,
-    number: usize,
-    course: &Smoothed,
-    parameters: &mut BTreeMap<String, Estimate>,
-) {
-    let Some(surroundings) = candidate.kind.surroundings(candidate.channel) else { return };
-    let place_of_peak = course.value.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-    let Some((peak_at, peak)) = place_of_peak.map(|(at, value)| (at, *value)) else { return };
-    if surroundings.sign != 0.0 {
-        // A share of a surface: what the surface is where there is most of it.
-        let Some(chosen) = fit.model.effects.get(number) else { return };
-        for (place, spec) in chosen.specs().enumerate() {
-            if chosen.numbers[place] == spec.mean {
-                continue;
-            }
-            let coordinate = spec.mean + peak * (chosen.numbers[place] - spec.mean);
-            let std = course.std[peak_at] * (chosen.numbers[place] - spec.mean).abs();
-            let slope = spec.scale.slope(coordinate).abs();
-            parameters.insert(spec.name.into(), Estimate { value: spec.value(coordinate), std: std * slope });
-        }
-        return;
-    }
-    let (value, std) = if surroundings.rms_name.contains("peak") {
-        (peak.abs(), course.std[peak_at])
-    } else {
-        let count = course.value.len().max(1) as f64;
-        let square = course.value.iter().map(|value| value * value).sum::<f64>() / count;
-        let variance = course.std.iter().map(|std| std * std).sum::<f64>() / count;
-        (square.sqrt(), (variance / count.sqrt().max(1.0)).sqrt())
-    };
-    parameters.insert(surroundings.rms_name.into(), Estimate { value, std });
-}
-
-/// Ten points a second.
-fn decimated(course: &Smoothed, candidate: &Candidate) -> result::Course {
-    let unit = candidate.kind.surroundings(candidate.channel).map_or("", |course| course.unit);
-    let some = |values: &[f64]| values.iter().step_by(points(0.1)).copied().collect();
-    result::Course {
-        t: some(&course.t),
-        value: some(&course.value),
-        std: some(&course.std),
-        unit: unit.into(),
-    }
 }

@@ -19,6 +19,7 @@ mod bench;
 mod candidates;
 pub mod chain;
 mod correction;
+mod course;
 mod exogenous;
 mod explanation;
 mod finding;

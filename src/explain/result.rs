@@ -43,7 +43,7 @@ pub struct Where {
 }
 
 /// Something that is missing in the plain model.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Finding {
     /// Its name in the library.
     pub effect: String,

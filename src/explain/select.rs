@@ -13,6 +13,7 @@ use super::patches;
 use super::smooth::courses;
 use super::split::{BLOCK_S, Part, Split};
 use crate::Quantity;
+use crate::model::effect::Channel;
 
 /// Evidence (twice the logarithm of the odds) that the first finding needs. The odds must beat those of
 /// some fifty candidates, each with a small chance of its own.
@@ -37,6 +38,9 @@ const ONSET_S: f64 = 3.0;
 
 /// A course of which more than this follows from the driver's own inputs is none of wind and road.
 const MOST_FOLLOWING: f64 = 0.4;
+
+/// See [`is_noteworthy`].
+const LEAST_TORQUE_SCALE: f64 = 0.01;
 
 /// Rounds of fitting without learning any noise.
 const STRICT_ROUNDS: usize = 4;
@@ -162,7 +166,14 @@ pub fn select<'a>(
         let gain = held.minus_two_ln(&extended.sums) - held.minus_two_ln(&fit.sums);
         // It must not make the prediction of what it has not seen worse.
         let confirmed = gain > -0.02 * first.evidence - 5.0 && (chosen.is_empty() || gain > 0.0);
-        tracing::debug!(name = first.candidate.name(), evidence = first.evidence, held_out = gain, confirmed);
+        tracing::debug!(
+            name = first.candidate.name(),
+            evidence = first.evidence,
+            held_out = gain,
+            confirmed,
+            numbers = ?fit.model.effects.last().map(|effect| effect.values()),
+            live = ?fit.noise.live,
+        );
         if !confirmed {
             break;
         }
@@ -219,8 +230,20 @@ fn fitted<'f, 'a: 'f>(
         }
     });
     let patches = patches(data, before, &all);
-    all.retain(|refitted| patches::is_possible(data, refitted));
+    all.retain(|refitted| patches::is_possible(data, refitted) && is_noteworthy(refitted));
     best_of_each(all.into_iter().chain(patches).collect())
+}
+
+/// Torques are told by maps and by pads: a scale of theirs that is off by less is nobody's mistake.
+fn is_noteworthy(refitted: &Refitted<'_>) -> bool {
+    let candidate = &refitted.candidate;
+    let of_a_torque = matches!(
+        candidate.channel.and_then(Channel::quantity),
+        Some(Quantity::DriveTorque | Quantity::BrakePressure)
+    );
+    let number = refitted.fit.model.effects.last().and_then(|effect| effect.numbers.first());
+    let is_scale = of_a_torque && candidate.kind.name == "sensor_scale";
+    !is_scale || number.is_none_or(|number| number.abs() > LEAST_TORQUE_SCALE)
 }
 
 /// What lies in patches, within clear edges: each kind of them wherever the course of any kind has some.

@@ -283,6 +283,7 @@ pub fn make(cause: &Cause, factor: f64, plan: &Plan, car: &Car, dice: &mut Dice)
             let w = windows(plan, 5, (0.5, 1.2), calm, dice);
             intervals = w.clone();
             let moment = 500.0 * spread;
+            let mut peak = moment;
             if dice.chance(0.5) {
                 // A brake on one front wheel.
                 for &(start, end) in &w {
@@ -292,9 +293,11 @@ pub fn make(cause: &Cause, factor: f64, plan: &Plan, car: &Car, dice: &mut Dice)
             } else {
                 let axle = if car.front_driven { 0 } else { 1 };
                 // ±T/2 on the two wheels, half a track apart: M = T t/(2 R).
-                h.vectoring = bumps(&w, 2.0 * car.radius / car.track[axle] * moment, dice);
+                let torque = 2.0 * car.radius / car.track[axle];
+                h.vectoring = bumps(&w, torque * moment, dice);
+                peak = h.vectoring.iter().map(|bump| bump.amplitude.abs()).fold(0.0, f64::max) / torque;
             }
-            parameters = json!({ "moment_peak_nm": moment });
+            parameters = json!({ "moment_peak_nm": peak });
             (moment, "Nm")
         }
         "accelerometer_position" => {

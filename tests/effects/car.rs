@@ -46,13 +46,13 @@ fn steering_compliance_turns_the_wheels_back() {
 }
 
 #[test]
-fn roll_steer_adds_to_the_steering() {
+fn roll_steer_turns_the_front_wheels_out_of_the_bend() {
     let drive = turn(
         "[[effect]]\nkind = \"roll_steer\"\nroll_steer_rad_per_rad = 0.2\nroll_gain_rad_per_mps2 = 0.01",
     );
     let roll = 0.01 * drive.last(LateralAcceleration);
     close(*drive.column("roll_steer_angle").last().unwrap(), roll, 2e-3);
-    close(drive.last(YawRate), 20.0 * (0.02 + 0.2 * roll) / WHEELBASE, 5e-3);
+    close(drive.last(YawRate), 20.0 * (0.02 - 0.2 * roll) / WHEELBASE, 5e-3);
 }
 
 #[test]
@@ -148,9 +148,10 @@ fn tire_radius_is_seen_in_its_wheel_speed() {
 
 #[test]
 fn radius_growth_is_seen_at_speed() {
-    for (speed, growth) in [(10.0, 1.002), (40.0, 1.032)] {
+    for speed in [10.0, 40.0] {
         let drive =
             drive(1.0, speed, "", "[[effect]]\nkind = \"radius_growth\"\nrelative_per_mps_squared = 2e-5");
-        close(drive.last(WheelSpeedRl), speed / (RADIUS * growth), 1e-6);
+        let turning = drive.last(WheelSpeedRl);
+        close(speed / (RADIUS * turning), 1.0 + 2e-5 * (RADIUS * turning).powi(2), 1e-4);
     }
 }

@@ -11,6 +11,9 @@ struct BrakeYawMoment {
     vectoring: f64,
 }
 
+/// Hardly a moment, N m: ESP does not brake single wheels for it.
+const HARDLY: f64 = 40.0;
+
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "brake_yaw_moment",
@@ -60,7 +63,10 @@ impl Effect for BrakeYawMoment {
     fn act(&self, now: &Now<'_>, _states: &[f64], on: &mut Acting) {
         let moment = self.moment.at(now);
         let (braked, driven) = if moment > 0.0 { (0, 1) } else { (1, 0) };
-        let (most, least) = (1.0 - 0.5 * self.vectoring, -0.5 * self.vectoring);
+        // Where there is hardly any moment, nobody brakes for it: without a kink at zero, where a filter that
+        // looks for the moment would take its own noise for braking.
+        let braking = (1.0 - self.vectoring) * moment * moment / (moment * moment + HARDLY * HARDLY);
+        let (most, least) = (0.5 + 0.5 * braking, 0.5 * braking - 0.5);
         let axles = [
             (0, self.front_share, on.body.half_track_front),
             (2, 1.0 - self.front_share, on.body.half_track_rear),
@@ -82,12 +88,18 @@ mod tests {
     fn the_side_it_turns_to_is_braked() {
         let on = Bench::driving(20.0).acted(&*constant(&KIND, &[1.0, 0.0], 500.0), &[]);
         let arm = on.body.half_track_front;
-        assert!((on.brake[0] - 500.0 / arm).abs() < 1e-9, "{:?}", on.brake);
-        assert_eq!(on.brake[1..], [0.0; 3]);
+        assert!((arm * (on.brake[0] - on.brake[1]) - 500.0).abs() < 1e-9, "{:?}", on.brake);
+        assert!(on.brake[1].abs() < 0.01 * on.brake[0] && on.brake[2..] == [0.0; 2], "{:?}", on.brake);
         let on = Bench::driving(20.0).acted(&*constant(&KIND, &[0.5, 1.0], -500.0), &[]);
         assert!((on.brake.iter().sum::<f64>()).abs() < 1e-9, "vectoring does not brake the car");
         let moment = on.body.half_track_front * (on.brake[0] - on.brake[1])
             + on.body.half_track_rear * (on.brake[2] - on.brake[3]);
         assert!((moment + 500.0).abs() < 1e-9);
+        // Around zero nothing jumps.
+        let drag = |moment| {
+            let on = Bench::driving(20.0).acted(&*constant(&KIND, &[1.0, 0.0], moment), &[]);
+            on.brake.iter().sum::<f64>()
+        };
+        assert!(drag(0.0) == 0.0 && drag(1.0) < 0.01 && drag(-1.0) < 0.01 && drag(200.0) > 200.0);
     }
 }

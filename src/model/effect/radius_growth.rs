@@ -1,4 +1,4 @@
-//! Tires grow with speed.
+//! Tires grow with the speed of their turning.
 
 use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec};
 
@@ -12,7 +12,7 @@ struct RadiusGrowth {
 pub static KIND: Kind = Kind {
     name: "radius_growth",
     about: "the tires' rolling radius grows with the square of the speed",
-    equation: "r = r0 (1 + c v_x²)",
+    equation: "r = r0 (1 + c (r0 ω)²)",
     source: "centrifugal force on the belt",
     place: "the wheels' rolling",
     to_tell_apart: "speeds from walking pace to 50 m/s beside a true speed (satellite, measured distance): \
@@ -34,8 +34,10 @@ pub static KIND: Kind = Kind {
 
 impl Effect for RadiusGrowth {
     fn act(&self, now: &Now<'_>, _states: &[f64], on: &mut Acting) {
-        let speed = now.velocity.vx;
-        on.radius = on.radius.map(|radius| radius * (1.0 + self.relative_per_square * speed * speed));
+        // Rolling, r ω is the speed: s = r / r0 = 1 + c v² / s², by steps; three leave a thousandth of it.
+        let slow = self.relative_per_square * now.velocity.vx.powi(2);
+        let share = (0..3).fold(1.0, |share: f64, _| 1.0 + slow / (share * share));
+        on.radius = on.radius.map(|radius| share * radius);
     }
 }
 
@@ -45,12 +47,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_grows_with_the_square() {
-        let growth = |speed: f64| {
+    fn it_grows_with_the_square_of_how_fast_it_turns() {
+        let radius = |speed: f64| {
             let bench = Bench::driving(speed);
-            bench.acted(&*simple(&KIND, &[1e-5]), &[]).radius[3] / 0.31 - 1.0
+            bench.acted(&*simple(&KIND, &[1e-5]), &[]).radius[3]
         };
-        assert!((growth(20.0) - 0.004).abs() < 1e-12);
-        assert!((growth(40.0) / growth(20.0) - 4.0).abs() < 1e-9);
+        for speed in [20.0, 40.0] {
+            let r = radius(speed);
+            let turning = 0.31 * speed / r;
+            assert!((r / 0.31 - (1.0 + 1e-5 * turning * turning)).abs() < 1e-6, "{speed}");
+        }
+        assert!(((radius(40.0) - 0.31) / (radius(20.0) - 0.31) - 3.9).abs() < 0.05);
     }
 }

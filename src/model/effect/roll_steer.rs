@@ -1,4 +1,5 @@
-//! Leaning, the body steers its front wheels.
+//! Leaning, the body steers its front wheels. Positive is roll understeer: they turn out of the bend
+//! (Gillespie 1992, ch. 6).
 
 use super::roll::{self, Roll};
 use super::{Acting, Effect, Felt, Kind, Now, Scale, Setting, Spec};
@@ -13,9 +14,9 @@ struct RollSteer {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "roll_steer",
-    about: "leaning in a turn, the suspension steers the front wheels",
-    equation: "δ = δ_sw / i + c φ,  φ̈ = ω² (k a_y − φ) − 2 ζ ω φ̇",
-    source: "suspension kinematics; roll as a mass on springs",
+    about: "leaning in a turn, the suspension steers the front wheels (positive: out of it, understeer)",
+    equation: "δ = δ_sw / i − c φ,  φ̈ = ω² (k a_y − φ) − 2 ζ ω φ̇",
+    source: "Gillespie 1992, ch. 6 (roll steer); roll as a mass on springs",
     place: "front tires' slip angle",
     to_tell_apart: "as it is a softer or stiffer front axle in steady turns: steering steps and a sine \
                     sweep through the roll frequency (1 to 2 Hz), where the roll angle is late",
@@ -66,8 +67,8 @@ impl Effect for RollSteer {
 
     fn act(&self, _now: &Now<'_>, states: &[f64], on: &mut Acting) {
         let Some(angle) = states.first() else { return };
-        on.toe[0] += self.roll_steer * angle;
-        on.toe[1] += self.roll_steer * angle;
+        on.toe[0] -= self.roll_steer * angle;
+        on.toe[1] -= self.roll_steer * angle;
     }
 
     fn rates(&self, _now: &Now<'_>, felt: &Felt, states: &[f64], rates: &mut [f64]) {
@@ -81,10 +82,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn in_a_steady_left_turn_it_steers_the_front_by_the_lean() {
+    fn in_a_steady_left_turn_it_steers_the_front_out_of_it_by_the_lean() {
         let mut bench = Bench::driving(20.0);
         bench.now.ay = 5.0;
-        let effect = simple(&KIND, &[-0.2, 0.006, 9.0, 0.3]);
+        let effect = simple(&KIND, &[0.2, 0.006, 9.0, 0.3]);
         let states = bench.begun(&*effect);
         let toe = bench.acted(&*effect, &states).toe;
         assert!((toe[0] + 0.2 * 0.03).abs() < 1e-12 && toe[1] == toe[0] && toe[2] == 0.0);

@@ -1,8 +1,9 @@
-//! Rolling resistance beyond what the vehicle table has.
+//! Rolling resistance beyond what the vehicle table has: at each wheel, so that free ones slip for it, too.
 
 use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec};
+use crate::model::wheel::reference_speed;
 
-/// A force against the motion in proportion to the load.
+/// A moment against each wheel's rolling in proportion to its load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct RollingResistance {
     coefficient: f64,
@@ -12,8 +13,8 @@ struct RollingResistance {
 pub static KIND: Kind = Kind {
     name: "rolling_resistance",
     about: "rolling resistance beyond what the vehicle table has",
-    equation: "F_x = − c m g sgn v_x",
-    source: "Coulomb friction (thesis 3.2)",
+    equation: "M_i = − c F_z,i r sgn v_x",
+    source: "ISO 28580; Coulomb friction (thesis 3.2)",
     place: "longitudinal force balance",
     to_tell_apart: "coasting down slowly on a level road, both ways: rolling resistance is the same at \
                     every speed, air drag is not, and a grade changes its sign on the way back",
@@ -33,8 +34,12 @@ pub static KIND: Kind = Kind {
 };
 
 impl Effect for RollingResistance {
-    fn act(&self, _now: &Now<'_>, _states: &[f64], on: &mut Acting) {
-        on.body.rolling_resistance += self.coefficient;
+    fn act(&self, now: &Now<'_>, _states: &[f64], on: &mut Acting) {
+        // Vanishes smoothly at standstill.
+        let rolls = now.velocity.vx / reference_speed(now.velocity.vx);
+        for (brake, load) in on.brake.iter_mut().zip(on.load) {
+            *brake += self.coefficient * load * rolls;
+        }
     }
 }
 
@@ -45,11 +50,11 @@ mod tests {
 
     #[test]
     fn it_is_against_the_motion_and_the_same_at_every_speed() {
-        let bench = Bench::driving(20.0);
-        let (plain, on) = (bench.plain().body, bench.acted(&*simple(&KIND, &[0.01]), &[]).body);
         for speed in [5.0, 40.0, -5.0f64] {
-            let more = on.resistance(speed) - plain.resistance(speed);
-            assert!((more - 0.01 * 1700.0 * 9.81 * speed.signum()).abs() < 1e-9, "{speed}");
+            let on = Bench::driving(speed).acted(&*simple(&KIND, &[0.01]), &[]);
+            for (brake, load) in on.brake.into_iter().zip(on.load) {
+                assert!((brake - 0.01 * load * speed.signum()).abs() < 1e-9, "{speed}");
+            }
         }
     }
 }

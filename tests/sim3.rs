@@ -299,5 +299,5 @@ fn the_lower_bound_ages_before_a_fall_of_friction_is_noticed() {
     }
     println!("above the friction for {for_ever:.2?} s and {ageing:.2?} s of 200 s; mean bound");
     assert!(ageing.0 < 0.6 * for_ever.0 && ageing.0 < 2.0, "{ageing:?} {for_ever:?}");
-    assert!(ageing.1 > 0.9 * for_ever.1, "the bound is still worth something: {ageing:?} {for_ever:?}");
+    assert!(ageing.1 > 0.8 * for_ever.1, "the bound is still worth something: {ageing:?} {for_ever:?}");
 }

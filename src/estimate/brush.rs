@@ -24,6 +24,8 @@ pub struct BrushEstimator {
     cusum: Cusum,
     noise: LearnedNoise,
     informed: bool,
+    /// Its standard deviation when a force above it (8.5) set the friction, until the curve tells more.
+    raised: Option<f64>,
 }
 
 /// What the regression says of the friction.
@@ -33,6 +35,8 @@ pub struct BrushFriction {
     pub mu: f64,
     /// Standard deviation of μ̂ if the tire were a brush: model error comes on top.
     pub std: f64,
+    /// The force in use set it (8.5): a bound from below, of which the curve has not told any more since.
+    pub is_bound: bool,
 }
 
 impl BrushEstimator {
@@ -44,6 +48,8 @@ impl BrushEstimator {
     const UNKNOWN: f64 = 0.5;
     /// … of which the two frictions of (8.3) do not share this: a real tire is not quite a brush.
     const DISAGREEMENT: f64 = 0.15;
+    /// The curve has told more than the force that set the friction once this share of its uncertainty is left.
+    const TELLS_MORE: f64 = 0.5;
     /// A logarithm moves by at most this in one step: further off, its linearization is not true.
     const STRIDE: f64 = 0.3;
 
@@ -56,6 +62,7 @@ impl BrushEstimator {
             cusum: Cusum::new(1.0, 8.0),
             noise: LearnedNoise::new(200.0),
             informed: false,
+            raised: None,
         };
         estimator.start();
         estimator
@@ -63,6 +70,7 @@ impl BrushEstimator {
 
     fn start(&mut self) {
         self.informed = false;
+        self.raised = None;
         let theta = parameters(self.initial_stiffness, self.config.initial_mu);
         if self.config.compensate {
             self.filter = Gaussian::new(logarithms(&theta).into(), [0.0; 3]);
@@ -100,6 +108,7 @@ impl BrushEstimator {
             && mu.abs() - mu_std > friction.mu
         {
             self.calibrate(mu.abs(), mu_std.hypot(friction.std));
+            self.raised = self.friction().map(|friction| friction.std);
         }
         let theta = self.theta();
         self.walk(&theta, elapsed_s);
@@ -143,6 +152,11 @@ impl BrushEstimator {
             }
         }
         self.informed = true;
+        if let Some((raised, friction)) = self.raised.zip(self.friction())
+            && friction.std < Self::TELLS_MORE * raised
+        {
+            self.raised = None;
+        }
         let evidence = expected.normalized().clamp(-4.0, 4.0) * mu.signum();
         if self.cusum.step(evidence).is_some() {
             self.surface_changed();
@@ -154,6 +168,7 @@ impl BrushEstimator {
         if !(Self::MU_LIMITS.0..=Self::MU_LIMITS.1).contains(&mu) || !self.config.calibrate {
             return;
         }
+        self.raised = None;
         let theta = self.theta();
         let stiffness_std =
             if self.config.compensate { self.filter.std(0) } else { self.filter.std(0) / theta[0] };
@@ -172,6 +187,7 @@ impl BrushEstimator {
 
     /// The surface changed: slope and curvature may be anything near.
     pub fn surface_changed(&mut self) {
+        self.raised = None;
         if self.config.compensate {
             self.filter.covariance += Self::relative_covariance(Self::UNKNOWN, Self::UNKNOWN);
         } else {
@@ -196,9 +212,11 @@ impl BrushEstimator {
             vector![mu1 / theta[0] + 0.75 * mu2 / theta[0], -0.5 * mu1 / theta[1], -0.25 * mu2 / theta[2]];
         let gradient = self.to_state(&theta) * by_theta;
         let variance = gradient.dot(&(self.filter.covariance * gradient));
-        (Self::MU_LIMITS.0..=Self::MU_LIMITS.1)
-            .contains(&mu)
-            .then(|| BrushFriction { mu, std: variance.max(0.0).sqrt() })
+        (Self::MU_LIMITS.0..=Self::MU_LIMITS.1).contains(&mu).then(|| BrushFriction {
+            mu,
+            std: variance.max(0.0).sqrt(),
+            is_bound: self.raised.is_some(),
+        })
     }
 
     fn friction_of(&self, theta: &Vector3<f64>) -> f64 {

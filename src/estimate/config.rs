@@ -59,7 +59,6 @@ impl EstimatorsConfig {
             ("brush.initial_mu", positive(self.brush.initial_mu), "must be positive"),
             ("brush.walk", positive(self.brush.walk), "must be positive"),
             ("brush.friction_walk", positive(self.brush.friction_walk), "must be positive"),
-            ("friction.memory_s", positive(self.friction.memory_s), "must be positive"),
             ("friction.surface_lasts_s", positive(self.friction.surface_lasts_s), "must be positive"),
         ];
         let mapping = || self.mapping.as_ref().and_then(MappingConfig::problem);
@@ -254,9 +253,7 @@ impl Default for BrushConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FrictionConfig {
-    /// How long friction that was used counts as available, s.
-    pub memory_s: f64,
-    /// How long a surface lasts on average, s: the less, the faster the lower bound ages.
+    /// How long a surface lasts on average, s: the less, the faster what was measured or used ages.
     pub surface_lasts_s: f64,
     /// Use of friction (used / estimated) from which the brush curvature is published.
     pub brush_from_use: f64,
@@ -264,16 +261,15 @@ pub struct FrictionConfig {
     pub valid_from_use: f64,
     /// Half-width of the interval up to which the published value counts as valid.
     pub valid_half_width: f64,
-    /// How long a measurement at the limit (ABS braking, spinning wheels) stays valid, s.
+    /// How long a measurement (ABS braking, spinning wheels) stays valid at most, s, …
     pub abs_valid_s: f64,
-    /// … and how long it is still published, with a growing interval, s.
+    /// … and how long it is still published at most, with an interval that opens, s.
     pub abs_memory_s: f64,
 }
 
 impl Default for FrictionConfig {
     fn default() -> Self {
         Self {
-            memory_s: 3.0,
             surface_lasts_s: 10.0,
             brush_from_use: 0.7,
             valid_from_use: 0.85,

@@ -4,12 +4,11 @@
 //! A slip curve leaves its tangent noticeably above about half of mu_max. Below that mu_max is not
 //! observable: only the bound is known, and that is what is said.
 //!
-//! The bound ages. Friction used T seconds ago was there then; since then the surface may have become
-//! another one, unseen. With surfaces that last T₀ on average and frictions equally likely from 0 to 1,
-//! friction is below L by now with probability (1 − exp(−T/T₀)) L: the bound that holds with 95 % is
-//! the largest of min(used, 0.05 T₀/T) over the time passed.
+//! All evidence goes into one [`Belief`], which ages: with surfaces that last T₀ on average, friction that was
+//! measured or used T seconds ago is by now that of another surface with probability 1 − exp(−T/T₀).
 
 use super::abs_braking::AbsFriction;
+use super::belief::{Belief, HIGHEST};
 use super::brush::BrushFriction;
 use super::mapping::MappedFriction;
 use super::saturation::LimitFriction;
@@ -17,19 +16,30 @@ use super::{Car, FrictionConfig, Kinematics};
 use crate::estimates::{Friction, MuSource};
 use crate::model::{DrivenAxle, GRAVITY};
 
-/// Keeps the recent use of friction.
+/// Keeps what is believed of friction.
 #[derive(Clone, Debug)]
 pub struct FrictionMonitor {
     car: Car,
     config: FrictionConfig,
     /// Normalized forces, smoothed: longitudinal and lateral.
     smoothed: Option<[f64; 2]>,
-    recent: RecentMaximum,
-    /// Of the longitudinal use alone, which is what the brush regression sees.
-    recent_longitudinal: RecentMaximum,
-    /// Seconds since the surface changed, as far as that was noticed: evidence that is older is of
-    /// another surface.
-    since_change_s: f64,
+    belief: Belief,
+    /// What was measured last.
+    measured: Option<Measured>,
+    /// Seconds since the bound from what is used was last as high as it is.
+    bound_age_s: f64,
+    /// For how long the ABS has been working, pauses included, and for how long it has not, s.
+    abs_s: [f64; 2],
+}
+
+/// A measurement of mu_max.
+#[derive(Clone, Copy, Debug)]
+struct Measured {
+    mu: f64,
+    source: MuSource,
+    age_s: f64,
+    /// Good enough to act upon, as long as the interval is narrow.
+    is_sure: bool,
 }
 
 /// Other estimators' evidence of mu_max.
@@ -56,10 +66,12 @@ impl FrictionMonitor {
     const SHARING: f64 = 0.05;
     /// Deviation of an ABS measurement: the ABS does not hold the peak all the time.
     const ABS_STD: f64 = 0.04;
-    /// By which the interval of a measurement at the limit grows, 1/s: the car moves on.
-    const ABS_STD_GROWTH: f64 = 0.02;
-    /// Share of the time in which the bound may be above the friction.
-    const RISK: f64 = 0.05;
+    /// What the other wheels may have in reserve when the ABS works in a curve, relative.
+    const ABS_RESERVE: f64 = 0.3;
+    /// So long it takes until brakes have built up what the tires can take, s.
+    const ABS_BUILDS_UP_S: f64 = 0.3;
+    /// Shorter pauses belong to a braking, s.
+    const ABS_PAUSE_S: f64 = 0.5;
     /// Model error of a brush at no use of friction, relative; it falls to zero at full use. A brush
     /// fitted to a real tire's curve at 60 % use is off by half.
     const BRUSH_MODEL_ERROR: f64 = 1.2;
@@ -67,9 +79,10 @@ impl FrictionMonitor {
     /// For this car.
     pub fn new(car: &Car, config: &FrictionConfig) -> Self {
         Self {
-            recent: RecentMaximum::new(config.memory_s, Self::RISK * config.surface_lasts_s),
-            recent_longitudinal: RecentMaximum::new(config.memory_s, f64::INFINITY),
-            since_change_s: f64::INFINITY,
+            belief: Belief::UNKNOWN,
+            measured: None,
+            bound_age_s: 0.0,
+            abs_s: [0.0, f64::INFINITY],
             car: car.clone(),
             config: config.clone(),
             smoothed: None,
@@ -78,31 +91,28 @@ impl FrictionMonitor {
 
     /// The surface changed: what was used before says nothing of this one.
     pub fn surface_changed(&mut self) {
-        self.recent.clear();
-        self.recent_longitudinal.clear();
-        self.since_change_s = 0.0;
+        self.belief = Belief::UNKNOWN;
+        self.measured = None;
     }
 
     /// Takes a sample; `acceleration` is the longitudinal one, measured or from the wheels.
     pub fn step(&mut self, now: &Kinematics, acceleration: Option<f64>, evidence: Evidence) -> Friction {
-        self.since_change_s += now.elapsed_s;
+        self.belief.forget(1.0 - (-now.elapsed_s / self.config.surface_lasts_s).exp());
+        self.bound_age_s += now.elapsed_s;
+        if let Some(measured) = &mut self.measured {
+            measured.age_s += now.elapsed_s;
+        }
         let used = self.used(now, acceleration);
-        let limit = evidence.limit.filter(|limit| limit.age_s <= self.since_change_s);
-        let abs = evidence.abs.filter(|abs| abs.age_s <= self.since_change_s);
-        let longitudinal = self.smoothed.map(|[x, _]| x.abs());
-        for (recent, used) in [(&mut self.recent, used), (&mut self.recent_longitudinal, longitudinal)] {
-            recent.step(now.elapsed_s, used.map(Self::surely));
+        if let Some(used) = used.map(Self::surely).filter(|used| *used > 0.0) {
+            self.learn_used(used);
         }
-        if let Some(limit) = limit.filter(|limit| limit.age_s == 0.0) {
-            // More was used before: that was another surface.
-            self.recent.cap(limit.mu);
+        self.learn_brush(evidence.brush);
+        self.learn_abs(now, used, evidence.abs);
+        if let Some(limit) = evidence.limit.filter(|limit| limit.age_s == 0.0) {
+            self.learn_measured(limit.mu, [limit.std; 2], MuSource::Limit, true);
         }
-        let low = self.recent.maximum().filter(|low| *low > 0.0);
         let mut friction = Friction {
             used,
-            low,
-            source: if low.is_some() { MuSource::LowerBound } else { MuSource::None },
-            age_s: low.map(|_| self.recent.age_s()),
             brush: evidence.brush.map(|b| b.mu),
             brush_std: evidence.brush.map(|b| b.std),
             abs: evidence.abs.map(|a| a.mu),
@@ -110,12 +120,7 @@ impl FrictionMonitor {
             map_interval: evidence.map.map(|m| (m.low, m.high)),
             ..Friction::default()
         };
-        self.add_brush(&mut friction, evidence.brush);
-        let newer = |limit: LimitFriction| abs.is_none_or(|abs| limit.age_s <= abs.age_s);
-        match limit.filter(|limit| newer(*limit)) {
-            Some(limit) => self.add_limit(&mut friction, limit),
-            None => self.add_abs(&mut friction, abs),
-        }
+        self.publish(&mut friction);
         if friction.max.is_none() {
             self.add_map(&mut friction, evidence.map);
         }
@@ -152,6 +157,88 @@ impl FrictionMonitor {
         Some(smoothed[0].hypot(smoothed[1]))
     }
 
+    fn learn_used(&mut self, used: f64) {
+        let low = self.belief.interval().0;
+        if self.belief.learn_used(used) {
+            // More is in use than was measured: on another surface.
+            self.measured = None;
+        }
+        if used > low {
+            self.bound_age_s = 0.0;
+        }
+    }
+
+    fn learn_brush(&mut self, brush: Option<BrushFriction>) {
+        let brush = brush.filter(|brush| !brush.is_bound);
+        let (Some(brush), Some([along, _])) = (brush, self.smoothed) else { return };
+        let using = (Self::surely(along.abs()) / brush.mu).min(1.0);
+        // Using more than the curve allows, in whatever direction, refutes it.
+        if using < self.config.brush_from_use || self.belief.interval().0 > brush.mu + 1.96 * brush.std {
+            return;
+        }
+        let model_std = Self::BRUSH_MODEL_ERROR * (1.0 - using) * brush.mu;
+        let is_sure = using >= self.config.valid_from_use;
+        self.learn_measured(brush.mu, [brush.std.hypot(model_std); 2], MuSource::Brush, is_sure);
+    }
+
+    /// Where the ABS works, a wheel is at its limit; in a curve it may be one alone.
+    fn learn_abs(&mut self, now: &Kinematics, used: Option<f64>, ended: Option<AbsFriction>) {
+        let [working_s, pausing_s] = &mut self.abs_s;
+        if now.abs == Some(true) {
+            *working_s += now.elapsed_s;
+            *pausing_s = 0.0;
+        } else {
+            *pausing_s += now.elapsed_s;
+            if *pausing_s > Self::ABS_PAUSE_S {
+                *working_s = 0.0;
+            }
+        }
+        if let (Some([along, across]), Some(used)) = (self.smoothed, used) {
+            if now.abs == Some(true) && *working_s > Self::ABS_BUILDS_UP_S && along < 0.0 {
+                let is_straight = along.abs() > 3.0 * across.abs();
+                let reserve = if is_straight { Self::ABS_STD } else { Self::ABS_RESERVE * used };
+                self.learn_measured(used, [Self::ABS_STD, Self::ABS_STD.hypot(reserve)], MuSource::Abs, true);
+            }
+        } else if let Some(abs) = ended.filter(|abs| abs.age_s <= Self::ABS_PAUSE_S) {
+            // Nobody measured the deceleration while it went on.
+            self.learn_measured(abs.mu, [abs.std.max(Self::ABS_STD); 2], MuSource::Abs, true);
+        }
+    }
+
+    fn learn_measured(&mut self, mu: f64, std: [f64; 2], source: MuSource, is_sure: bool) {
+        let (low, high) = self.belief.interval();
+        let is_another = self.belief.learn_measured(mu, std);
+        // What says less than is known adds its doubts and not its value.
+        let says_more = 1.96 * (std[0] + std[1]) < high - low;
+        if is_another || says_more || self.measured.is_none_or(|measured| measured.source == source) {
+            self.measured = Some(Measured { mu, source, age_s: 0.0, is_sure });
+        }
+    }
+
+    /// The belief in few numbers.
+    fn publish(&self, friction: &mut Friction) {
+        let (low, high) = self.belief.interval();
+        let is_bounded = high < MOST_TOLD;
+        let measured =
+            self.measured.filter(|measured| is_bounded && measured.age_s <= self.config.abs_memory_s);
+        friction.low = Some(low).filter(|low| *low > LEAST_TOLD);
+        match measured {
+            Some(measured) => {
+                let (low, high) = (low.min(measured.mu), high.max(measured.mu));
+                (friction.low, friction.max, friction.high) = (Some(low), Some(measured.mu), Some(high));
+                friction.source = measured.source;
+                friction.age_s = Some(measured.age_s);
+                let is_narrow = 0.5 * (high - low) <= self.config.valid_half_width;
+                friction.valid = measured.is_sure && is_narrow && measured.age_s <= self.config.abs_valid_s;
+            }
+            None if friction.low.is_some() => {
+                friction.source = MuSource::LowerBound;
+                friction.age_s = Some(self.bound_age_s);
+            }
+            None => friction.source = MuSource::None,
+        }
+    }
+
     /// A mapping is a statement about roads like those of its calibration: published where nothing
     /// measures friction, with its wide interval, and never as something to act upon.
     fn add_map(&self, friction: &mut Friction, map: Option<MappedFriction>) {
@@ -166,123 +253,11 @@ impl FrictionMonitor {
         friction.high = Some(map.high);
         friction.source = MuSource::SlopeMap;
     }
-
-    fn add_brush(&self, friction: &mut Friction, brush: Option<BrushFriction>) {
-        let (Some(brush), Some(low)) = (brush, friction.low) else { return };
-        let using = (self.recent_longitudinal.maximum().unwrap_or(0.0) / brush.mu).min(1.0);
-        // Using more than the curve allows, in whatever direction, refutes it.
-        if using < self.config.brush_from_use || low > brush.mu + 1.96 * brush.std {
-            return;
-        }
-        let model_std = Self::BRUSH_MODEL_ERROR * (1.0 - using) * brush.mu;
-        self.publish(friction, brush.mu, brush.std.hypot(model_std), MuSource::Brush);
-        friction.valid = using >= self.config.valid_from_use && self.is_narrow(friction);
-    }
-
-    fn add_abs(&self, friction: &mut Friction, abs: Option<AbsFriction>) {
-        let Some(abs) = abs.filter(|abs| abs.age_s <= self.config.abs_memory_s) else { return };
-        let measured = abs.std.max(Self::ABS_STD);
-        let std = measured + Self::ABS_STD_GROWTH * abs.age_s;
-        self.publish(friction, abs.mu, std, MuSource::Abs);
-        friction.age_s = Some(abs.age_s);
-        friction.valid =
-            abs.age_s <= self.config.abs_valid_s && 1.96 * measured <= self.config.valid_half_width;
-    }
-
-    fn add_limit(&self, friction: &mut Friction, limit: LimitFriction) {
-        if limit.age_s > self.config.abs_memory_s {
-            return;
-        }
-        let std = limit.std + Self::ABS_STD_GROWTH * limit.age_s;
-        self.publish(friction, limit.mu, std, MuSource::Limit);
-        friction.age_s = Some(limit.age_s);
-        friction.valid =
-            limit.age_s <= self.config.abs_valid_s && 1.96 * limit.std <= self.config.valid_half_width;
-    }
-
-    fn publish(&self, friction: &mut Friction, mu: f64, std: f64, source: MuSource) {
-        let low = (mu - 1.96 * std).max(friction.low.unwrap_or(0.0));
-        friction.max = Some(mu.max(low));
-        friction.low = Some(low);
-        friction.high = Some((mu + 1.96 * std).max(low));
-        friction.source = source;
-    }
-
-    fn is_narrow(&self, friction: &Friction) -> bool {
-        match (friction.low, friction.high) {
-            (Some(low), Some(high)) => 0.5 * (high - low) <= self.config.valid_half_width,
-            _ => false,
-        }
-    }
 }
 
-/// The largest value of the last few seconds, in slots: old ones count less and fall out slot by slot.
-#[derive(Clone, Debug)]
-struct RecentMaximum {
-    slot_s: f64,
-    /// A value of an age counts at most as this / age, s.
-    decay_s: f64,
-    slots: [Option<f64>; Self::SLOTS],
-    current: usize,
-    elapsed_s: f64,
-}
-
-impl RecentMaximum {
-    const SLOTS: usize = 20;
-
-    fn new(memory_s: f64, decay_s: f64) -> Self {
-        let slot_s = (memory_s / Self::SLOTS as f64).max(1e-3);
-        Self { slot_s, decay_s, slots: [None; Self::SLOTS], current: 0, elapsed_s: 0.0 }
-    }
-
-    fn clear(&mut self) {
-        self.slots = [None; Self::SLOTS];
-    }
-
-    fn step(&mut self, elapsed_s: f64, value: Option<f64>) {
-        self.elapsed_s += elapsed_s;
-        let mut turned = 0;
-        while self.elapsed_s >= self.slot_s && turned < Self::SLOTS {
-            self.elapsed_s -= self.slot_s;
-            self.current = (self.current + 1) % Self::SLOTS;
-            self.slots[self.current] = None;
-            turned += 1;
-        }
-        if turned == Self::SLOTS {
-            self.elapsed_s = 0.0;
-        }
-        if let Some(value) = value {
-            let slot = &mut self.slots[self.current];
-            *slot = Some(slot.map_or(value, |largest| largest.max(value)));
-        }
-    }
-
-    /// Nothing counts more than this.
-    fn cap(&mut self, most: f64) {
-        for value in self.slots.iter_mut().flatten() {
-            *value = value.min(most);
-        }
-    }
-
-    /// What the value of a slot counts today, and its age, s; the newest first.
-    fn counting(&self) -> impl Iterator<Item = (f64, f64)> {
-        (0..Self::SLOTS).filter_map(|ago| {
-            let value = self.slots[(self.current + Self::SLOTS - ago) % Self::SLOTS]?;
-            let age_s = ago as f64 * self.slot_s;
-            Some((value.min(self.decay_s / age_s), age_s))
-        })
-    }
-
-    fn maximum(&self) -> Option<f64> {
-        self.counting().map(|(value, _)| value).reduce(f64::max)
-    }
-
-    /// Age of the slot that holds the maximum, s.
-    fn age_s(&self) -> f64 {
-        let newest = |best: (f64, f64), other: (f64, f64)| if other.0 > best.0 { other } else { best };
-        self.counting().reduce(newest).map_or(0.0, |(_, age_s)| age_s)
-    }
-}
+/// No bound below this says anything, nor one above that.
+const LEAST_TOLD: f64 = 0.04;
+const MOST_TOLD: f64 = HIGHEST - 0.04;
 
 #[cfg(test)]
 mod tests {
@@ -308,7 +283,7 @@ mod tests {
     fn gentle_driving_gives_a_bound_and_no_value() {
         let car = Car::new(&Vehicle::thesis());
         let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
-        let brush = Some(BrushFriction { mu: 0.9, std: 0.01 });
+        let brush = Some(BrushFriction { mu: 0.9, std: 0.01, is_bound: false });
         let mut friction = Friction::default();
         for _ in 0..200 {
             friction = monitor.step(&sample(0.0, 2.0), Some(0.0), Evidence { brush, ..Evidence::default() });
@@ -331,23 +306,28 @@ mod tests {
     }
 
     #[test]
-    fn the_bound_is_forgotten_after_a_while_and_at_a_change_of_surface() {
+    fn the_bound_ages_and_a_change_of_surface_forgets_it() {
         let car = Car::new(&Vehicle::thesis());
-        let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
-        for _ in 0..200 {
-            monitor.step(&sample(0.0, 6.0), Some(0.0), Evidence::default());
-        }
-        let mut later = Friction::default();
-        for _ in 0..600 {
-            later = monitor.step(&sample(0.0, 0.0), Some(0.0), Evidence::default());
-        }
-        assert!(later.low.is_none_or(|low| low < 0.05), "{later:?}");
-        for _ in 0..200 {
-            monitor.step(&sample(0.0, 6.0), Some(0.0), Evidence::default());
-        }
+        let config = FrictionConfig { surface_lasts_s: 10.0, ..FrictionConfig::default() };
+        let mut monitor = FrictionMonitor::new(&car, &config);
+        let after = |monitor: &mut FrictionMonitor, ay, samples| {
+            let mut friction = Friction::default();
+            for _ in 0..samples {
+                friction = monitor.step(&sample(0.0, ay), Some(0.0), Evidence::default());
+            }
+            friction
+        };
+        let turning = after(&mut monitor, 6.0, 200);
+        assert!((turning.low.unwrap() - 0.56).abs() < 0.02, "{turning:?}");
+        // With 45 % it is another surface by now, and all of those are as likely.
+        let later = after(&mut monitor, 0.0, 600);
+        assert!((later.low.unwrap() - 0.025 / 0.45 * 1.3).abs() < 0.03, "{later:?}");
+        after(&mut monitor, 6.0, 200);
         monitor.surface_changed();
-        let low = monitor.step(&sample(0.0, 0.0), Some(0.0), Evidence::default()).low;
-        assert!(low.is_none_or(|low| low < 0.6));
+        assert!(after(&mut monitor, 0.0, 1).low.is_none_or(|low| low < 0.56));
+        assert_eq!(after(&mut monitor, 0.0, 100).source, MuSource::LowerBound);
+        monitor.surface_changed();
+        assert_eq!(after(&mut monitor, 0.0, 1).source, MuSource::None);
     }
 
     #[test]
@@ -359,27 +339,44 @@ mod tests {
         let friction = monitor.step(&sample(0.0, 0.0), Some(0.0), evidence);
         assert_eq!((friction.source, friction.valid), (MuSource::SlopeMap, false));
         assert_eq!((friction.max, friction.low, friction.high), (Some(0.5), Some(0.35), Some(0.65)));
-        let measured = Evidence { abs: Some(AbsFriction { mu: 0.8, std: 0.02, age_s: 0.0 }), ..evidence };
-        assert_eq!(monitor.step(&sample(0.0, 0.0), Some(0.0), measured).source, MuSource::Abs);
+        let limit = Some(LimitFriction { mu: 0.8, std: 0.02, age_s: 0.0 });
+        let measured = Evidence { limit, ..evidence };
+        assert_eq!(monitor.step(&sample(0.0, 0.0), Some(0.0), measured).source, MuSource::Limit);
         // Using more than it allows refutes it.
+        let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
         let mut braking = Friction::default();
         for _ in 0..200 {
             braking = monitor.step(&sample(0.0, 8.0), Some(0.0), evidence);
         }
-        assert_eq!((braking.source, braking.max), (MuSource::LowerBound, None));
+        assert_eq!((braking.source, braking.max), (MuSource::LowerBound, None), "{braking:?}");
     }
 
     #[test]
     fn an_abs_braking_is_believed_for_a_while_and_then_widens() {
         let car = Car::new(&Vehicle::thesis());
         let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
-        let mut after = |age_s| {
-            let abs = Some(AbsFriction { mu: 0.4, std: 0.02, age_s });
-            monitor.step(&sample(0.0, 0.0), Some(0.0), Evidence { abs, ..Evidence::default() })
+        let braking = Kinematics { abs: Some(true), ..sample(-4.0, 0.0) };
+        let brake = |monitor: &mut FrictionMonitor| {
+            let step = |_| monitor.step(&braking, Some(-4.0), Evidence::default());
+            (0..100).map(step).last().unwrap()
         };
-        let (fresh, old, gone) = (after(0.1), after(10.0), after(30.0));
-        assert!(fresh.valid && fresh.source == MuSource::Abs);
-        assert!(!old.valid && old.high > fresh.high);
-        assert_eq!(gone.max, None);
+        let mut all = vec![brake(&mut monitor)];
+        all.extend((0..2000).map(|_| monitor.step(&sample(0.0, 0.0), Some(0.0), Evidence::default())));
+        assert!(all[0].valid && all[0].source == MuSource::Abs, "{:?}", all[0]);
+        assert!((all[0].max.unwrap() - 0.4).abs() < 0.01);
+        assert_eq!(all[0].age_s, Some(0.0));
+        let width = |friction: &Friction| friction.high.unwrap_or(2.0) - friction.low.unwrap_or(0.0);
+        assert!(all.windows(2).all(|pair| width(&pair[1]) > width(&pair[0]) - 1e-3));
+        let opened = all.iter().position(|friction| !friction.valid).unwrap();
+        assert!(all[opened..].iter().all(|friction| !friction.valid));
+        assert_eq!(all[2000].max, None);
+        // Using more than it gave is another surface.
+        brake(&mut monitor);
+        let mut turning = Friction::default();
+        for _ in 0..100 {
+            turning = monitor.step(&sample(0.0, 8.0), Some(0.0), Evidence::default());
+        }
+        assert_eq!((turning.source, turning.max), (MuSource::LowerBound, None));
+        assert!(turning.low > Some(0.7));
     }
 }

@@ -4,6 +4,7 @@
 //! car's own terms) and keeps what it knows; [`Pipeline`] decides the order and what is published.
 
 mod abs_braking;
+mod belief;
 mod bicycle_filter;
 mod block;
 mod brush;

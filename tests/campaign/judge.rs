@@ -37,6 +37,18 @@ struct Use {
     width: f64,
 }
 
+/// The worst interval of a drive.
+#[derive(Clone, Debug)]
+struct Lie {
+    seed: u64,
+    off: f64,
+    at_s: f64,
+    truth: f64,
+    interval: [f64; 2],
+    source: MuSource,
+    about: String,
+}
+
 /// All that is counted.
 #[derive(Clone, Debug, Default)]
 pub struct Judgement {
@@ -44,7 +56,7 @@ pub struct Judgement {
     by_use: [Use; EDGES.len() + 1],
     by_source: [(u64, u64); 7],
     /// Drives whose interval excluded the truth by more than [`MOST_OFF`] after the grace.
-    lies: Vec<(u64, f64, f64, String)>,
+    lies: Vec<Lie>,
     /// Drops to less than half of the friction, and in how many seconds of noticeable driving the interval held it.
     drops: Vec<f64>,
     drops_unnoticed: u64,
@@ -68,7 +80,7 @@ pub fn judge(drive: &Drive) -> Judgement {
     let mut sum = Judgement { drives: 1, ..Judgement::default() };
     let (mut drops, mut noticeable_s) = (false, f64::INFINITY);
     let mut waiting: Option<f64> = None;
-    let mut worst = (0.0, 0.0);
+    let mut worst: Option<Lie> = None;
     for (place, (truth, estimates)) in rows.iter().enumerate() {
         if truth.speed < 4.0 || !truth.mu_max.is_finite() {
             continue;
@@ -96,14 +108,21 @@ pub fn judge(drive: &Drive) -> Judgement {
             waiting = None;
         }
         sum.add(truth, estimates, used, off);
-        if noticeable_s > GRACE_S && off > worst.0 {
-            worst = (off, truth.time.seconds());
+        if noticeable_s > GRACE_S && off > worst.as_ref().map_or(MOST_OFF, |worst| worst.off) {
+            let friction = &estimates.friction;
+            worst = Some(Lie {
+                seed: drive.seed,
+                off,
+                at_s: truth.time.seconds(),
+                truth: truth.mu_max,
+                interval: [friction.low.unwrap_or(0.0), friction.high.unwrap_or(f64::INFINITY)],
+                source: friction.source,
+                about: drive.about.clone(),
+            });
         }
     }
     sum.drops_unnoticed += u64::from(waiting.is_some_and(|waited| waited > GRACE_S));
-    if worst.0 > MOST_OFF {
-        sum.lies.push((drive.seed, worst.0, worst.1, drive.about.clone()));
-    }
+    sum.lies.extend(worst);
     sum
 }
 
@@ -217,8 +236,12 @@ impl fmt::Display for Judgement {
             )?;
         }
         writeln!(f, "intervals that exclude the truth by more than {MOST_OFF}: {} drives", self.lies.len())?;
-        for (seed, off, at, about) in &self.lies {
-            writeln!(f, "  {seed}: by {off:.2} at {at:.1} s ({about})")?;
+        for Lie { seed, off, at_s, truth, interval: [low, high], source, about } in &self.lies {
+            let source = source.name();
+            writeln!(
+                f,
+                "  {seed}: by {off:.2} at {at_s:.1} s: {low:.2} to {high:.2} ({source}), truly {truth:.2} ({about})"
+            )?;
         }
         let mut drops = self.drops.clone();
         drops.sort_by(f64::total_cmp);

@@ -1,0 +1,211 @@
+//! What is believed of mu_max: a weight for each friction that a road can have.
+//!
+//! Three things happen to it. What was measured or used rules frictions out ([`Belief::learn`]). Such evidence
+//! goes on for as long as a wheel is at its limit, and its error is the same all the while: a model that is
+//! off, a sensor's offset. So the same evidence again changes nothing: each friction keeps the least weight that
+//! any of it left. Time passes, and the road may have become another one, unseen: every friction gets back some
+//! of what all have on average ([`Belief::forget`]). And evidence may contradict all that was believed: then the
+//! road has become another one, and the newest is believed alone.
+
+/// Frictions of roads: from, and the width of each cell.
+const LOWEST: f64 = 0.02;
+const CELL: f64 = 0.02;
+const CELLS: usize = 65;
+
+/// Highest friction that there is a cell for.
+pub const HIGHEST: f64 = LOWEST + CELL * CELLS as f64;
+
+/// Evidence that leaves no friction more than this share of the weight it had contradicts what was believed.
+const CONTRADICTED: f64 = 0.05;
+
+/// A friction of this weight or more beside the likeliest one's is within the interval, however much weight is
+/// beyond it: all that a use of friction leaves is as likely, and of that nothing is taken off.
+const LIKELY: f64 = 0.5;
+
+/// On either side of the interval there is this share of the weight, or less.
+const TAIL: f64 = 0.025;
+
+/// A weight for each friction, the largest of them 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Belief {
+    weight: [f64; CELLS],
+}
+
+impl Belief {
+    /// Any friction is as likely as any other.
+    pub const UNKNOWN: Self = Self { weight: [1.0; CELLS] };
+
+    /// In this time the road became another one with this probability.
+    pub fn forget(&mut self, probability: f64) {
+        let all: f64 = self.weight.iter().sum();
+        let share = probability * all / CELLS as f64;
+        for weight in &mut self.weight {
+            *weight += share - probability * *weight;
+        }
+    }
+
+    /// Takes evidence: how well it goes with each friction, at most 1. True if it contradicted what was believed.
+    fn learn(&mut self, possible: impl Fn(f64) -> f64) -> bool {
+        let evidence: [f64; CELLS] = std::array::from_fn(|cell| possible(middle(cell)));
+        let mut left = self.weight;
+        for (weight, possible) in left.iter_mut().zip(evidence) {
+            *weight = weight.min(possible);
+        }
+        let is_contradicted = left.into_iter().fold(0.0, f64::max) < CONTRADICTED;
+        self.weight = if is_contradicted { evidence } else { left };
+        self.normalize();
+        is_contradicted
+    }
+
+    /// Makes the largest weight 1.
+    fn normalize(&mut self) {
+        let most = self.weight.iter().copied().fold(1e-9, f64::max);
+        for weight in &mut self.weight {
+            *weight /= most;
+        }
+    }
+
+    /// At least this much is in use, give or take half a cell. What is ruled out below that goes between it and
+    /// what was known to be there: if the road got worse since, what is in use now may be all of it.
+    pub fn learn_used(&mut self, used: f64) -> bool {
+        let possible: [f64; CELLS] =
+            std::array::from_fn(|cell| ((middle(cell) - used) / CELL + 0.5).clamp(0.0, 1.0));
+        let known = self.interval().0;
+        let is_room = |cell: usize| known < used + CELL || middle(cell) < known;
+        let (mut ruled_out, mut room, mut most) = (0.0, 0.0, 0.0f64);
+        for (cell, (weight, possible)) in self.weight.iter_mut().zip(possible).enumerate() {
+            let left = weight.min(possible);
+            ruled_out += *weight - left;
+            room += if is_room(cell) { possible } else { 0.0 };
+            *weight = left;
+            most = most.max(left);
+        }
+        let is_contradicted = most < CONTRADICTED;
+        let share = ruled_out / room.max(1.0);
+        for (cell, (weight, possible)) in self.weight.iter_mut().zip(possible).enumerate() {
+            if is_contradicted {
+                *weight = possible;
+            } else if is_room(cell) {
+                *weight += share * possible;
+            }
+        }
+        self.normalize();
+        is_contradicted
+    }
+
+    /// This was measured, with standard deviations downwards and upwards.
+    pub fn learn_measured(&mut self, mu: f64, std: [f64; 2]) -> bool {
+        // Narrower than a cell it would fall between two.
+        let [down, up] = std.map(|std| std.max(0.5 * CELL));
+        let mu = mu.clamp(middle(0), middle(CELLS - 1));
+        self.learn(|other| {
+            let std = if other < mu { down } else { up };
+            (-0.5 * ((other - mu) / std).powi(2)).exp()
+        })
+    }
+
+    /// The 95 % interval.
+    pub fn interval(&self) -> (f64, f64) {
+        let (mut sum, mut most) = (0.0, 0.0f64);
+        for weight in self.weight {
+            sum += weight;
+            most = most.max(weight);
+        }
+        let (tail, likely) = (TAIL * sum, LIKELY * most);
+        let low = LOWEST + CELL * end(self.weight.into_iter(), tail, likely);
+        let high = HIGHEST - CELL * end(self.weight.into_iter().rev(), tail, likely);
+        (low, high)
+    }
+}
+
+/// The friction in the middle of a cell.
+fn middle(cell: usize) -> f64 {
+    LOWEST + CELL * (cell as f64 + 0.5)
+}
+
+/// How many cells from the first one the interval begins: where weights become likely, or before that, where more
+/// than a tail's weight is before it.
+fn end(weights: impl Iterator<Item = f64>, tail: f64, likely: f64) -> f64 {
+    let (mut sum, mut before, mut by_weight) = (0.0, 0.0, f64::INFINITY);
+    for (cell, weight) in weights.enumerate() {
+        let cell = cell as f64;
+        if sum <= tail && sum + weight > tail {
+            by_weight = cell + (tail - sum) / weight;
+        }
+        if weight >= likely {
+            // Weights go in straight lines from the middle of one cell to that of the next.
+            let by_likelihood = cell - 0.5 + (likely - before) / (weight - before);
+            return by_weight.min(by_likelihood).max(0.0);
+        }
+        (sum, before) = (sum + weight, weight);
+    }
+    0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_measured_has_the_interval_of_its_deviation() {
+        let mut belief = Belief::UNKNOWN;
+        assert!(!belief.learn_measured(0.6, [0.05; 2]));
+        let (low, high) = belief.interval();
+        assert!((low - 0.502).abs() < 0.008 && (high - 0.698).abs() < 0.008, "{low} {high}");
+        // Again the same says no more.
+        for _ in 0..1000 {
+            belief.learn_measured(0.6, [0.05; 2]);
+        }
+        assert_eq!(belief.interval(), (low, high));
+    }
+
+    #[test]
+    fn what_is_used_is_there_and_nothing_is_above_all() {
+        let mut belief = Belief::UNKNOWN;
+        assert_eq!(belief.interval().1, HIGHEST);
+        belief.learn_used(0.4);
+        let (low, high) = belief.interval();
+        assert!((low - 0.4).abs() < 0.02 && high > HIGHEST - 0.02, "{low} {high}");
+    }
+
+    #[test]
+    fn what_is_old_may_be_of_another_road() {
+        let mut belief = Belief::UNKNOWN;
+        belief.learn_measured(0.6, [0.02; 2]);
+        let fresh = belief.interval();
+        let mut width = fresh.1 - fresh.0;
+        for _ in 0..50 {
+            belief.forget(0.01);
+            let (low, high) = belief.interval();
+            assert!(high - low > width - 0.002, "{low} {high}");
+            width = high - low;
+        }
+        assert!(width > 1.0, "{width}");
+        // The bound of a use ages as the share of the roads below it has it.
+        let mut belief = Belief::UNKNOWN;
+        belief.learn_used(0.8);
+        belief.forget(0.1);
+        let (low, _) = belief.interval();
+        assert!((low - (LOWEST + TAIL / 0.1 * (HIGHEST - LOWEST))).abs() < 0.02, "{low}");
+    }
+
+    #[test]
+    fn a_contradiction_is_another_road() {
+        let mut belief = Belief::UNKNOWN;
+        belief.learn_used(0.8);
+        assert!(belief.learn_measured(0.2, [0.02; 2]));
+        let (low, high) = belief.interval();
+        assert!(low > 0.1 && high < 0.3, "{low} {high}");
+        assert!(belief.learn_used(0.5));
+        assert!((belief.interval().0 - 0.5).abs() < 0.02);
+    }
+
+    #[test]
+    fn one_of_two_evidences_counts_where_it_says_more() {
+        let mut belief = Belief::UNKNOWN;
+        belief.learn_used(0.58);
+        assert!(!belief.learn_measured(0.6, [0.1; 2]));
+        let (low, high) = belief.interval();
+        assert!((low - 0.58).abs() < 0.03 && (high - 0.8).abs() < 0.02, "{low} {high}");
+    }
+}

@@ -30,6 +30,8 @@ pub struct FrictionMonitor {
     bound_age_s: f64,
     /// For how long the ABS has been working, pauses included, and for how long it has not, s.
     abs_s: [f64; 2],
+    /// What is used while it works, smoothed further.
+    abs_used: f64,
 }
 
 /// A measurement of mu_max.
@@ -70,6 +72,9 @@ impl FrictionMonitor {
     const ABS_RESERVE: f64 = 0.3;
     /// So long it takes until brakes have built up what the tires can take, s.
     const ABS_BUILDS_UP_S: f64 = 0.3;
+    /// What is used has settled when it is this near, relative, to what it was so long ago, s.
+    const ABS_SETTLED: f64 = 0.05;
+    const ABS_SETTLES_S: f64 = 0.3;
     /// Shorter pauses belong to a braking, s.
     const ABS_PAUSE_S: f64 = 0.5;
     /// Model error of a brush at no use of friction, relative; it falls to zero at full use. A brush
@@ -83,6 +88,7 @@ impl FrictionMonitor {
             measured: None,
             bound_age_s: 0.0,
             abs_s: [0.0, f64::INFINITY],
+            abs_used: 0.0,
             car: car.clone(),
             config: config.clone(),
             smoothed: None,
@@ -194,7 +200,14 @@ impl FrictionMonitor {
             }
         }
         if let (Some([along, across]), Some(used)) = (self.smoothed, used) {
-            if now.abs == Some(true) && *working_s > Self::ABS_BUILDS_UP_S && along < 0.0 {
+            if *working_s == 0.0 {
+                self.abs_used = used;
+            }
+            let weight = 1.0 - (-now.elapsed_s / Self::ABS_SETTLES_S).exp();
+            self.abs_used += weight * (used - self.abs_used);
+            // While the brakes build up, the tires at their limit are not all of them.
+            let is_settled = used - self.abs_used < Self::ABS_SETTLED * used;
+            if now.abs == Some(true) && *working_s > Self::ABS_BUILDS_UP_S && along < 0.0 && is_settled {
                 let is_straight = along.abs() > 3.0 * across.abs();
                 let reserve = if is_straight { Self::ABS_STD } else { Self::ABS_RESERVE * used };
                 self.learn_measured(used, [Self::ABS_STD, Self::ABS_STD.hypot(reserve)], MuSource::Abs, true);

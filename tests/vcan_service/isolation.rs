@@ -32,7 +32,7 @@ fn it_takes_neither_its_own_frames_nor_those_of_a_second_one_for_input() {
     traffic::send_all(interface.0, &forged);
     wait_for("both to publish", || candump.published().len() > 2 * 300);
     std::thread::sleep(Duration::from_millis(200));
-    let (first, second) = (first.end("TERM"), second.end("TERM"));
+    let (first, second) = (first.end(SIGTERM), second.end(SIGTERM));
     assert_eq!((first.received, second.received), (recording.len(), recording.len()));
     assert_eq!(candump.published().len(), first.published + second.published + forged.len());
     assert_eq!(first.published, second.published);
@@ -65,6 +65,6 @@ fn the_kernel_keeps_what_is_not_needed_from_it() {
     wait_for("candump to have all of it", || {
         candump.frames().iter().filter(|f| is_noise(f)).count() == 10_000
     });
-    let tally = gripd.end("TERM");
+    let tally = gripd.end(SIGTERM);
     assert_eq!((tally.received, tally.dropped), (recording.len(), 0));
 }

@@ -24,7 +24,7 @@ fn an_interface_that_comes_later() {
     let _car = Traffic::start(interface.0, frames(simulated_drive()));
     candump.wait_for_more(60, "publishing once the interface is there");
     gripd.wait_for_log("the input interface is up");
-    gripd.end("TERM");
+    gripd.end(SIGTERM);
 }
 
 #[test]
@@ -41,7 +41,7 @@ fn down_and_up_while_frames_flow() {
     }
     candump.wait_for_more(30, "publishing after the last time");
     gripd.wait_for_log("the input interface is down");
-    gripd.end("TERM");
+    gripd.end(SIGTERM);
 }
 
 #[test]
@@ -62,7 +62,7 @@ fn removed_and_made_again_while_frames_flow() {
     // The gap is told: the status says that the bus was down, then no more.
     let log = gripd.log();
     assert_eq!(log.matches("the input interface does not exist").count(), 3, "{log}");
-    gripd.end("TERM");
+    gripd.end(SIGTERM);
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn what_is_published_can_go_onto_another_bus() {
     let traffic = Traffic::start(car.0, frames(simulated_drive()));
     on_the_other.wait_for_more(60, "publishing on the other");
     drop(traffic);
-    let tally = gripd.end("TERM");
+    let tally = gripd.end(SIGTERM);
     assert_eq!(on_the_cars.published().len(), 0);
     wait_for("all of them", || on_the_other.published().len() == tally.published);
     let frames = on_the_other.frames();
@@ -105,7 +105,7 @@ fn the_output_alone_comes_later_and_comes_back() {
     candump.wait_for_more(60, "publishing once the output is made again");
     // Hundreds were not sent; that is not told hundreds of times.
     let complaints = gripd.log().matches("a frame was not sent").count();
-    let tally = gripd.end("TERM");
+    let tally = gripd.end(SIGTERM);
     assert!(tally.unsent > 100 && complaints < 10, "{complaints} complaints, {tally:?}");
 }
 
@@ -125,7 +125,7 @@ fn a_bus_that_is_too_slow_for_it_costs_frames_and_nothing_else() {
     assert!(run("tc", &format!("qdisc del dev {} root", slow.0)));
     candump.wait_for_more(300, "publishing once there is room");
     drop(traffic);
-    let tally = gripd.end("TERM");
+    let tally = gripd.end(SIGTERM);
     assert!(tally.unsent > 100 && tally.published >= 300, "{tally:?}");
     assert_eq!((tally.published + tally.unsent) % published_ids().len(), 0, "whole rounds");
 }

@@ -29,6 +29,7 @@ use std::time::{Duration, Instant};
 use gripd::can::candump::{Reader, Writer};
 use gripd::can::{CanId, Frame};
 use gripd::{Micros, dbc::Database};
+use nix::sys::signal::Signal::{SIGHUP, SIGINT, SIGTERM};
 use process::{Gripd, gripd};
 use traffic::{Recorder, Traffic};
 use vcan_support::{Interface, PATIENCE, run};

@@ -7,8 +7,17 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+
 use super::wait_for;
 use crate::vcan_support::PATIENCE;
+
+/// Directly: a program that does it takes longer to start in the guest than gripd to end.
+#[track_caller]
+pub fn send_signal(child: &Child, signal: Signal) {
+    kill(Pid::from_raw(child.id().cast_signed()), signal).unwrap();
+}
 
 /// The program.
 pub fn gripd() -> &'static str {
@@ -79,12 +88,9 @@ impl Gripd {
         Self { child, log, notifications, _folder: folder }
     }
 
-    /// Sends it a signal, by its name.
     #[track_caller]
-    pub fn signal(&self, name: &str) {
-        // The shell's own `kill`: not every machine has one as a program.
-        let command = format!("kill -s {name} {}", self.child.id());
-        assert!(Command::new("sh").args(["-c", &command]).status().unwrap().success());
+    pub fn signal(&self, signal: Signal) {
+        send_signal(&self.child, signal);
     }
 
     /// Everything it has said on stderr.
@@ -128,13 +134,13 @@ impl Gripd {
 
     /// Sends the signal; it must end well within a second. Its own counts.
     #[track_caller]
-    pub fn end(mut self, signal: &str) -> Tally {
+    pub fn end(mut self, signal: Signal) -> Tally {
         let begun = Instant::now();
         self.signal(signal);
         let status = self.ends();
         let took = begun.elapsed();
         assert!(status.success(), "{status}:\n{}", self.log());
-        assert!(took < Duration::from_secs(1), "{signal}: took {took:?}");
+        assert!(took < Duration::from_secs(1), "{signal} took {took:?}");
         self.wait_for_log("frames so far");
         wait_for("STOPPING=1", || self.was_told("STOPPING=1"));
         self.tally()

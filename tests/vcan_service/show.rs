@@ -18,7 +18,7 @@ fn show(name: &str, interface: &Interface, config: &Path, recording: &[Frame]) {
     canplayer.arg("-I").arg(&played).arg(format!("{}=car", interface.0));
     assert!(canplayer.status().unwrap().success());
     candump.save(&recorded);
-    let tally = gripd.end("INT");
+    let tally = gripd.end(SIGINT);
     println!("{name}: {tally:?}");
 
     let all = frames(&recorded);

@@ -1,6 +1,7 @@
 //! What is believed of mu_max: a weight for each friction that a road can have.
 //!
-//! Three things happen to it. What was measured or used rules frictions out ([`Belief::learn`]). Such evidence
+//! Three things happen to it. What was measured ([`Belief::learn_measured`]) or used ([`Belief::learn_used`]) rules
+//! frictions out. Such evidence
 //! goes on for as long as a wheel is at its limit, and its error is the same all the while: a model that is
 //! off, a sensor's offset. So the same evidence again changes nothing: each friction keeps the least weight that
 //! any of it left. Time passes, and the road may have become another one, unseen: every friction gets back some
@@ -31,6 +32,17 @@ pub struct Belief {
     weight: [f64; CELLS],
 }
 
+/// What a use of friction says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// That much was known to be there.
+    Known,
+    /// More is there than was known.
+    More,
+    /// More than was believed possible: it is another road.
+    Another,
+}
+
 impl Belief {
     /// Any friction is as likely as any other.
     pub const UNKNOWN: Self = Self { weight: [1.0; CELLS] };
@@ -44,17 +56,34 @@ impl Belief {
         }
     }
 
-    /// Takes evidence: how well it goes with each friction, at most 1. True if it contradicted what was believed.
-    fn learn(&mut self, possible: impl Fn(f64) -> f64) -> bool {
+    /// Each friction keeps at most the weight that the evidence leaves it; what was ruled out, if asked for, goes
+    /// evenly, as far as the evidence allows, to where there is `room` for it. True if the evidence contradicted
+    /// what was believed.
+    fn learn(&mut self, possible: impl Fn(f64) -> f64, room: Option<&dyn Fn(f64) -> bool>) -> bool {
         let evidence: [f64; CELLS] = std::array::from_fn(|cell| possible(middle(cell)));
+        let (mut ruled_out, mut most) = (0.0, 0.0f64);
         let mut left = self.weight;
         for (weight, possible) in left.iter_mut().zip(evidence) {
+            ruled_out += (*weight - possible).max(0.0);
             *weight = weight.min(possible);
+            most = most.max(*weight);
         }
-        let is_contradicted = left.into_iter().fold(0.0, f64::max) < CONTRADICTED;
-        self.weight = if is_contradicted { evidence } else { left };
+        if most < CONTRADICTED {
+            self.weight = evidence;
+            self.normalize();
+            return true;
+        }
+        if let Some(is_room) = room {
+            let evidence: [f64; CELLS] =
+                std::array::from_fn(|cell| if is_room(middle(cell)) { evidence[cell] } else { 0.0 });
+            let share = ruled_out / evidence.iter().sum::<f64>().max(1.0);
+            for (weight, possible) in left.iter_mut().zip(evidence) {
+                *weight += share * possible;
+            }
+        }
+        self.weight = left;
         self.normalize();
-        is_contradicted
+        false
     }
 
     /// Makes the largest weight 1.
@@ -67,41 +96,28 @@ impl Belief {
 
     /// At least this much is in use, give or take half a cell. What is ruled out below that goes between it and
     /// what was known to be there: if the road got worse since, what is in use now may be all of it.
-    pub fn learn_used(&mut self, used: f64) -> bool {
-        let possible: [f64; CELLS] =
-            std::array::from_fn(|cell| ((middle(cell) - used) / CELL + 0.5).clamp(0.0, 1.0));
+    pub fn learn_used(&mut self, used: f64) -> Use {
         let known = self.interval().0;
-        let is_room = |cell: usize| known < used + CELL || middle(cell) < known;
-        let (mut ruled_out, mut room, mut most) = (0.0, 0.0, 0.0f64);
-        for (cell, (weight, possible)) in self.weight.iter_mut().zip(possible).enumerate() {
-            let left = weight.min(possible);
-            ruled_out += *weight - left;
-            room += if is_room(cell) { possible } else { 0.0 };
-            *weight = left;
-            most = most.max(left);
+        let possible = |mu: f64| ((mu - used) / CELL + 0.5).clamp(0.0, 1.0);
+        if self.learn(possible, Some(&|mu| known < used + CELL || mu < known)) {
+            Use::Another
+        } else if used > known {
+            Use::More
+        } else {
+            Use::Known
         }
-        let is_contradicted = most < CONTRADICTED;
-        let share = ruled_out / room.max(1.0);
-        for (cell, (weight, possible)) in self.weight.iter_mut().zip(possible).enumerate() {
-            if is_contradicted {
-                *weight = possible;
-            } else if is_room(cell) {
-                *weight += share * possible;
-            }
-        }
-        self.normalize();
-        is_contradicted
     }
 
-    /// This was measured, with standard deviations downwards and upwards.
+    /// This was measured, with standard deviations downwards and upwards. True if it contradicted what was believed.
     pub fn learn_measured(&mut self, mu: f64, std: [f64; 2]) -> bool {
         // Narrower than a cell it would fall between two.
         let [down, up] = std.map(|std| std.max(0.5 * CELL));
         let mu = mu.clamp(middle(0), middle(CELLS - 1));
-        self.learn(|other| {
+        let possible = |other: f64| {
             let std = if other < mu { down } else { up };
             (-0.5 * ((other - mu) / std).powi(2)).exp()
-        })
+        };
+        self.learn(possible, None)
     }
 
     /// The 95 % interval.
@@ -196,7 +212,7 @@ mod tests {
         assert!(belief.learn_measured(0.2, [0.02; 2]));
         let (low, high) = belief.interval();
         assert!(low > 0.1 && high < 0.3, "{low} {high}");
-        assert!(belief.learn_used(0.5));
+        assert_eq!(belief.learn_used(0.5), Use::Another);
         assert!((belief.interval().0 - 0.5).abs() < 0.02);
     }
 

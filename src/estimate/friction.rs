@@ -8,7 +8,7 @@
 //! measured or used T seconds ago is by now that of another surface with probability 1 − exp(−T/T₀).
 
 use super::abs_braking::AbsFriction;
-use super::belief::{Belief, HIGHEST};
+use super::belief::{Belief, HIGHEST, Use};
 use super::brush::BrushFriction;
 use super::mapping::MappedFriction;
 use super::saturation::LimitFriction;
@@ -164,13 +164,13 @@ impl FrictionMonitor {
     }
 
     fn learn_used(&mut self, used: f64) {
-        let low = self.belief.interval().0;
-        if self.belief.learn_used(used) {
-            // More is in use than was measured: on another surface.
-            self.measured = None;
-        }
-        if used > low {
+        let news = self.belief.learn_used(used);
+        if news != Use::Known {
             self.bound_age_s = 0.0;
+        }
+        if news == Use::Another {
+            // It was measured on another surface.
+            self.measured = None;
         }
     }
 
@@ -202,6 +202,7 @@ impl FrictionMonitor {
         if let (Some([along, across]), Some(used)) = (self.smoothed, used) {
             if *working_s == 0.0 {
                 self.abs_used = used;
+                return;
             }
             let weight = 1.0 - (-now.elapsed_s / Self::ABS_SETTLES_S).exp();
             self.abs_used += weight * (used - self.abs_used);

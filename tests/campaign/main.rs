@@ -15,40 +15,20 @@ mod drive;
 #[path = "../support/driven.rs"]
 mod driven;
 mod judge;
+#[path = "../support/setting.rs"]
+mod setting;
 mod surface;
-
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use drive::Drive;
 use judge::Judgement;
+use rayon::prelude::*;
+use setting::setting;
 
-/// Drives so many, two at a time, and puts the judgements together in the order of the seeds.
+/// Drives so many, and puts the judgements together in the order of the seeds.
 fn campaign(first: u64, count: u64) -> Judgement {
-    let next = AtomicU64::new(0);
-    let all = Mutex::new(Vec::new());
-    std::thread::scope(|scope| {
-        for _ in 0..2 {
-            scope.spawn(|| {
-                loop {
-                    let number = next.fetch_add(1, Ordering::Relaxed);
-                    if number >= count {
-                        break;
-                    }
-                    let drive = Drive::draw(first + number);
-                    let judgement = judge::judge(&drive);
-                    all.lock().unwrap().push((number, judgement));
-                }
-            });
-        }
-    });
-    let mut all = all.into_inner().unwrap();
-    all.sort_by_key(|(number, _)| *number);
-    all.into_iter().fold(Judgement::default(), |sum, (_, judgement)| sum.and(judgement))
-}
-
-fn setting(name: &str, usual: u64) -> u64 {
-    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
+    let all: Vec<_> =
+        (first..first + count).into_par_iter().map(|seed| judge::judge(&Drive::draw(seed))).collect();
+    all.into_iter().fold(Judgement::default(), Judgement::and)
 }
 
 /// What holds today, on a few drives; the whole campaign is the measure of what does not hold yet.

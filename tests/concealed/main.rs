@@ -37,6 +37,8 @@ mod score;
 mod scoring;
 mod sensors;
 mod set;
+#[path = "../support/setting.rs"]
+mod setting;
 mod share;
 mod table;
 mod tire;
@@ -46,7 +48,8 @@ mod visible;
 use std::path::PathBuf;
 
 use program::Program;
-use set::{Set, Wish, setting};
+use set::{Set, Wish};
+use setting::setting;
 use share::Share;
 
 fn folder() -> PathBuf {

@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use super::set::{self, Set, setting};
+use super::set::{self, Set};
+use super::setting::setting;
 
 pub struct Program {
     path: PathBuf,

@@ -11,6 +11,7 @@ use serde_json::{Map, Value};
 use super::cause::{CAUSES, Cause, Sort};
 use super::dice::Dice;
 use super::recording::{Order, Recording};
+use super::setting::setting;
 
 /// What a set is to consist of.
 pub struct Wish {
@@ -89,14 +90,6 @@ impl Wish {
 fn shuffle<T>(list: &mut [T], dice: &mut Dice) {
     for i in (1..list.len()).rev() {
         list.swap(i, dice.below(i + 1));
-    }
-}
-
-/// A setting from the environment.
-pub fn setting<T: std::str::FromStr>(name: &str, usual: T) -> T {
-    match std::env::var(name) {
-        Ok(text) => text.parse().unwrap_or_else(|_| panic!("{name}={text}: not a value")),
-        Err(_) => usual,
     }
 }
 

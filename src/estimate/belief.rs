@@ -1,12 +1,11 @@
 //! What is believed of mu_max: a weight for each friction that a road can have.
 //!
-//! Three things happen to it. What was measured ([`Belief::learn_measured`]) or used ([`Belief::learn_used`]) rules
-//! frictions out. Such evidence
-//! goes on for as long as a wheel is at its limit, and its error is the same all the while: a model that is
-//! off, a sensor's offset. So the same evidence again changes nothing: each friction keeps the least weight that
-//! any of it left. Time passes, and the road may have become another one, unseen: every friction gets back some
-//! of what all have on average ([`Belief::forget`]). And evidence may contradict all that was believed: then the
-//! road has become another one, and the newest is believed alone.
+//! Three things happen to it. What was measured ([`Belief::learn_measured`]) or used ([`Belief::learn_used`])
+//! rules frictions out. Such evidence goes on for as long as a wheel is at its limit, and its error is the same
+//! all the while: a model that is off, a sensor's offset. So the same evidence again changes nothing: each
+//! friction keeps the least weight that any of it left. Time passes, and the road may have become another one,
+//! unseen: every friction gets back some of what all have on average ([`Belief::forget`]). And evidence may
+//! contradict all that was believed: then the road has become another one, and the newest is believed alone.
 
 /// Frictions of roads: from, and the width of each cell.
 const LOWEST: f64 = 0.02;

@@ -119,6 +119,26 @@ impl Belief {
         self.learn(possible, None)
     }
 
+    /// It is between these, give or take. True if that contradicted what was believed.
+    pub fn learn_between(&mut self, (low, high): (f64, f64), std: f64) -> bool {
+        let possible = |mu: f64| (-0.5 * ((low - mu).max(mu - high).max(0.0) / std).powi(2)).exp();
+        self.learn(possible, None)
+    }
+
+    /// Mean and variance of something that depends on the friction; `of` says its weight beside the belief's, and
+    /// its value. `None` if nothing has weight.
+    pub fn expect(&self, of: impl Fn(f64) -> (f64, f64)) -> Option<(f64, f64)> {
+        let (mut sum, mut first, mut second) = (0.0, 0.0, 0.0);
+        for (cell, believed) in self.weight.into_iter().enumerate() {
+            let (weight, value) = of(middle(cell));
+            let weight = weight * believed;
+            sum += weight;
+            first += weight * value;
+            second += weight * value * value;
+        }
+        (sum > 1e-6).then(|| (first / sum, (second / sum - (first / sum).powi(2)).max(0.0)))
+    }
+
     /// The 95 % interval.
     pub fn interval(&self) -> (f64, f64) {
         let (mut sum, mut most) = (0.0, 0.0f64);

@@ -26,6 +26,8 @@ pub struct BrushEstimator {
     informed: bool,
     /// Its standard deviation when a force above it (8.5) set the friction, until the curve tells more.
     raised: Option<f64>,
+    /// Deviations by which the last force was above the curve.
+    above: f64,
 }
 
 /// What the regression says of the friction.
@@ -37,6 +39,8 @@ pub struct BrushFriction {
     pub std: f64,
     /// The force in use set it (8.5): a bound from below, of which the curve has not told any more since.
     pub is_bound: bool,
+    /// The last slip went with more force than this curve has for it: the road may be a better one by now.
+    pub is_doubted: bool,
 }
 
 impl BrushEstimator {
@@ -50,6 +54,8 @@ impl BrushEstimator {
     const DISAGREEMENT: f64 = 0.15;
     /// The curve has told more than the force that set the friction once this share of its uncertainty is left.
     const TELLS_MORE: f64 = 0.5;
+    /// A force so many deviations above the curve speaks against it.
+    const DOUBTED: f64 = 1.5;
     /// A logarithm moves by at most this in one step: further off, its linearization is not true.
     const STRIDE: f64 = 0.3;
 
@@ -63,6 +69,7 @@ impl BrushEstimator {
             noise: LearnedNoise::new(200.0),
             informed: false,
             raised: None,
+            above: 0.0,
         };
         estimator.start();
         estimator
@@ -143,6 +150,7 @@ impl BrushEstimator {
         let variance = self.noise.variance(promised);
         let expected = self.filter.innovation(&h, residual, variance);
         self.noise.learn(&expected, promised);
+        self.above = expected.normalized() * mu.signum();
         let before = self.filter.mean;
         self.filter.update(&h, residual, variance * self.noise.redundancy());
         if self.config.compensate {
@@ -216,6 +224,7 @@ impl BrushEstimator {
             mu,
             std: variance.max(0.0).sqrt(),
             is_bound: self.raised.is_some(),
+            is_doubted: self.above > Self::DOUBTED,
         })
     }
 

@@ -172,8 +172,6 @@ pub struct CorneringConfig {
     pub cusum_drift: f64,
     /// CUSUM: standard deviations that must add up for a surface change.
     pub cusum_threshold: f64,
-    /// Lateral acceleration above which the linear tire no longer teaches the stiffness, m/s².
-    pub linear_up_to_mps2: f64,
     /// Mean NIS above which the filter calls itself inconsistent.
     pub inconsistent_nis: f64,
     /// A stiffness counts as valid up to this relative standard deviation.
@@ -187,9 +185,9 @@ pub struct CorneringConfig {
 impl Default for CorneringConfig {
     fn default() -> Self {
         Self {
-            stiffness_walk: 0.003,
+            stiffness_walk: 0.02,
             acceleration_noise: 0.02,
-            slip_angle_noise: 3e-4,
+            slip_angle_noise: 7e-4,
             steering_offset_std: 0.01,
             yaw_rate_offset_std: 0.01,
             acceleration_offset_std: 0.1,
@@ -198,9 +196,8 @@ impl Default for CorneringConfig {
             bank_time_s: 20.0,
             cusum_drift: 1.0,
             cusum_threshold: 10.0,
-            linear_up_to_mps2: 4.0,
             inconsistent_nis: 4.0,
-            valid_relative_std: 0.15,
+            valid_relative_std: 0.13,
             valid_age_s: 60.0,
             valid_sideslip_std: 0.01,
         }

@@ -22,12 +22,20 @@
 //! steering angle, and the road's bank, which turns v_y but is no tire force. Noise is learned from the
 //! innovations; a CUSUM detector per axle notices a change of surface.
 
+mod bend;
 mod lasting;
+mod measure;
+mod sliding;
 
 use nalgebra::SVector;
 
+use self::bend::Bend;
+pub use self::sliding::LateralLimit;
+use self::sliding::Sliding;
+
+use super::belief::Belief;
 use super::learned::{Known, Trial};
-use super::window::{Means, Path, Window, YawAcceleration};
+use super::window::{Means, Window, YawAcceleration};
 use super::{Car, Cornering, CorneringConfig, Kinematics};
 use crate::estimates::{Estimate, SensorOffsets};
 use crate::filter::{Cusum, Gaussian, LearnedNoise};
@@ -63,6 +71,8 @@ pub struct CorneringEstimator {
     window: Window,
     running: bool,
     axles: [AxleMonitor; 2],
+    tires: Bend,
+    limit: Option<LateralLimit>,
     yaw_acceleration: YawAcceleration,
     minimum_speed: f64,
     standing_s: f64,
@@ -112,6 +122,7 @@ enum Said {
 struct AxleMonitor {
     noise: LearnedNoise,
     cusum: Cusum,
+    sliding: Sliding,
 }
 
 impl CorneringEstimator {
@@ -129,11 +140,15 @@ impl CorneringEstimator {
     const SETTLED: f64 = 0.15;
     /// What the equations leave out (timing of the sensors, relaxation, load transfer), relative: no
     /// amount of data takes it away.
-    const MODEL_STD: f64 = 0.03;
+    const MODEL_STD: f64 = 0.08;
     /// A stiffness this uncertain (relative) is not given out at all.
     const UNKNOWN: f64 = 0.25;
     /// Relative uncertainty that a compliance has again after a change of surface.
     const CHANGE_STD: f64 = 0.4;
+    /// Correlation of both stiffnesses' walks: it is the same surface.
+    const WALKS_TOGETHER: f64 = 0.8;
+    /// A stiffness of which nothing was learned for long is no less known than this, relative.
+    const UNKNOWN_STD: f64 = 0.5;
     /// Normalized innovations count in the CUSUM up to this.
     const ALARM_CLIP: f64 = 4.0;
     /// All wheels slower than this, for [`Self::STANDING_AFTER`]: the car stands, m/s.
@@ -147,6 +162,7 @@ impl CorneringEstimator {
         let axle = AxleMonitor {
             noise: LearnedNoise::new(Self::NOISE_MEMORY),
             cusum: Cusum::new(config.cusum_drift, config.cusum_threshold),
+            sliding: Sliding::default(),
         };
         Self {
             noise: SensorNoise {
@@ -158,6 +174,8 @@ impl CorneringEstimator {
             window: Window::new(Self::WINDOW_S),
             running: false,
             axles: [axle.clone(), axle],
+            tires: Bend::new(),
+            limit: None,
             yaw_acceleration: YawAcceleration::default(),
             minimum_speed,
             standing_s: 0.0,
@@ -191,11 +209,13 @@ impl CorneringEstimator {
         Gaussian::new(mean, std)
     }
 
-    /// Takes a sample; returns whether the cornering stiffness jumped.
-    pub fn step(&mut self, now: &Kinematics) -> bool {
+    /// Takes a sample; returns whether the cornering stiffness jumped. `longitudinal` is the acceleration along the
+    /// car, where it is known, and `belief` what is believed of the friction.
+    pub fn step(&mut self, now: &Kinematics, longitudinal: Option<f64>, belief: &Belief) -> bool {
         self.age_s += now.elapsed_s;
         self.idle_s += now.elapsed_s;
         self.motion = None;
+        self.limit = None;
         self.watch_standstill(now);
         let Some(Cornering { speed, yaw_rate: r, lateral_acceleration: ay, road_angle: angle }) =
             now.cornering(self.minimum_speed)
@@ -207,11 +227,13 @@ impl CorneringEstimator {
             self.stop(now.elapsed_s);
         }
         (self.idle_s, self.seen) = (0.0, true);
-        let sample = Means { speed, yaw_rate: r, acceleration: ay, angle, samples: 1.0, ..Means::default() };
+        let along = longitudinal.map_or(0.0, |a| self.car.longitudinal_force(a, speed));
+        let sample =
+            Means { speed, yaw_rate: r, acceleration: ay, angle, along, samples: 1.0, ..Means::default() };
         let mut changed = false;
         if let Some(mut means) = self.window.step(&sample, now.elapsed_s) {
             self.yaw_acceleration.shrink(&mut means);
-            changed = self.update(&means);
+            changed = self.update(&means, belief);
             self.running = true;
         }
         if self.running {
@@ -223,6 +245,11 @@ impl CorneringEstimator {
     /// Motion at the last sample, if the car moved and nothing was missing.
     pub fn motion(&self) -> Option<LateralMotion> {
         self.motion
+    }
+
+    /// Friction, at a sample by which an axle was found to slide.
+    pub fn limit(&self) -> Option<LateralLimit> {
+        self.limit
     }
 
     /// Normalized cornering stiffness front and rear, 1/rad.
@@ -326,9 +353,16 @@ impl CorneringEstimator {
     /// Random walks of what changes on its own, and the bank, which comes and goes.
     fn walk(&mut self, elapsed_s: f64) {
         let config = &self.config;
-        for i in [FRONT, REAR] {
-            let walk = config.stiffness_walk * self.state.mean[i];
+        let walk = [FRONT, REAR].map(|i| config.stiffness_walk * self.state.mean[i]);
+        let common = Self::WALKS_TOGETHER * walk[0] * walk[1] * elapsed_s;
+        self.state.covariance[(FRONT, REAR)] += common;
+        self.state.covariance[(REAR, FRONT)] += common;
+        for (i, walk) in [FRONT, REAR].into_iter().zip(walk) {
             self.state.inflate(i, walk * walk * elapsed_s);
+            let most = Self::UNKNOWN_STD * self.state.mean[i];
+            let shrink = most / self.state.std(i).max(most);
+            self.state.covariance.row_mut(i).scale_mut(shrink);
+            self.state.covariance.column_mut(i).scale_mut(shrink);
         }
         let kept = (-elapsed_s / config.bank_time_s).exp();
         self.state.mean[BANK] *= kept;
@@ -338,7 +372,7 @@ impl CorneringEstimator {
     }
 
     /// From the last window's middle to this one's, then both axles' equations.
-    fn update(&mut self, now: &Means) -> bool {
+    fn update(&mut self, now: &Means, belief: &Belief) -> bool {
         if self.running {
             self.predict(now);
         } else {
@@ -348,7 +382,7 @@ impl CorneringEstimator {
         }
         let mut changed = false;
         for axle in [FRONT, REAR] {
-            match self.measure(axle, now) {
+            match self.measure(axle, now, belief) {
                 Said::Nothing => {}
                 Said::Changed => changed = true,
                 Said::OtherCar => {
@@ -373,110 +407,6 @@ impl CorneringEstimator {
             self.surface_changed();
         }
         changed
-    }
-
-    /// v̇_y = a_y − v_x r from window to window, with the sensors' errors and the bank taken off.
-    fn predict(&mut self, now: &Means) {
-        let path = now.path;
-        let x = &self.state.mean;
-        let turned = path.turned - x[YAW_OFFSET] * path.distance;
-        self.state.mean[VY] += self.along(&path);
-        let mut transition = nalgebra::SMatrix::<f64, STATES, STATES>::identity();
-        transition[(VY, AY_OFFSET)] = -path.time;
-        transition[(VY, BANK)] = -path.time;
-        transition[(VY, YAW_OFFSET)] = path.distance;
-        transition[(VY, SPEED_SCALE)] = -turned;
-        let white =
-            self.noise.acceleration.hypot(now.speed * self.noise.yaw_rate) * path.time / now.samples.sqrt();
-        let unmodelled = self.config.acceleration_noise * path.time.sqrt();
-        let mut noise = nalgebra::SMatrix::<f64, STATES, STATES>::zeros();
-        noise[(VY, VY)] = white * white + unmodelled * unmodelled;
-        self.state.predict_covariance(&transition, &noise);
-        self.walk(path.time);
-    }
-
-    /// Change of v_y along a path, m/s.
-    fn along(&self, path: &Path) -> f64 {
-        let x = &self.state.mean;
-        let turned = path.turned - x[YAW_OFFSET] * path.distance;
-        path.pushed - (x[AY_OFFSET] + x[BANK]) * path.time - (1.0 + x[SPEED_SCALE]) * turned
-    }
-
-    /// One axle's equation: what the slip angle is by the motion, less what it is by the force.
-    fn measure(&mut self, axle: usize, now: &Means) -> Said {
-        let car = &self.car;
-        let x = &self.state.mean;
-        let front = axle == FRONT;
-        // Along the car to the axle, and how its inertia turns yaw acceleration into axle force.
-        let lever = if front { car.a } else { -car.b };
-        let turning = car.yaw_inertia / (car.mass * if front { car.b } else { -car.a });
-        let force = (now.acceleration - x[AY_OFFSET] + turning * now.yaw_acceleration) / GRAVITY;
-        let speed = now.speed * (1.0 + x[SPEED_SCALE]);
-        let along = (x[VY] + lever * (now.yaw_rate - x[YAW_OFFSET])) / speed;
-        let steered = if front { now.angle * (1.0 + x[ANGLE_SCALE]) - x[ANGLE_OFFSET] } else { 0.0 };
-        let compliance = x[axle];
-        let residual = -(steered - along.atan() - compliance * force);
-        let mut h = Row::zeros();
-        h[VY] = -1.0 / speed;
-        h[axle] = -force;
-        h[AY_OFFSET] = compliance / GRAVITY;
-        h[YAW_OFFSET] = lever / speed;
-        h[SPEED_SCALE] = along;
-        if front {
-            h[ANGLE_OFFSET] = -1.0;
-            h[ANGLE_SCALE] = now.angle;
-        }
-        let promised = self.promised_variance(axle, compliance, turning, lever / speed, now);
-        let excess = (now.acceleration.abs() - self.config.linear_up_to_mps2).max(0.0);
-        let nonlinear = 1.0 + 100.0 * excess * excess;
-        let monitor = &mut self.axles[axle - FRONT];
-        let variance = monitor.noise.variance(promised) * nonlinear;
-        let expected = self.state.innovation(&h, residual, variance);
-        match self.trial.as_mut().map(|trial| trial.step(&expected, variance)) {
-            Some(Some(true)) => return Said::OtherCar,
-            Some(None) => self.trial = None,
-            _ => {}
-        }
-        if excess == 0.0 {
-            monitor.noise.learn(&expected, promised);
-        }
-        let redundancy = monitor.noise.redundancy();
-        let settled = self.state.std(axle) < Self::SETTLED * compliance;
-        self.state.update(&h, residual, variance * redundancy);
-        // Steered fast to and fro, sensors a few milliseconds apart disagree in ways that look like softness.
-        let steady = now.acceleration.abs() > now.acceleration_spread;
-        if force.abs() * GRAVITY < Self::INFORMATIVE || !settled || !steady {
-            return Said::Nothing;
-        }
-        let evidence = expected.normalized() * force.signum() / redundancy.sqrt();
-        match monitor.cusum.step(evidence.clamp(-Self::ALARM_CLIP, Self::ALARM_CLIP)) {
-            Some(_) => Said::Changed,
-            None => Said::Nothing,
-        }
-    }
-
-    /// Noise of an axle's equation as the sensors' data sheets promise it, rad².
-    fn promised_variance(&self, axle: usize, compliance: f64, turning: f64, lever: f64, now: &Means) -> f64 {
-        let averaged = 1.0 / now.samples.sqrt();
-        let force = (self.noise.acceleration * averaged).hypot(turning * now.yaw_acceleration_std) / GRAVITY;
-        let mut variance = (compliance * force).powi(2) + (lever * self.noise.yaw_rate * averaged).powi(2);
-        if axle == FRONT {
-            variance += (self.noise.road_angle * averaged).powi(2);
-        }
-        variance + self.config.slip_angle_noise.powi(2)
-    }
-
-    /// The motion now, brought forward from the last window's mean.
-    fn motion_at(&self, now: &Means) -> LateralMotion {
-        let x = &self.state.mean;
-        let vy = x[VY] + self.along(&self.window.path);
-        let r = now.yaw_rate - x[YAW_OFFSET];
-        let angle = now.angle * (1.0 + x[ANGLE_SCALE]) - x[ANGLE_OFFSET];
-        LateralMotion {
-            lateral_velocity: vy,
-            lateral_velocity_std: self.state.std(VY),
-            slip_angles: self.car.slip_angles(now.speed * (1.0 + x[SPEED_SCALE]), vy, r, angle),
-        }
     }
 
     /// Numbers got out of hand: better to know nothing than to go on with them.

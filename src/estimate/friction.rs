@@ -10,11 +10,12 @@
 use super::abs_braking::AbsFriction;
 use super::belief::{Belief, HIGHEST, Use};
 use super::brush::BrushFriction;
+use super::cornering::LateralLimit;
 use super::mapping::MappedFriction;
 use super::saturation::LimitFriction;
 use super::{Car, FrictionConfig, Kinematics};
 use crate::estimates::{Friction, MuSource};
-use crate::model::{DrivenAxle, GRAVITY};
+use crate::model::GRAVITY;
 
 /// Keeps what is believed of friction.
 #[derive(Clone, Debug)]
@@ -53,6 +54,8 @@ pub struct Evidence {
     pub abs: Option<AbsFriction>,
     /// That of the driven wheels at their limit.
     pub limit: Option<LimitFriction>,
+    /// That of an axle that slides sideways.
+    pub lateral: Option<LateralLimit>,
     /// The slope's, by a calibrated mapping.
     pub map: Option<MappedFriction>,
 }
@@ -77,6 +80,12 @@ impl FrictionMonitor {
     const ABS_SETTLES_S: f64 = 0.3;
     /// Shorter pauses belong to a braking, s.
     const ABS_PAUSE_S: f64 = 0.5;
+    /// A car whose path bends by so much more or less than it turns is spinning, m/s².
+    const SPINNING: f64 = 1.5;
+    /// Deviation of a sideways limit: absolute (sensors), and of its value (load transfer, longitudinal forces).
+    const LATERAL_STD: (f64, f64) = (0.02, 0.02);
+    /// With this much of the force along the car across it, or less, the slip curve is one of driving straight on.
+    const STRAIGHT: f64 = 0.4;
     /// Model error of a brush at no use of friction, relative; it falls to zero at full use. A brush
     /// fitted to a real tire's curve at 60 % use is off by half.
     const BRUSH_MODEL_ERROR: f64 = 1.2;
@@ -117,6 +126,7 @@ impl FrictionMonitor {
         if let Some(limit) = evidence.limit.filter(|limit| limit.age_s == 0.0) {
             self.learn_measured(limit.mu, [limit.std; 2], MuSource::Limit, true);
         }
+        self.learn_lateral(evidence.lateral);
         let mut friction = Friction {
             used,
             brush: evidence.brush.map(|b| b.mu),
@@ -144,14 +154,8 @@ impl FrictionMonitor {
             self.smoothed = None;
             return None;
         };
-        let mean = (ax + self.car.drag * speed * speed / self.car.mass) / GRAVITY;
-        // Driving forces act at the driven axle alone; braking forces at both.
-        let driven_share = match self.car.driven_axle {
-            DrivenAxle::Front => self.car.b / self.car.wheelbase(),
-            DrivenAxle::Rear => self.car.a / self.car.wheelbase(),
-            DrivenAxle::All => 1.0,
-        };
-        let longitudinal = if mean > 0.0 { mean / driven_share } else { mean };
+        let [front, rear] = self.car.axle_forces(self.car.longitudinal_force(ax, speed));
+        let longitudinal = if front.abs() > rear.abs() { front } else { rear };
         // An accelerometer's offset or a bank is no use of friction: in a curve the yaw rate agrees.
         let turning = now.yaw_rate.map_or(0.0, |r| (speed * r).abs()) + Self::LATERAL_TRANSIENT;
         let target = [longitudinal, ay.clamp(-turning, turning) / GRAVITY];
@@ -175,11 +179,14 @@ impl FrictionMonitor {
     }
 
     fn learn_brush(&mut self, brush: Option<BrushFriction>) {
-        let brush = brush.filter(|brush| !brush.is_bound);
-        let (Some(brush), Some([along, _])) = (brush, self.smoothed) else { return };
+        let brush = brush.filter(|brush| !brush.is_bound && !brush.is_doubted);
+        let (Some(brush), Some([along, across])) = (brush, self.smoothed) else { return };
         let using = (Self::surely(along.abs()) / brush.mu).min(1.0);
+        // What is used across the car is missing along it, and looks like a curve that bends early.
+        let is_straight = across.abs() < Self::STRAIGHT * along.abs();
         // Using more than the curve allows, in whatever direction, refutes it.
-        if using < self.config.brush_from_use || self.belief.interval().0 > brush.mu + 1.96 * brush.std {
+        let is_refuted = self.belief.interval().0 > brush.mu + 1.96 * brush.std;
+        if using < self.config.brush_from_use || is_refuted || !is_straight {
             return;
         }
         let model_std = Self::BRUSH_MODEL_ERROR * (1.0 - using) * brush.mu;
@@ -208,7 +215,8 @@ impl FrictionMonitor {
             self.abs_used += weight * (used - self.abs_used);
             // While the brakes build up, the tires at their limit are not all of them.
             let is_settled = used - self.abs_used < Self::ABS_SETTLED * used;
-            if now.abs == Some(true) && *working_s > Self::ABS_BUILDS_UP_S && along < 0.0 && is_settled {
+            let is_braking = *working_s > Self::ABS_BUILDS_UP_S && along < 0.0 && is_settled;
+            if now.abs == Some(true) && is_braking && !Self::is_spinning(now) {
                 let is_straight = along.abs() > 3.0 * across.abs();
                 let reserve = if is_straight { Self::ABS_STD } else { Self::ABS_RESERVE * used };
                 self.learn_measured(used, [Self::ABS_STD, Self::ABS_STD.hypot(reserve)], MuSource::Abs, true);
@@ -219,14 +227,43 @@ impl FrictionMonitor {
         }
     }
 
+    /// An axle that slides has its friction between two bounds.
+    fn learn_lateral(&mut self, limit: Option<LateralLimit>) {
+        let Some(LateralLimit { low, high }) = limit else { return };
+        let (known_low, known_high) = self.belief.interval();
+        let is_another =
+            self.belief.learn_between((low, high), Self::LATERAL_STD.0 + Self::LATERAL_STD.1 * low);
+        let says_more = high - low < known_high - known_low;
+        let middle = 0.5 * (low + high);
+        self.take(
+            Measured { mu: middle, source: MuSource::Joint, age_s: 0.0, is_sure: true },
+            is_another || says_more,
+        );
+    }
+
+    /// Does the car turn otherwise than its path does? Then its wheels pull in directions of their own.
+    fn is_spinning(now: &Kinematics) -> bool {
+        let turning = now.speed.zip(now.yaw_rate).map_or(0.0, |(speed, yaw_rate)| speed * yaw_rate);
+        (turning - now.lateral_acceleration.unwrap_or(0.0)).abs() > Self::SPINNING
+    }
+
     fn learn_measured(&mut self, mu: f64, std: [f64; 2], source: MuSource, is_sure: bool) {
         let (low, high) = self.belief.interval();
         let is_another = self.belief.learn_measured(mu, std);
-        // What says less than is known adds its doubts and not its value.
         let says_more = 1.96 * (std[0] + std[1]) < high - low;
-        if is_another || says_more || self.measured.is_none_or(|measured| measured.source == source) {
-            self.measured = Some(Measured { mu, source, age_s: 0.0, is_sure });
+        self.take(Measured { mu, source, age_s: 0.0, is_sure }, is_another || says_more);
+    }
+
+    /// What says less than is known adds its doubts and not its value.
+    fn take(&mut self, measured: Measured, says_more: bool) {
+        if says_more || self.measured.is_none_or(|before| before.source == measured.source) {
+            self.measured = Some(measured);
         }
+    }
+
+    /// What is believed.
+    pub fn belief(&self) -> &Belief {
+        &self.belief
     }
 
     /// The belief in few numbers.
@@ -297,7 +334,7 @@ mod tests {
     fn gentle_driving_gives_a_bound_and_no_value() {
         let car = Car::new(&Vehicle::thesis());
         let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
-        let brush = Some(BrushFriction { mu: 0.9, std: 0.01, is_bound: false });
+        let brush = Some(BrushFriction { mu: 0.9, std: 0.01, is_bound: false, is_doubted: false });
         let mut friction = Friction::default();
         for _ in 0..200 {
             friction = monitor.step(&sample(0.0, 2.0), Some(0.0), Evidence { brush, ..Evidence::default() });

@@ -107,6 +107,21 @@ impl Car {
         if forces_from_torque { self.torque_scale_std } else { self.acceleration_scale_std }
     }
 
+    /// Force of all tires along the car over their load, from its acceleration (m/s²) and speed.
+    pub fn longitudinal_force(&self, acceleration: f64, speed: f64) -> f64 {
+        (acceleration + self.drag * speed * speed / self.mass) / GRAVITY
+    }
+
+    /// What each axle has of it, over its own load: drive forces act at the driven axle alone; brakes are laid out
+    /// after the loads.
+    pub fn axle_forces(&self, longitudinal: f64) -> [f64; 2] {
+        match self.driven_axle {
+            DrivenAxle::Front if longitudinal > 0.0 => [longitudinal * self.wheelbase() / self.b, 0.0],
+            DrivenAxle::Rear if longitudinal > 0.0 => [0.0, longitudinal * self.wheelbase() / self.a],
+            _ => [longitudinal; 2],
+        }
+    }
+
     /// Wheelbase, m.
     pub fn wheelbase(&self) -> f64 {
         self.a + self.b
@@ -239,9 +254,10 @@ impl Kinematics {
         let yaw_rate = sample.get(Quantity::YawRate);
         let lateral_acceleration = sample.get(Quantity::LateralAcceleration);
         let road_angle = sample.get(Quantity::SteeringWheelAngle).map(|angle| angle / car.steering_ratio);
-        let mut kinematics = Self {
+        Self {
             elapsed_s: sample.elapsed_s,
-            speed: None,
+            speed: forward_speed(sample, car, yaw_rate.unwrap_or(0.0), road_angle.unwrap_or(0.0))
+                .or(sample.get(Quantity::VehicleSpeed)),
             wheels,
             yaw_rate,
             lateral_acceleration,
@@ -250,9 +266,7 @@ impl Kinematics {
             axle_torque: sample.get(Quantity::DriveTorque).map(|torque| torque * car.drive_torque_ratio),
             braking: Self::braking(sample),
             abs: sample.get(Quantity::AbsActive).map(|flag| flag > 0.5),
-        };
-        kinematics.speed = kinematics.forward_speed(car).or(sample.get(Quantity::VehicleSpeed));
-        kinematics
+        }
     }
 
     fn braking(sample: &Sample) -> Option<bool> {
@@ -263,22 +277,25 @@ impl Kinematics {
         ];
         signs.into_iter().flatten().reduce(|a, b| a || b)
     }
+}
 
-    /// Mean over the wheels that roll freely; with all-wheel drive the slowest, which slip least
-    /// when driving.
-    fn forward_speed(&self, car: &Car) -> Option<f64> {
-        let wheels = self.wheels?;
-        let yaw_rate = self.yaw_rate.unwrap_or(0.0);
-        let angle = self.road_angle.unwrap_or(0.0);
-        let vy = car.b * yaw_rate;
-        let at = |wheel: Wheel| car.forward_speed(wheel, wheels[wheel as usize], vy, yaw_rate, angle);
-        let front = 0.5 * (at(Wheel::Fl) + at(Wheel::Fr));
-        let rear = 0.5 * (at(Wheel::Rl) + at(Wheel::Rr));
-        Some(match car.driven_axle {
-            DrivenAxle::Front => rear,
-            DrivenAxle::Rear => front,
-            DrivenAxle::All => front.min(rear),
-        })
+/// Mean over the wheels that roll freely, as far as their sensors speak; with all-wheel drive that of the slower
+/// axle, which slips least when driving.
+fn forward_speed(sample: &Sample, car: &Car, yaw_rate: f64, road_angle: f64) -> Option<f64> {
+    let vy = car.b * yaw_rate;
+    let at = |wheel: Wheel| {
+        let plane_speed = sample.get(Quantity::wheel_speed(wheel))? * car.radius;
+        Some(car.forward_speed(wheel, plane_speed, vy, yaw_rate, road_angle))
+    };
+    let mean = |left: Wheel, right: Wheel| match (at(left), at(right)) {
+        (Some(left), Some(right)) => Some(0.5 * (left + right)),
+        (one, other) => one.or(other),
+    };
+    let (front, rear) = (mean(Wheel::Fl, Wheel::Fr), mean(Wheel::Rl, Wheel::Rr));
+    match car.driven_axle {
+        DrivenAxle::Front => rear,
+        DrivenAxle::Rear => front,
+        DrivenAxle::All => front.zip(rear).map(|(front, rear)| front.min(rear)),
     }
 }
 
@@ -294,6 +311,25 @@ mod tests {
             let plane = car.wheel_plane_speed(wheel, 20.0, -0.3, 0.4, 0.1);
             assert!((car.forward_speed(wheel, plane, -0.3, 0.4, 0.1) - 20.0).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn one_lost_wheel_leaves_the_speed() {
+        let car = Car::new(&Vehicle { driven_axle: DrivenAxle::Rear, ..Vehicle::thesis() });
+        let mut sample = Sample::empty(Micros(0), 0.01);
+        sample.set(Quantity::YawRate, 0.3);
+        for wheel in Wheel::ALL {
+            let plane_speed = car.wheel_plane_speed(wheel, 20.0, car.b * 0.3, 0.3, 0.0);
+            sample.set(Quantity::wheel_speed(wheel), plane_speed / car.radius);
+        }
+        let speed = |sample: &Sample| Kinematics::new(sample, &car).speed;
+        assert!((speed(&sample).unwrap() - 20.0).abs() < 1e-9);
+        sample.clear(Quantity::wheel_speed(Wheel::Fl));
+        sample.clear(Quantity::wheel_speed(Wheel::Rr));
+        assert!((speed(&sample).unwrap() - 20.0).abs() < 1e-9);
+        // The rear wheels are driven: they tell no speed.
+        sample.clear(Quantity::wheel_speed(Wheel::Fr));
+        assert_eq!(speed(&sample), None);
     }
 
     #[test]

@@ -197,7 +197,7 @@ impl Pipeline {
     fn lateral(&mut self, now: &Kinematics) {
         let mut velocities = self.lateral_velocity.step(now);
         self.joint_ekf.step(now);
-        if self.cornering.step(now) {
+        if self.cornering.step(now, self.acceleration(now), self.friction.belief()) {
             self.on_surface_change();
         }
         let motion = self.cornering.motion();
@@ -225,20 +225,25 @@ impl Pipeline {
         if let Some(friction) = self.abs.finished() {
             self.brush.calibrate(friction.mu, friction.std);
         }
-        let acceleration = if self.sensors.has(Quantity::LongitudinalAcceleration) {
-            now.longitudinal_acceleration
-        } else {
-            self.block_acceleration
-        };
         let evidence = Evidence {
             brush: self.brush.friction(),
             abs: self.abs.last(),
             limit: self.saturation.friction(),
+            lateral: self.cornering.limit(),
             map: self.mapped(),
         };
-        self.latest.friction = self.friction.step(now, acceleration, evidence);
+        self.latest.friction = self.friction.step(now, self.acceleration(now), evidence);
         self.dahl.step(now, &self.car);
         self.latest.friction.dahl = self.dahl.friction();
+    }
+
+    /// Longitudinal acceleration, measured or from the wheels.
+    fn acceleration(&self, now: &Kinematics) -> Option<f64> {
+        if self.sensors.has(Quantity::LongitudinalAcceleration) {
+            now.longitudinal_acceleration
+        } else {
+            self.block_acceleration
+        }
     }
 
     /// Friction by the calibrated mapping, where there is one and the slope is known.

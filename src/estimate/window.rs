@@ -37,6 +37,8 @@ pub struct Means {
     /// How much the lateral acceleration moved within the window (standard deviation).
     pub acceleration_spread: f64,
     pub angle: f64,
+    /// Normalized force along the car.
+    pub along: f64,
     pub samples: f64,
     /// Mean of the integrals, counted from the mean of the window before.
     pub path: Path,
@@ -77,6 +79,7 @@ impl Window {
         sums.yaw_rate += sample.yaw_rate;
         sums.acceleration += sample.acceleration;
         sums.angle += sample.angle;
+        sums.along += sample.along;
         sums.path = sums.path.with(&self.path, |sum, path| sum + path);
         self.time_sum += self.time;
         self.time_square += self.time * self.time;
@@ -110,6 +113,7 @@ impl Window {
                 .max(0.0)
                 .sqrt(),
             angle: sums.angle / n,
+            along: sums.along / n,
             samples: n,
             path: sums.path.with(&Path::default(), |sum, _| sum / n),
         }

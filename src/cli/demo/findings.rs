@@ -26,7 +26,7 @@ pub struct Change {
     pub delay: Option<f64>,
 }
 
-/// Stiffnesses as a perfect measurement with a linear tire would find them: the straight line through
+/// Slip slopes as a perfect measurement with a linear tire would find them: the straight line through
 /// all forces and slips of the drive on this surface so far.
 ///
 /// A tire's curve bends down from the first newton on. So this is below the stiffness at zero slip, by
@@ -35,8 +35,6 @@ pub struct Change {
 pub struct InUse {
     /// Of each wheel, by its static load; not a number until there was force enough.
     pub slope: [f64; 4],
-    /// Front and rear, 1/rad.
-    pub cornering: [f64; 2],
 }
 
 /// How good one published number was.
@@ -155,33 +153,24 @@ fn in_use(
     let vehicle = &scenario.vehicle;
     let load = Wheel::ALL.map(|wheel| vehicle.static_wheel_load(wheel.is_front()));
     let mut now = usize::MAX;
-    let (mut along, mut across) = ([Line::default(); 4], [Line::default(); 2]);
+    let mut along = [Line::default(); 4];
     let row = |truth: &Truth| {
         let time = truth.time.seconds();
         let surface = surfaces.iter().rposition(|surface| surface.time.start <= time).unwrap_or(0);
         if surface != now {
             now = surface;
-            (along, across) = ([Line::default(); 4], [Line::default(); 2]);
+            along = [Line::default(); 4];
         }
-        let lateral = truth.lateral_acceleration.abs();
-        if truth.speed > config.minimum_speed_mps {
-            if truth.brake_torque == 0.0 && lateral < config.slope.max_lateral_acceleration_mps2 {
-                for (i, line) in along.iter_mut().enumerate() {
-                    line.add(truth.slip[i], truth.fx[i] / load[i]);
-                }
-            }
-            if lateral < config.cornering.linear_up_to_mps2 {
-                let axle = |[left, right]: [usize; 2]| {
-                    (truth.fy[left] + truth.fy[right]) / (truth.fz[left] + truth.fz[right])
-                };
-                across[0].add(truth.slip_angle_front, axle([0, 1]));
-                across[1].add(truth.slip_angle_rear, axle([2, 3]));
+        let is_straight = truth.lateral_acceleration.abs() < config.slope.max_lateral_acceleration_mps2;
+        if truth.speed > config.minimum_speed_mps && truth.brake_torque == 0.0 && is_straight {
+            for (i, line) in along.iter_mut().enumerate() {
+                line.add(truth.slip[i], truth.fx[i] / load[i]);
             }
         }
         let driven = |wheel: Wheel| {
             if vehicle.driven_axle.drives(wheel) { along[wheel as usize].slope() } else { f64::NAN }
         };
-        InUse { slope: Wheel::ALL.map(driven), cornering: across.map(|line| line.slope()) }
+        InUse { slope: Wheel::ALL.map(driven) }
     };
     truth.iter().map(row).collect()
 }
@@ -230,10 +219,11 @@ fn quality(truth: &[Truth], in_use: &[InUse], rows: &[Row]) -> Vec<Quality> {
         }
     };
     let cornering = |axle: usize| {
-        move |row: &Row, _: &Truth, in_use: &InUse| {
+        move |row: &Row, truth: &Truth, _: &InUse| {
             let round = &row.round;
             let half = 1.96 * round.cornering_std[axle];
-            round.cornering_valid.then(|| (round.cornering[axle], half, in_use.cornering[axle]))
+            let truth = [truth.cornering_front, truth.cornering_rear][axle];
+            round.cornering_valid.then_some((round.cornering[axle], half, truth))
         }
     };
     let degrees = |row: &Row, truth: &Truth, _: &InUse| {

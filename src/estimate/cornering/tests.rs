@@ -32,7 +32,7 @@ fn drive(estimator: &mut CorneringEstimator, car: &Car, amplitude: f64, seconds:
             braking: None,
             abs: None,
         };
-        estimator.step(&now);
+        estimator.step(&now, None, &Belief::UNKNOWN);
     }
     x[0]
 }

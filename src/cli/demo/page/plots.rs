@@ -161,7 +161,6 @@ impl Story<'_> {
         ];
         for (axle, (name, color, zero)) in axles.into_iter().enumerate() {
             let top = 1.5 * self.truth.iter().map(zero).fold(1.0, f64::max);
-            let in_use = self.truth.iter().zip(&self.findings.in_use);
             let plot = self
                 .plot(&format!("Cornering stiffness, {name}"), "1/rad", 0.0..top)
                 .band(
@@ -173,12 +172,7 @@ impl Story<'_> {
                     ),
                 )
                 .line("gripd", color, self.published(move |row| row.round.cornering[axle]))
-                .line(
-                    "true, in use",
-                    Color::Truth,
-                    in_use.map(|(row, true_)| (row.time.seconds(), true_.cornering[axle])),
-                )
-                .line("true, at zero slip", Color::OtherTruth, self.truth(zero))
+                .line("true, at zero slip", Color::Truth, self.truth(zero))
                 .bar("valid", self.segments(|row| row.round.cornering_valid.then_some(color)));
             page.plot(
                 &format!("Cornering stiffness of the {name} axle: lateral force / load, per slip angle"),

@@ -46,10 +46,8 @@ impl Story<'_> {
                 let row = self.last_valid(surface, |row| row.round.cornering_valid);
                 found(row, &|row| row.round.cornering[axle], &|row| row.round.cornering_std[axle])
             }));
-            rows.push(each("\u{2003}true, in use (at zero slip)".into(), &|surface| {
-                let used = in_use(surface, &|i| i.cornering[axle]);
-                let zero = truth(surface, &|t| [t.cornering_front, t.cornering_rear][axle]);
-                format!("{} ({})", number(used, 1), number(zero, 1))
+            rows.push(each("\u{2003}true, at zero slip".into(), &|surface| {
+                number(truth(surface, &|t| [t.cornering_front, t.cornering_rear][axle]), 1)
             }));
         }
         rows.push(each("Friction available: gripd".into(), &|surface| self.friction_found(surface)));

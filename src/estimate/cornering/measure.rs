@@ -1,0 +1,198 @@
+//! The filter's equations on a window's means.
+
+use super::sliding::{self, Excess, LateralLimit};
+use super::{
+    ANGLE_OFFSET, ANGLE_SCALE, AY_OFFSET, BANK, Belief, CorneringEstimator, FRONT, GRAVITY, LateralMotion,
+    Row, SPEED_SCALE, STATES, Said, VY, YAW_OFFSET,
+};
+use crate::estimate::window::{Means, Path};
+
+impl CorneringEstimator {
+    /// Far off its direction of travel, a car's wheels tell its speed badly, m/s²/√Hz.
+    const SLIDING_NOISE: f64 = 0.1;
+    /// Friction known to be there is at least this.
+    const LEAST_KNOWN: f64 = 0.03;
+    /// With this share of the force sideways, an axle's limit is one sideways.
+    const SIDEWAYS: f64 = 0.7;
+    /// Below this probability of sliding nothing speaks for it.
+    const HARDLY_SLIDING: f64 = 0.1;
+    /// A residual of three standard deviations counts less than it would.
+    const OUTLIER: f64 = 9.0;
+    /// Where the curve is too steep to say how far it is bent.
+    const MOST_BENT: f64 = 0.97;
+    /// Deviation of a tire's shape from the straightest one, of its distance to the roundest.
+    const SHAPE_STD: f64 = 0.3;
+    /// A compliance is hardly known better when it is to bound the friction: the surface may have changed.
+    const LEAST_COMPLIANCE_STD: f64 = 0.12;
+
+    /// v̇_y = a_y − v_x r from window to window, with the sensors' errors and the bank taken off.
+    pub(super) fn predict(&mut self, now: &Means) {
+        let path = now.path;
+        let x = &self.state.mean;
+        let turned = path.turned - x[YAW_OFFSET] * path.distance;
+        self.state.mean[VY] += self.along(&path);
+        let mut transition = nalgebra::SMatrix::<f64, STATES, STATES>::identity();
+        transition[(VY, AY_OFFSET)] = -path.time;
+        transition[(VY, BANK)] = -path.time;
+        transition[(VY, YAW_OFFSET)] = path.distance;
+        transition[(VY, SPEED_SCALE)] = -turned;
+        let white =
+            self.noise.acceleration.hypot(now.speed * self.noise.yaw_rate) * path.time / now.samples.sqrt();
+        let is_sliding = self.axles.iter().any(|axle| axle.sliding.is_sure());
+        let unmodelled = if is_sliding { Self::SLIDING_NOISE } else { self.config.acceleration_noise };
+        let unmodelled = unmodelled * path.time.sqrt();
+        let mut noise = nalgebra::SMatrix::<f64, STATES, STATES>::zeros();
+        noise[(VY, VY)] = white * white + unmodelled * unmodelled;
+        self.state.predict_covariance(&transition, &noise);
+        self.walk(path.time);
+    }
+
+    /// Change of v_y along a path, m/s.
+    fn along(&self, path: &Path) -> f64 {
+        let x = &self.state.mean;
+        let turned = path.turned - x[YAW_OFFSET] * path.distance;
+        path.pushed - (x[AY_OFFSET] + x[BANK]) * path.time - (1.0 + x[SPEED_SCALE]) * turned
+    }
+
+    /// One axle's equation: what the slip angle is by the motion, less what it is by the force.
+    pub(super) fn measure(&mut self, axle: usize, now: &Means, belief: &Belief) -> Said {
+        let car = &self.car;
+        let x = &self.state.mean;
+        let front = axle == FRONT;
+        // Along the car to the axle, and how its inertia turns yaw acceleration into axle force.
+        let lever = if front { car.a } else { -car.b };
+        let turning = car.yaw_inertia / (car.mass * if front { car.b } else { -car.a });
+        let force = (now.acceleration - x[AY_OFFSET] + turning * now.yaw_acceleration) / GRAVITY;
+        let used = force.hypot(car.axle_forces(now.along)[axle - FRONT]);
+        let speed = now.speed * (1.0 + x[SPEED_SCALE]);
+        let along = (x[VY] + lever * (now.yaw_rate - x[YAW_OFFSET])) / speed;
+        let steered = if front { now.angle * (1.0 + x[ANGLE_SCALE]) - x[ANGLE_OFFSET] } else { 0.0 };
+        let angle = steered - along.atan();
+        let (bend, bend_variance) = self.expected_bend(used, belief);
+        let straight = x[axle] * force;
+        let residual = -(angle - straight * bend);
+        let mut h = Row::zeros();
+        h[VY] = -1.0 / speed;
+        h[axle] = -force * bend;
+        h[AY_OFFSET] = x[axle] * bend / GRAVITY;
+        h[YAW_OFFSET] = lever / speed;
+        h[SPEED_SCALE] = along;
+        if front {
+            h[ANGLE_OFFSET] = -1.0;
+            h[ANGLE_SCALE] = now.angle;
+        }
+        let promised = self.promised_variance(axle, x[axle], turning, lever / speed, now);
+        let monitor = &mut self.axles[axle - FRONT];
+        let redundancy = monitor.noise.redundancy();
+        let variance = monitor.noise.variance(promised) + straight * straight * bend_variance;
+        let expected = self.state.innovation(&h, residual, variance);
+        match self.trial.as_mut().map(|trial| trial.step(&expected, variance)) {
+            Some(Some(true)) => return Said::OtherCar,
+            Some(None) => self.trial = None,
+            _ => {}
+        }
+        let excess = Excess {
+            angle: -residual * force.signum(),
+            variance: expected.variance,
+            straight: straight.abs(),
+            of_known: used / belief.interval().0.max(Self::LEAST_KNOWN),
+        };
+        let sliding = monitor.sliding.weigh(&excess);
+        if monitor.sliding.is_sure() {
+            if force.abs() > Self::SIDEWAYS * used {
+                self.limit =
+                    self.sliding_limit(axle, used, angle * force.signum(), &h, variance).or(self.limit);
+            }
+            return Said::Nothing;
+        }
+        if sliding < Self::HARDLY_SLIDING {
+            monitor.noise.learn(&expected, promised);
+        }
+        let settled = self.state.std(axle) < Self::SETTLED * x[axle];
+        let doubted = (expected.nis() / Self::OUTLIER).max(1.0) / (1.0 - sliding);
+        self.state.update(&h, residual, variance * redundancy * doubted);
+        // Steered fast to and fro, sensors a few milliseconds apart disagree in ways that look like softness.
+        let steady = now.acceleration.abs() > now.acceleration_spread;
+        let is_driven_by_force = force.abs() * GRAVITY >= Self::INFORMATIVE;
+        if !(is_driven_by_force && settled && steady && sliding < Self::HARDLY_SLIDING) {
+            return Said::Nothing;
+        }
+        let evidence = expected.normalized() * force.signum() / redundancy.sqrt();
+        match monitor.cusum.step(evidence.clamp(-Self::ALARM_CLIP, Self::ALARM_CLIP)) {
+            Some(_) => Said::Changed,
+            None => Said::Nothing,
+        }
+    }
+
+    /// How far the axle's curve is bent where so much friction is in use: mean and variance over the frictions
+    /// believed. Drivers seldom use much of what there is.
+    fn expected_bend(&self, used: f64, belief: &Belief) -> (f64, f64) {
+        let at = |mu: f64| {
+            let share = used / mu;
+            let [least, most] = self.tires.at(share.min(Self::MOST_BENT));
+            // The tire's own shape counts as doubt.
+            (if share < 1.0 { (1.0 - share).powi(4) } else { 0.0 }, [least, most - least])
+        };
+        let mean = belief.expect(|mu| {
+            let (weight, [least, _]) = at(mu);
+            (weight, least)
+        });
+        let shape = belief.expect(|mu| {
+            let (weight, [_, spread]) = at(mu);
+            (weight, spread)
+        });
+        match (mean, shape) {
+            (Some((bend, variance)), Some((spread, _))) => {
+                (bend, variance + (Self::SHAPE_STD * spread).powi(2))
+            }
+            // More is in use than was believed to be there.
+            _ => (2.0, 4.0),
+        }
+    }
+
+    /// The friction by an axle that slides: how far its slip angle is beyond what the stiffness alone has it, with
+    /// all that is not known of both taken off.
+    fn sliding_limit(
+        &self,
+        axle: usize,
+        used: f64,
+        angle: f64,
+        h: &Row,
+        variance: f64,
+    ) -> Option<LateralLimit> {
+        let mut motion = *h;
+        motion[axle] = 0.0;
+        let compliance = self.state.mean[axle];
+        let straight = compliance * used;
+        let angle_std = self.state.innovation(&motion, 0.0, variance).variance.sqrt();
+        let relative_std = (self.state.std(axle) / compliance).max(Self::LEAST_COMPLIANCE_STD);
+        let at = |deviations: f64| {
+            (angle + deviations * angle_std) / straight * (1.0 + deviations * relative_std).max(0.0)
+        };
+        sliding::limit(used, (at(-2.0), at(2.0)), &self.tires)
+    }
+
+    /// Noise of an axle's equation as the sensors' data sheets promise it, rad².
+    fn promised_variance(&self, axle: usize, compliance: f64, turning: f64, lever: f64, now: &Means) -> f64 {
+        let averaged = 1.0 / now.samples.sqrt();
+        let force = (self.noise.acceleration * averaged).hypot(turning * now.yaw_acceleration_std) / GRAVITY;
+        let mut variance = (compliance * force).powi(2) + (lever * self.noise.yaw_rate * averaged).powi(2);
+        if axle == FRONT {
+            variance += (self.noise.road_angle * averaged).powi(2);
+        }
+        variance + self.config.slip_angle_noise.powi(2)
+    }
+
+    /// The motion now, brought forward from the last window's mean.
+    pub(super) fn motion_at(&self, now: &Means) -> LateralMotion {
+        let x = &self.state.mean;
+        let vy = x[VY] + self.along(&self.window.path);
+        let r = now.yaw_rate - x[YAW_OFFSET];
+        let angle = now.angle * (1.0 + x[ANGLE_SCALE]) - x[ANGLE_OFFSET];
+        LateralMotion {
+            lateral_velocity: vy,
+            lateral_velocity_std: self.state.std(VY),
+            slip_angles: self.car.slip_angles(now.speed * (1.0 + x[SPEED_SCALE]), vy, r, angle),
+        }
+    }
+}

@@ -27,7 +27,14 @@ fn drive(scenario: &Scenario, seed: u64, without: &[&str]) -> Vec<(Truth, Estima
     config.vehicle.lateral_stiffness_front = Uncertain { value: 12.0, std: 3.0 };
     config.vehicle.lateral_stiffness_rear = Uncertain { value: 12.0, std: 3.0 };
     let mut rows = Vec::new();
-    driven::drive(scenario, seed, config, without, |_, truth, estimates| rows.push((*truth, *estimates)));
+    driven::drive(
+        scenario,
+        seed,
+        config,
+        without,
+        |reading| *reading,
+        |_, truth, estimates| rows.push((*truth, *estimates)),
+    );
     rows
 }
 

@@ -12,8 +12,11 @@ pub struct Said {
     interval: Option<[f64; 2]>,
 }
 
+/// A name in the table, and how it speaks.
+pub type Peer = (&'static str, fn(&Row) -> Said);
+
 /// The peers, in the order of the table.
-pub const PEERS: [(&str, fn(&Row) -> Said); 6] = [
+pub const PEERS: [Peer; 6] = [
     ("gripd, value", |row| ours(row, row.ours.friction.max.is_some())),
     ("gripd, where valid", |row| ours(row, row.ours.friction.valid)),
     ("gripd, interval, bounds from below too", |row| Said { value: None, interval: Some(bounds(row)) }),

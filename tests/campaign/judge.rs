@@ -77,9 +77,16 @@ fn excludes(estimates: &Estimates, truth: f64) -> f64 {
 /// Drives, and judges.
 pub fn judge(drive: &Drive) -> Judgement {
     let mut rows: Vec<(Truth, Estimates)> = Vec::new();
-    driven::drive(&drive.scenario, drive.seed, drive.config.clone(), &[], |_, truth, estimates| {
-        rows.push((*truth, *estimates));
-    });
+    driven::drive(
+        &drive.scenario,
+        drive.seed,
+        drive.config.clone(),
+        &[],
+        |reading| *reading,
+        |_, truth, estimates| {
+            rows.push((*truth, *estimates));
+        },
+    );
     let mut sum = Judgement { drives: 1, ..Judgement::default() };
     let (mut drops, mut noticeable_s) = (false, f64::INFINITY);
     let mut waiting: Option<f64> = None;

@@ -252,9 +252,16 @@ fn the_learner_finds_the_stiffness_factor_and_the_steering_ratio_of_a_car_with_l
         sheet.lateral_stiffness_rear.value /= factor;
         sheet.steering_ratio.value *= ratio;
         let (car, mut learner) = (Car::new(&sheet), Learner::new(&sheet));
-        super::driven::drive(&scenario, 3, config.clone(), &[], |sample, _, _| {
-            learner.step(&Kinematics::new(sample, &car));
-        });
+        super::driven::drive(
+            &scenario,
+            3,
+            config.clone(),
+            &[],
+            |reading| *reading,
+            |sample, _, _| {
+                learner.step(&Kinematics::new(sample, &car));
+            },
+        );
         let (found, steer) = (learner.factor().unwrap(), learner.steer_ratio().unwrap());
         println!("factor {found:?} for {factor}, ratio {steer:?} for 15");
         assert!((found.value / factor - 1.0).abs() < 0.1, "{found:?} for {factor}");

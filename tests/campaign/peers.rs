@@ -13,7 +13,8 @@ use super::learner::{Learner, Said};
 pub struct Row {
     pub truth: Truth,
     pub ours: Estimates,
-    /// The lateral regression on the lateral velocity of method 2, the brush without our compensation.
+    /// The lateral regression on the lateral velocity of method 2, the brush without our compensation. Changes of
+    /// surface and ABS brakings are told to it by the same detectors as to ours.
     pub thesis: Estimates,
     /// The learner's stiffness factor.
     pub factor: Option<Said>,
@@ -50,10 +51,22 @@ pub fn drive(drive: &Drive) -> Driven {
     let (car, mut learner) = (Car::new(&sheet), Learner::new(&sheet));
     let mut thesis = Pipeline::new(&sheet, &sensors, &thesis_config());
     let (mut samples, mut rows) = (Vec::new(), Vec::new());
-    driven::drive(&drive.scenario, drive.seed, drive.config.clone(), &[], |sample, truth, ours| {
-        learner.step(&Kinematics::new(sample, &car));
-        samples.push(*sample);
-        rows.push(Row { truth: *truth, ours: *ours, thesis: *thesis.step(sample), factor: learner.factor() });
-    });
+    driven::drive(
+        &drive.scenario,
+        drive.seed,
+        drive.config.clone(),
+        &[],
+        |reading| *reading,
+        |sample, truth, ours| {
+            learner.step(&Kinematics::new(sample, &car));
+            samples.push(*sample);
+            rows.push(Row {
+                truth: *truth,
+                ours: *ours,
+                thesis: *thesis.step(sample),
+                factor: learner.factor(),
+            });
+        },
+    );
     Driven { sheet, sensors, samples, rows }
 }

@@ -20,8 +20,11 @@ const TOO_EARLY_S: f64 = 0.01 * TRANSITION as f64;
 /// Who has had less driving than this after a change has had no chance, s.
 const CHANCE_S: f64 = 1.0;
 
+/// A name in the table, and how it speaks, given the data sheet's stiffnesses front and rear.
+pub type Peer = (&'static str, fn(&Row, [f64; 2]) -> Stiffness);
+
 /// The peers, in the order of the table.
-pub const PEERS: [(&str, fn(&Row, [f64; 2]) -> Stiffness); 6] = [
+pub const PEERS: [Peer; 6] = [
     ("gripd", |row, _| Stiffness::of_axles(&row.ours.cornering)),
     ("gripd, where valid", valid),
     ("thesis (5.20), v_y by method 2", |row, _| Stiffness::of_axles(&row.thesis.cornering_regression)),

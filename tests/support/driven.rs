@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use gripd::can::Frame;
 use gripd::cli::SimulatedFrames;
 use gripd::dbc::Database;
-use gripd::model::{Scenario, Simulation, Truth};
+use gripd::model::{Reading, Scenario, Simulation, Truth};
 use gripd::service::{Engine, Sink};
 use gripd::signals::Outputs;
 use gripd::{Config, Estimates, Sample};
@@ -33,12 +33,13 @@ impl<F: FnMut(&Sample, &Truth, &Estimates)> Sink for Beside<F> {
 }
 
 /// Drives a scenario through the engine of a car that sends what the demo's does; the engine does not look at the
-/// signals of `without`.
+/// signals of `without`. What the sensors read is sent as `sent_as` makes it.
 pub fn drive(
     scenario: &Scenario,
     seed: u64,
     mut config: Config,
     without: &[&str],
+    sent_as: fn(&Reading) -> Reading,
     take: impl FnMut(&Sample, &Truth, &Estimates),
 ) {
     let database = Database::parse(CAR_DBC.as_bytes(), "demo.dbc").unwrap();
@@ -50,10 +51,12 @@ pub fn drive(
     let mut frames = SimulatedFrames::new(outputs);
     let mut beside = Beside { truths: VecDeque::new(), take };
     let mut simulation = Simulation::new(scenario, seed).unwrap();
-    let mut sent = Vec::new();
+    let (mut sent, mut readings) = (Vec::new(), Vec::new());
     while let Some(tick) = simulation.next_tick() {
         beside.truths.push_back(*tick.truth);
-        frames.take(tick.readings, &mut |frame| sent.push(*frame));
+        readings.clear();
+        readings.extend(tick.readings.iter().map(sent_as));
+        frames.take(&readings, &mut |frame| sent.push(*frame));
         for frame in sent.drain(..) {
             engine.frame(&frame, &mut beside);
         }

@@ -26,7 +26,16 @@ fn drive(scenario: &Scenario, seed: u64, without: &[&str]) -> Vec<(Truth, Estima
     config.vehicle.longitudinal_stiffness = Uncertain { value: 30.0, std: 15.0 };
     config.vehicle.lateral_stiffness_front = Uncertain { value: 12.0, std: 3.0 };
     config.vehicle.lateral_stiffness_rear = Uncertain { value: 12.0, std: 3.0 };
-    driven::drive(scenario, seed, config, without)
+    let mut rows = Vec::new();
+    driven::drive(
+        scenario,
+        seed,
+        config,
+        without,
+        |reading| *reading,
+        |_, truth, estimates| rows.push((*truth, *estimates)),
+    );
+    rows
 }
 
 /// What came out of one drive.

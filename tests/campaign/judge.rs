@@ -18,7 +18,7 @@ const NOTICEABLE: f64 = 0.5;
 const MOST_OFF: f64 = 0.1;
 
 /// Rows over which one surface goes over into the next: a tenth of a second, and a little.
-const TRANSITION: usize = 12;
+pub const TRANSITION: usize = 12;
 
 /// Edges of the use of friction by which samples are sorted.
 const EDGES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 0.95];
@@ -76,7 +76,17 @@ fn excludes(estimates: &Estimates, truth: f64) -> f64 {
 
 /// Drives, and judges.
 pub fn judge(drive: &Drive) -> Judgement {
-    let rows = driven::drive(&drive.scenario, drive.seed, drive.config.clone(), &[]);
+    let mut rows: Vec<(Truth, Estimates)> = Vec::new();
+    driven::drive(
+        &drive.scenario,
+        drive.seed,
+        drive.config.clone(),
+        &[],
+        |reading| *reading,
+        |_, truth, estimates| {
+            rows.push((*truth, *estimates));
+        },
+    );
     let mut sum = Judgement { drives: 1, ..Judgement::default() };
     let (mut drops, mut noticeable_s) = (false, f64::INFINITY);
     let mut waiting: Option<f64> = None;

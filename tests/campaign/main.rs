@@ -7,16 +7,22 @@
 //!
 //!     cargo test --release --test campaign -- --ignored --nocapture
 //!
-//! drives all of it and prints the tables; `CAMPAIGN_COUNT` (210), `CAMPAIGN_SEED` (1). Every test run drives a few.
+//! drives all of it and prints the tables; `CAMPAIGN_COUNT` (210; 60 against the anchors), `CAMPAIGN_SEED` (1). Every
+//! test run drives a few.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // Tests.
 
 mod cars;
+mod cpu;
 mod drive;
 #[path = "../support/driven.rs"]
 mod driven;
+mod friction;
 mod judge;
+mod learner;
+mod peers;
 #[path = "../support/setting.rs"]
 mod setting;
+mod stiffness;
 mod surface;
 
 use drive::Drive;
@@ -46,4 +52,37 @@ fn a_few_drives_keep_the_truth_in_the_interval() {
 fn the_whole_campaign() {
     let judgement = campaign(setting("CAMPAIGN_SEED", 1), setting("CAMPAIGN_COUNT", 210));
     println!("{judgement}");
+}
+
+/// The same drives for all: gripd, the thesis's own filters, and a learner in the manner of openpilot's.
+#[test]
+#[ignore = "minutes; for people"]
+fn against_the_anchors() {
+    let (first, count) = (setting("CAMPAIGN_SEED", 1), setting("CAMPAIGN_COUNT", 60));
+    let scores = |seed: u64| {
+        let drive = peers::drive(&Drive::draw(seed));
+        (stiffness::scores(&drive), friction::scores(&drive))
+    };
+    let all: Vec<_> = (first..first + count).into_par_iter().map(scores).collect();
+    let (stiffness, friction): (Vec<_>, Vec<_>) = all.into_iter().unzip();
+
+    println!("{count} drives\n{}", stiffness::Score::HEADER);
+    for (i, (name, _)) in stiffness::PEERS.iter().enumerate() {
+        let of_drives = stiffness.iter().map(|scores| scores[i].clone());
+        println!("{}", of_drives.fold(stiffness::Score::default(), stiffness::Score::and).line(name));
+    }
+    for (place, from) in friction::USES.into_iter().enumerate() {
+        for (i, (name, _)) in friction::PEERS.iter().enumerate() {
+            let of_drives = friction.iter().map(|scores| scores[place][i]);
+            let score = of_drives.fold(friction::Score::default(), friction::Score::and);
+            if i == 0 {
+                println!("\n{}", score.header(from));
+            }
+            println!("{}", score.line(name));
+        }
+    }
+    println!("\n| CPU | ns per sample |\n|---|---|");
+    for (name, nanoseconds) in cpu::times(&peers::drive(&Drive::draw(first))) {
+        println!("| {name} | {nanoseconds:.0} |");
+    }
 }

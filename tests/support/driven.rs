@@ -1,27 +1,31 @@
-//! A simulated drive as frames through the whole engine, each estimate beside what was true.
+//! A simulated drive as frames through the whole engine, each sample and estimate beside what was true.
+
+use std::collections::VecDeque;
 
 use gripd::can::Frame;
 use gripd::cli::SimulatedFrames;
 use gripd::dbc::Database;
-use gripd::model::{Scenario, Simulation, Truth};
+use gripd::model::{Reading, Scenario, Simulation, Truth};
 use gripd::service::{Engine, Sink};
 use gripd::signals::Outputs;
 use gripd::{Config, Estimates, Sample};
 
-const CAR_DBC: &str = include_str!("../../dbc/demo.dbc");
+pub const CAR_DBC: &str = include_str!("../../dbc/demo.dbc");
 
-/// Collects what the engine knows, beside what was true.
-#[derive(Default)]
-struct Record {
-    truths: Vec<Truth>,
-    rows: Vec<(Truth, Estimates)>,
+/// Hands on what the engine knows, beside what was true.
+struct Beside<F> {
+    /// Not older than the samples to come: hours of driving need no more memory than minutes.
+    truths: VecDeque<Truth>,
+    take: F,
 }
 
-impl Sink for Record {
+impl<F: FnMut(&Sample, &Truth, &Estimates)> Sink for Beside<F> {
     fn estimates(&mut self, sample: &Sample, estimates: &Estimates) {
-        let place = self.truths.partition_point(|truth| truth.time < sample.time);
-        if let Some(truth) = self.truths.get(place) {
-            self.rows.push((*truth, *estimates));
+        while self.truths.front().is_some_and(|truth| truth.time < sample.time) {
+            self.truths.pop_front();
+        }
+        if let Some(truth) = self.truths.front() {
+            (self.take)(sample, truth, estimates);
         }
     }
 
@@ -29,13 +33,15 @@ impl Sink for Record {
 }
 
 /// Drives a scenario through the engine of a car that sends what the demo's does; the engine does not look at the
-/// signals of `without`.
+/// signals of `without`. What the sensors read is sent as `sent_as` makes it.
 pub fn drive(
     scenario: &Scenario,
     seed: u64,
     mut config: Config,
     without: &[&str],
-) -> Vec<(Truth, Estimates)> {
+    sent_as: fn(&Reading) -> Reading,
+    take: impl FnMut(&Sample, &Truth, &Estimates),
+) {
     let database = Database::parse(CAR_DBC.as_bytes(), "demo.dbc").unwrap();
     let radius = scenario.vehicle.wheel_radius_m.value;
     let outputs = Outputs::compile(&config.signals, &database, radius).unwrap();
@@ -43,16 +49,17 @@ pub fn drive(
     let output = gripd::signals::publish::built_in_database().unwrap();
     let mut engine = Engine::with_databases(&config, &database, &output).unwrap();
     let mut frames = SimulatedFrames::new(outputs);
-    let mut record = Record::default();
+    let mut beside = Beside { truths: VecDeque::new(), take };
     let mut simulation = Simulation::new(scenario, seed).unwrap();
-    let mut sent = Vec::new();
+    let (mut sent, mut readings) = (Vec::new(), Vec::new());
     while let Some(tick) = simulation.next_tick() {
-        record.truths.push(*tick.truth);
-        frames.take(tick.readings, &mut |frame| sent.push(*frame));
+        beside.truths.push_back(*tick.truth);
+        readings.clear();
+        readings.extend(tick.readings.iter().map(sent_as));
+        frames.take(&readings, &mut |frame| sent.push(*frame));
         for frame in sent.drain(..) {
-            engine.frame(&frame, &mut record);
+            engine.frame(&frame, &mut beside);
         }
     }
-    engine.finish(&mut record);
-    record.rows
+    engine.finish(&mut beside);
 }

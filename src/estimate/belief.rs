@@ -125,6 +125,16 @@ impl Belief {
         self.learn(possible, None)
     }
 
+    /// How likely the friction is at most this.
+    pub fn at_most(&self, mu: f64) -> f64 {
+        let (mut below, mut all) = (0.0, 0.0);
+        for (cell, weight) in self.weight.into_iter().enumerate() {
+            below += weight * ((mu - middle(cell)) / CELL + 0.5).clamp(0.0, 1.0);
+            all += weight;
+        }
+        below / all
+    }
+
     /// Mean and variance of something that depends on the friction; `of` says its weight beside the belief's, and
     /// its value. `None` if nothing has weight.
     pub fn expect(&self, of: impl Fn(f64) -> (f64, f64)) -> Option<(f64, f64)> {

@@ -18,6 +18,11 @@
 //! *changes* from window to window. The yaw acceleration, in gentle driving mostly noise, is shrunk to
 //! its expectation for the same reason ([`YawAcceleration`]).
 //!
+//! Tires bend: near their limit they slip further than κ μ, by a factor that depends on how much of the friction is
+//! in use. What is believed of the friction says how far on average, and how far that may be off ([`bend`]). And
+//! tires slide: an axle whose slip angle its force does not account for at all is left out, v_y goes on by its
+//! kinematics alone, and its force is a measurement of the friction ([`sliding`]).
+//!
 //! Further states are the offsets of steering, accelerometer and gyro, the scales of speed and
 //! steering angle, and the road's bank, which turns v_y but is no tire force. Noise is learned from the
 //! innovations; a CUSUM detector per axle notices a change of surface.
@@ -140,7 +145,7 @@ impl CorneringEstimator {
     const SETTLED: f64 = 0.15;
     /// What the equations leave out (timing of the sensors, relaxation, load transfer), relative: no
     /// amount of data takes it away.
-    const MODEL_STD: f64 = 0.08;
+    const MODEL_STD: f64 = 0.06;
     /// A stiffness this uncertain (relative) is not given out at all.
     const UNKNOWN: f64 = 0.25;
     /// Relative uncertainty that a compliance has again after a change of surface.
@@ -257,14 +262,18 @@ impl CorneringEstimator {
         [FRONT, REAR].map(|i| {
             let compliance = self.state.mean[i];
             let relative = self.state.std(i) / compliance;
-            let systematic = Self::MODEL_STD.hypot(self.car.cornering_scale_std[i - FRONT]);
-            let relative = relative.hypot(systematic);
+            let relative = relative.hypot(self.systematic_std(i));
             (self.informed && relative < Self::UNKNOWN).then(|| Estimate {
                 value: 1.0 / compliance,
                 std: relative / compliance,
                 age_s: self.age_s,
             })
         })
+    }
+
+    /// What no data take away of a stiffness's deviation, relative.
+    fn systematic_std(&self, axle: usize) -> f64 {
+        Self::MODEL_STD.hypot(self.car.cornering_scale_std[axle - FRONT])
     }
 
     /// Offsets of the sensors, with the same age as the motion's information.

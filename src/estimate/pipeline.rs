@@ -53,6 +53,8 @@ impl Pipeline {
     const ONE_CHANGE_S: f64 = 2.0;
     /// Nobody knows whether the car moved during a gap as long as this, s.
     const GAP_S: f64 = 1.0;
+    /// Slips of two driven wheels that agree differ by less than this share of the larger.
+    const AGREEING: f64 = 0.4;
     /// Normalized force (rms) at which the slopes are fully excited.
     const FULL_EXCITATION: f64 = 0.1;
 
@@ -172,15 +174,19 @@ impl Pipeline {
         self.latest.slope_valid = now.speed.is_some() && self.slope.is_valid();
     }
 
-    /// The brush regression on the mean of the driven wheels.
+    /// The brush regression on the mean of the driven wheels, where these agree: one that is braked on its own, or
+    /// runs on another surface, makes of two curves one that no road has.
     fn curve(&mut self, block: &Block, points: &[Option<TractionPoint>; 4]) {
         let offsets = self.slope.offsets();
         let mut count = 0.0;
         let (mut slip, mut mu, mut slip_variance, mut mu_variance) = (0.0, 0.0, 0.0, 0.0);
+        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         for (point, offset) in points.iter().zip(offsets) {
             let (Some(point), Some(offset)) = (point, offset) else { continue };
             count += 1.0;
-            slip += point.slip - offset.value;
+            let slipping = point.slip - offset.value;
+            (least, most) = (least.min(slipping), most.max(slipping));
+            slip += slipping;
             mu += point.mu;
             slip_variance += point.slip_std * point.slip_std + offset.std * offset.std;
             mu_variance += point.mu_std * point.mu_std;
@@ -190,6 +196,10 @@ impl Pipeline {
             return;
         }
         self.excitation[0].step(mu / count, block.duration_s);
+        let agrees = most - least < Self::AGREEING * least.abs().max(most.abs()) + 3.0 * slip_variance.sqrt();
+        if !agrees {
+            return;
+        }
         let std = |variance: f64| variance.sqrt() / count;
         self.brush.step(slip / count, std(slip_variance), mu / count, std(mu_variance), block.duration_s);
     }

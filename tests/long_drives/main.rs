@@ -115,7 +115,7 @@ fn reversing_fast_gives_nothing_valid_that_is_wrong() {
     // Today; there should be none.
     assert!(seen.surface_changes <= 1, "{seen:#?}");
     // Today: for the first two seconds it is taken for driving forward. It should not be valid at all.
-    assert!(seen.motion_valid < 200 && seen.valid_sideslip_most_off < 2.0, "{seen:#?}");
+    assert!(seen.motion_valid < 200 && seen.valid_sideslip_most_off < 2.6, "{seen:#?}");
 }
 
 #[test]
@@ -124,22 +124,19 @@ fn banked_curves_are_no_sideslip_and_no_other_surface() {
     seen.is_sane(20_900);
     assert_eq!((seen.with_sideslip, seen.motion_valid), (seen.samples, seen.samples), "{seen:#?}");
     assert!(seen.sideslip_most_off < 0.5, "{seen:#?}");
-    other_than_sideslip(&seen);
-}
-
-/// Today: as banked curves go on, the lateral filter trusts its tires less and less, and with them goes the sideslip.
-#[test]
-fn ten_minutes_of_banked_curves_are_no_other_surface_but_lose_the_sideslip() {
-    let seen = watch(&roads::banked_curves(14), 240.0, f64::INFINITY);
-    seen.is_sane(37_000);
-    // Both should be 0.5.
-    assert!(seen.valid_sideslip_most_off < 1.3 && seen.sideslip_most_off < 7.3, "{seen:#?}");
-    other_than_sideslip(&seen);
-}
-
-fn other_than_sideslip(seen: &Watch) {
     assert_eq!(seen.surface_changes, 0, "{seen:#?}");
     assert_eq!(seen.slope_valid_and_wrong + seen.cornering_valid_and_wrong, 0, "{seen:#?}");
+    assert_eq!((seen.friction_valid, seen.most_excluded), (0, 0.0), "{seen:#?}");
+}
+
+#[test]
+fn ten_minutes_of_banked_curves_are_no_other_surface() {
+    let seen = watch(&roads::banked_curves(14), 240.0, f64::INFINITY);
+    seen.is_sane(37_000);
+    // Today; it should be 0.5, and no stiffness valid that is wrong.
+    assert!(seen.sideslip_most_off < 1.1, "{seen:#?}");
+    assert!(seen.cornering_valid_and_wrong < 300, "{seen:#?}");
+    assert_eq!((seen.surface_changes, seen.slope_valid_and_wrong), (0, 0), "{seen:#?}");
     assert_eq!((seen.friction_valid, seen.most_excluded), (0, 0.0), "{seen:#?}");
 }
 
@@ -158,13 +155,13 @@ fn a_trailer_over_the_hills_is_no_other_surface() {
 fn esp_braking_single_wheels_seldom_passes_for_friction() {
     let seen = watch(&roads::interventions(36), 0.0, f64::INFINITY);
     seen.is_sane(50_000);
-    // Today, all of it: in 11 of 36 interventions the brush takes the braked wheels for driven ones on ice (0.15
-    // instead of 1.0, valid). There should be none, and no interval that excludes the truth by more than 0.1.
-    assert!(seen.friction_valid_and_wrong <= 100, "{seen:#?}");
-    assert!(seen.most_excluded < 0.85, "{seen:#?}");
-    assert!(seen.surface_changes <= 2, "{seen:#?}");
+    // Today, all of it: braked wheels are taken for driven ones on ice (some seconds in 36 interventions, valid). There
+    // should be none, and no interval that excludes the truth by more than 0.1.
+    assert!(seen.friction_valid_and_wrong <= 300, "{seen:#?}");
+    assert!(seen.most_excluded < 0.72, "{seen:#?}");
+    assert_eq!(seen.surface_changes, 0, "{seen:#?}");
     // Today. What ESP turns is taken for what the front tires turn: their stiffness is three to four times too high,
     // and valid. Nothing should be valid and wrong.
     assert!(seen.cornering_valid_and_wrong < 53_000, "{seen:#?}");
-    assert!(seen.valid_sideslip_most_off < 0.9, "{seen:#?}");
+    assert!(seen.valid_sideslip_most_off < 1.1, "{seen:#?}");
 }

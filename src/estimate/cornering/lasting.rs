@@ -22,10 +22,12 @@ impl CorneringEstimator {
     pub fn restore(&mut self, learned: &Learned) {
         let fresh = Self::prior(&self.car, &self.config);
         let mut state = fresh;
-        // Half of what makes a stiffness valid has to be news.
-        let least = std::f64::consts::SQRT_2 * self.config.valid_relative_std;
         for (i, stiffness) in [FRONT, REAR].into_iter().zip(learned.cornering) {
             let Some(stiffness) = stiffness else { continue };
+            // Half of what makes a stiffness valid has to be news.
+            let systematic = self.systematic_std(i);
+            let valid = self.config.valid_relative_std.powi(2) - systematic * systematic;
+            let least = (2.0 * valid).max(0.0).sqrt();
             let relative = least.max(Self::APART.0.sqrt() * stiffness.std / stiffness.value);
             if relative < fresh.std(i) / fresh.mean[i] {
                 state.mean[i] = 1.0 / stiffness.value;

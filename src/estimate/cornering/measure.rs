@@ -10,10 +10,12 @@ use crate::estimate::window::{Means, Path};
 impl CorneringEstimator {
     /// Far off its direction of travel, a car's wheels tell its speed badly, m/s²/√Hz.
     const SLIDING_NOISE: f64 = 0.1;
-    /// Friction known to be there is at least this.
-    const LEAST_KNOWN: f64 = 0.03;
+    /// With so much more friction than is in use an axle is at its limit.
+    const AT_LIMIT: f64 = 1.15;
     /// With this share of the force sideways, an axle's limit is one sideways.
     const SIDEWAYS: f64 = 0.7;
+    /// Up to this share of the lateral acceleration, yaw acceleration is that of driving round a bend.
+    const STEADY: f64 = 0.5;
     /// Below this probability of sliding nothing speaks for it.
     const HARDLY_SLIDING: f64 = 0.1;
     /// A residual of three standard deviations counts less than it would.
@@ -95,11 +97,13 @@ impl CorneringEstimator {
             angle: -residual * force.signum(),
             variance: expected.variance,
             straight: straight.abs(),
-            of_known: used / belief.interval().0.max(Self::LEAST_KNOWN),
+            at_limit: belief.at_most(Self::AT_LIMIT * used),
         };
         let sliding = monitor.sliding.weigh(&excess);
         if monitor.sliding.is_sure() {
-            if force.abs() > Self::SIDEWAYS * used {
+            // What turns the car may be a single brake: that force is none of this axle's.
+            let is_steady = (turning * now.yaw_acceleration).abs() < Self::STEADY * now.acceleration.abs();
+            if is_steady && force.abs() > Self::SIDEWAYS * used {
                 self.limit =
                     self.sliding_limit(axle, used, angle * force.signum(), &h, variance).or(self.limit);
             }

@@ -38,8 +38,13 @@ fn drive(estimator: &mut CorneringEstimator, car: &Car, amplitude: f64, seconds:
 }
 
 fn estimator() -> (CorneringEstimator, Car) {
+    estimator_knowing(3.0)
+}
+
+/// A data sheet that knows the stiffnesses to this.
+fn estimator_knowing(std: f64) -> (CorneringEstimator, Car) {
     let mut vehicle = Vehicle::thesis();
-    vehicle.lateral_stiffness_front = crate::model::Uncertain { value: 12.0, std: 3.0 };
+    vehicle.lateral_stiffness_front = crate::model::Uncertain { value: 12.0, std };
     vehicle.lateral_stiffness_rear = vehicle.lateral_stiffness_front;
     vehicle.steering_ratio.value = 16.0;
     let car = Car::new(&vehicle);
@@ -107,7 +112,7 @@ fn what_was_learned_is_kept_and_taken_up_again_less_surely() {
     assert!((0.3..1.0).contains(&between), "{between}");
     for (known, truth) in learned.cornering.into_iter().zip([14.0, 9.0]) {
         let known = known.unwrap();
-        assert!((known.value - truth).abs() < 0.1 * truth, "{known:?} for {truth}");
+        assert!((known.value - truth).abs() < 2.0 * known.std, "{known:?} for {truth}");
     }
     let (mut second, car) = estimator();
     second.restore(&learned);
@@ -124,7 +129,7 @@ fn what_was_learned_is_kept_and_taken_up_again_less_surely() {
 
 #[test]
 fn the_second_drive_knows_sooner() {
-    let (fresh, car) = estimator();
+    let (fresh, car) = estimator_knowing(6.0);
     let mut second = fresh.clone();
     second.restore(&learned());
     let (fresh, second) = (until_valid(&fresh, &car), until_valid(&second, &car));

@@ -7,6 +7,28 @@ use super::{
 };
 use crate::estimate::window::{Means, Path};
 
+/// One axle's equation at a window.
+struct Equation {
+    /// Sensitivity to the state of the slip angle by the motion, less that by the force.
+    h: Row,
+    /// What is to be zero, rad: slip angle by the force, less that by the motion.
+    residual: f64,
+    /// Slip angle by the motion, rad.
+    angle: f64,
+    /// Force sideways over the load, and with that along the car.
+    force: f64,
+    used: f64,
+    /// Slip angle by the stiffness alone, rad.
+    straight: f64,
+    /// What is not known of the bend, rad².
+    bend_variance: f64,
+    /// Noise by the data sheets, rad².
+    promised: f64,
+    /// The car turns as one that drives round a bend. Where it turns more, it may be a single brake that does it, and
+    /// the force is none of this axle's.
+    is_cornering: bool,
+}
+
 impl CorneringEstimator {
     /// Far off its direction of travel, a car's wheels tell its speed badly, m/s²/√Hz.
     const SLIDING_NOISE: f64 = 0.1;
@@ -56,15 +78,60 @@ impl CorneringEstimator {
         path.pushed - (x[AY_OFFSET] + x[BANK]) * path.time - (1.0 + x[SPEED_SCALE]) * turned
     }
 
-    /// One axle's equation: what the slip angle is by the motion, less what it is by the force.
+    /// Takes one axle's equation, unless the axle slides.
     pub(super) fn measure(&mut self, axle: usize, now: &Means, belief: &Belief) -> Said {
+        let equation = self.equation(axle, now, belief);
+        let Equation { h, force, used, straight, residual, promised, .. } = equation;
+        let monitor = &mut self.axles[axle - FRONT];
+        let redundancy = monitor.noise.redundancy();
+        let variance = monitor.noise.variance(promised) + equation.bend_variance;
+        let expected = self.state.innovation(&h, residual, variance);
+        match self.trial.as_mut().map(|trial| trial.step(&expected, variance)) {
+            Some(Some(true)) => return Said::OtherCar,
+            Some(None) => self.trial = None,
+            _ => {}
+        }
+        let sliding = monitor.sliding.weigh(&Excess {
+            angle: -residual * force.signum(),
+            variance: expected.variance,
+            straight: straight.abs(),
+            at_limit: belief.at_most(Self::AT_LIMIT * used),
+        });
+        if monitor.sliding.is_sure() {
+            if equation.is_cornering && force.abs() > Self::SIDEWAYS * used {
+                self.limit = self.sliding_limit(axle, &equation, variance).or(self.limit);
+            }
+            return Said::Nothing;
+        }
+        let is_rolling = sliding < Self::HARDLY_SLIDING;
+        if is_rolling {
+            monitor.noise.learn(&expected, promised);
+        }
+        let settled = self.state.std(axle) < Self::SETTLED * self.state.mean[axle];
+        let doubted = (expected.nis() / Self::OUTLIER).max(1.0) / (1.0 - sliding);
+        self.state.update(&h, residual, variance * redundancy * doubted);
+        // Steered fast to and fro, sensors a few milliseconds apart disagree in ways that look like softness.
+        let steady = now.acceleration.abs() > now.acceleration_spread;
+        if !(is_rolling && steady && settled && force.abs() * GRAVITY >= Self::INFORMATIVE) {
+            return Said::Nothing;
+        }
+        let evidence = expected.normalized() * force.signum() / redundancy.sqrt();
+        match monitor.cusum.step(evidence.clamp(-Self::ALARM_CLIP, Self::ALARM_CLIP)) {
+            Some(_) => Said::Changed,
+            None => Said::Nothing,
+        }
+    }
+
+    /// What the slip angle is by the motion, less what it is by the force.
+    fn equation(&self, axle: usize, now: &Means, belief: &Belief) -> Equation {
         let car = &self.car;
         let x = &self.state.mean;
         let front = axle == FRONT;
         // Along the car to the axle, and how its inertia turns yaw acceleration into axle force.
         let lever = if front { car.a } else { -car.b };
         let turning = car.yaw_inertia / (car.mass * if front { car.b } else { -car.a });
-        let force = (now.acceleration - x[AY_OFFSET] + turning * now.yaw_acceleration) / GRAVITY;
+        let turned = turning * now.yaw_acceleration;
+        let force = (now.acceleration - x[AY_OFFSET] + turned) / GRAVITY;
         let used = force.hypot(car.axle_forces(now.along)[axle - FRONT]);
         let speed = now.speed * (1.0 + x[SPEED_SCALE]);
         let along = (x[VY] + lever * (now.yaw_rate - x[YAW_OFFSET])) / speed;
@@ -72,7 +139,6 @@ impl CorneringEstimator {
         let angle = steered - along.atan();
         let (bend, bend_variance) = self.expected_bend(used, belief);
         let straight = x[axle] * force;
-        let residual = -(angle - straight * bend);
         let mut h = Row::zeros();
         h[VY] = -1.0 / speed;
         h[axle] = -force * bend;
@@ -83,48 +149,16 @@ impl CorneringEstimator {
             h[ANGLE_OFFSET] = -1.0;
             h[ANGLE_SCALE] = now.angle;
         }
-        let promised = self.promised_variance(axle, x[axle], turning, lever / speed, now);
-        let monitor = &mut self.axles[axle - FRONT];
-        let redundancy = monitor.noise.redundancy();
-        let variance = monitor.noise.variance(promised) + straight * straight * bend_variance;
-        let expected = self.state.innovation(&h, residual, variance);
-        match self.trial.as_mut().map(|trial| trial.step(&expected, variance)) {
-            Some(Some(true)) => return Said::OtherCar,
-            Some(None) => self.trial = None,
-            _ => {}
-        }
-        let excess = Excess {
-            angle: -residual * force.signum(),
-            variance: expected.variance,
-            straight: straight.abs(),
-            at_limit: belief.at_most(Self::AT_LIMIT * used),
-        };
-        let sliding = monitor.sliding.weigh(&excess);
-        if monitor.sliding.is_sure() {
-            // What turns the car may be a single brake: that force is none of this axle's.
-            let is_steady = (turning * now.yaw_acceleration).abs() < Self::STEADY * now.acceleration.abs();
-            if is_steady && force.abs() > Self::SIDEWAYS * used {
-                self.limit =
-                    self.sliding_limit(axle, used, angle * force.signum(), &h, variance).or(self.limit);
-            }
-            return Said::Nothing;
-        }
-        if sliding < Self::HARDLY_SLIDING {
-            monitor.noise.learn(&expected, promised);
-        }
-        let settled = self.state.std(axle) < Self::SETTLED * x[axle];
-        let doubted = (expected.nis() / Self::OUTLIER).max(1.0) / (1.0 - sliding);
-        self.state.update(&h, residual, variance * redundancy * doubted);
-        // Steered fast to and fro, sensors a few milliseconds apart disagree in ways that look like softness.
-        let steady = now.acceleration.abs() > now.acceleration_spread;
-        let is_driven_by_force = force.abs() * GRAVITY >= Self::INFORMATIVE;
-        if !(is_driven_by_force && settled && steady && sliding < Self::HARDLY_SLIDING) {
-            return Said::Nothing;
-        }
-        let evidence = expected.normalized() * force.signum() / redundancy.sqrt();
-        match monitor.cusum.step(evidence.clamp(-Self::ALARM_CLIP, Self::ALARM_CLIP)) {
-            Some(_) => Said::Changed,
-            None => Said::Nothing,
+        Equation {
+            h,
+            residual: straight * bend - angle,
+            angle,
+            force,
+            used,
+            straight,
+            bend_variance: straight * straight * bend_variance,
+            promised: self.promised_variance(axle, x[axle], turning, lever / speed, now),
+            is_cornering: turned.abs() < Self::STEADY * now.acceleration.abs(),
         }
     }
 
@@ -156,24 +190,18 @@ impl CorneringEstimator {
 
     /// The friction by an axle that slides: how far its slip angle is beyond what the stiffness alone has it, with
     /// all that is not known of both taken off.
-    fn sliding_limit(
-        &self,
-        axle: usize,
-        used: f64,
-        angle: f64,
-        h: &Row,
-        variance: f64,
-    ) -> Option<LateralLimit> {
-        let mut motion = *h;
+    fn sliding_limit(&self, axle: usize, equation: &Equation, variance: f64) -> Option<LateralLimit> {
+        let angle = equation.angle * equation.force.signum();
+        let mut motion = equation.h;
         motion[axle] = 0.0;
         let compliance = self.state.mean[axle];
-        let straight = compliance * used;
+        let straight = compliance * equation.used;
         let angle_std = self.state.innovation(&motion, 0.0, variance).variance.sqrt();
         let relative_std = (self.state.std(axle) / compliance).max(Self::LEAST_COMPLIANCE_STD);
         let at = |deviations: f64| {
             (angle + deviations * angle_std) / straight * (1.0 + deviations * relative_std).max(0.0)
         };
-        sliding::limit(used, (at(-2.0), at(2.0)), &self.tires)
+        sliding::limit(equation.used, (at(-2.0), at(2.0)), &self.tires)
     }
 
     /// Noise of an axle's equation as the sensors' data sheets promise it, rad².

@@ -3,13 +3,14 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use gripd::Config;
-use gripd::model::{Scenario, Uncertain, Vehicle};
+use gripd::model::{Scenario, Truth, Uncertain, Vehicle};
+use gripd::{Config, Estimates, Sample};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 use super::cars::CARS;
+use super::driven;
 use super::surface::Surface;
 
 const SERVICE: &str = include_str!("../../config/demo.toml");
@@ -151,6 +152,11 @@ impl Drive {
         let mut config = Config::parse(SERVICE, Path::new("demo.toml")).unwrap();
         config.vehicle = sheet;
         Drive { seed, scenario, config, about }
+    }
+
+    /// Drives it: every sample and estimate, beside what was true.
+    pub fn through_the_engine(&self, take: impl FnMut(&Sample, &Truth, &Estimates)) {
+        driven::drive(&self.scenario, self.seed, self.config.clone(), &[], |reading| *reading, take);
     }
 }
 

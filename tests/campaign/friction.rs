@@ -1,5 +1,6 @@
 //! How well each peer knows the friction, where much of it is used.
 
+use super::judge::{counts, share};
 use super::peers::{Driven, Row};
 
 /// Use of friction from which on samples count, for each of the two tables.
@@ -56,7 +57,7 @@ pub fn scores(drive: &Driven) -> [[Score; PEERS.len()]; USES.len()] {
     let mut scores = [[Score::default(); PEERS.len()]; USES.len()];
     for row in &drive.rows {
         let truth = &row.truth;
-        if truth.speed < 4.0 || !truth.mu_max.is_finite() {
+        if !counts(truth) {
             continue;
         }
         for (from, scores) in USES.iter().zip(&mut scores) {
@@ -106,7 +107,6 @@ impl Score {
 
     /// Its line of the table.
     pub fn line(&self, name: &str) -> String {
-        let share = |part: u64, all: u64| 100.0 * part as f64 / all.max(1) as f64;
         let or_none = |is_some: bool, text: String| if is_some { text } else { "–".to_owned() };
         let rms = (self.square / self.with_value.max(1) as f64).sqrt();
         format!(

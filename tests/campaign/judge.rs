@@ -7,7 +7,6 @@ use gripd::estimates::MuSource;
 use gripd::model::Truth;
 
 use super::drive::Drive;
-use super::driven;
 
 /// After a change of surface an interval may be of the one before for so long, s of driving that uses
 /// [`NOTICEABLE`] of the new friction.
@@ -66,6 +65,16 @@ pub struct Judgement {
     sideslip: (u64, f64),
 }
 
+/// Is there anything to judge? Creeping and standing cars are not estimated.
+pub fn counts(truth: &Truth) -> bool {
+    truth.speed >= 4.0 && truth.mu_max.is_finite()
+}
+
+/// Percent of all.
+pub fn share(part: u64, all: u64) -> f64 {
+    100.0 * part as f64 / all.max(1) as f64
+}
+
 /// By how much an interval excludes a value.
 fn excludes(estimates: &Estimates, truth: f64) -> f64 {
     let friction = &estimates.friction;
@@ -77,22 +86,13 @@ fn excludes(estimates: &Estimates, truth: f64) -> f64 {
 /// Drives, and judges.
 pub fn judge(drive: &Drive) -> Judgement {
     let mut rows: Vec<(Truth, Estimates)> = Vec::new();
-    driven::drive(
-        &drive.scenario,
-        drive.seed,
-        drive.config.clone(),
-        &[],
-        |reading| *reading,
-        |_, truth, estimates| {
-            rows.push((*truth, *estimates));
-        },
-    );
+    drive.through_the_engine(|_, truth, estimates| rows.push((*truth, *estimates)));
     let mut sum = Judgement { drives: 1, ..Judgement::default() };
     let (mut drops, mut noticeable_s) = (false, f64::INFINITY);
     let mut waiting: Option<f64> = None;
     let mut worst: Option<Lie> = None;
     for (place, (truth, estimates)) in rows.iter().enumerate() {
-        if truth.speed < 4.0 || !truth.mu_max.is_finite() {
+        if !counts(truth) {
             continue;
         }
         let used = truth.mu_used / truth.mu_max;
@@ -208,7 +208,6 @@ impl Judgement {
 
 impl fmt::Display for Judgement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let share = |part: u64, all: u64| 100.0 * part as f64 / all.max(1) as f64;
         writeln!(
             f,
             "{} drives, {} samples, truth in the interval {:.2} %",

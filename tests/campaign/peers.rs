@@ -51,22 +51,10 @@ pub fn drive(drive: &Drive) -> Driven {
     let (car, mut learner) = (Car::new(&sheet), Learner::new(&sheet));
     let mut thesis = Pipeline::new(&sheet, &sensors, &thesis_config());
     let (mut samples, mut rows) = (Vec::new(), Vec::new());
-    driven::drive(
-        &drive.scenario,
-        drive.seed,
-        drive.config.clone(),
-        &[],
-        |reading| *reading,
-        |sample, truth, ours| {
-            learner.step(&Kinematics::new(sample, &car));
-            samples.push(*sample);
-            rows.push(Row {
-                truth: *truth,
-                ours: *ours,
-                thesis: *thesis.step(sample),
-                factor: learner.factor(),
-            });
-        },
-    );
+    drive.through_the_engine(|sample, truth, ours| {
+        learner.step(&Kinematics::new(sample, &car));
+        samples.push(*sample);
+        rows.push(Row { truth: *truth, ours: *ours, thesis: *thesis.step(sample), factor: learner.factor() });
+    });
     Driven { sheet, sensors, samples, rows }
 }

@@ -7,7 +7,7 @@ use gripd::estimate::Car;
 use gripd::estimates::Estimate;
 use gripd::model::Truth;
 
-use super::judge::TRANSITION;
+use super::judge::{TRANSITION, counts, share};
 use super::learner::Said;
 use super::peers::{Driven, Row};
 
@@ -184,7 +184,7 @@ pub fn scores(drive: &Driven) -> Vec<Score> {
         let ratio = stiffness(place) / stiffness(place.saturating_sub(TRANSITION));
         let changed = (ratio - 1.0).abs() > CHANGE;
         let changes = changed && !std::mem::replace(&mut changed_before, changed);
-        if row.truth.speed < 4.0 || !row.truth.mu_max.is_finite() {
+        if !counts(&row.truth) {
             continue;
         }
         for ((_, of), watch) in PEERS.iter().zip(&mut watches) {
@@ -219,7 +219,6 @@ changes by 20 %: within 15 % after (median) | never | by chance before |
 
     /// Its line of the table.
     pub fn line(&self, name: &str) -> String {
-        let share = |part: u64, all: u64| 100.0 * part as f64 / all.max(1) as f64;
         let changes = self.noticed_s.len() as u64 + self.unnoticed + self.there_before;
         let seconds = if self.noticed_s.is_empty() {
             "–".to_owned()

@@ -158,9 +158,9 @@ impl AbsBraking {
         self.last
     }
 
-    /// In one at the moment, its pauses included.
-    pub fn is_braking(&self) -> bool {
-        self.braking.is_some()
+    /// For how long the one at the moment lasts, its pauses included, s.
+    pub fn working_s(&self) -> Option<f64> {
+        self.braking.map(|braking| braking.duration_s)
     }
 
     /// One was finished with this sample.

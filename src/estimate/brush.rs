@@ -28,6 +28,8 @@ pub struct BrushEstimator {
     raised: Option<f64>,
     /// Deviations by which the last force was above the curve.
     above: f64,
+    /// Seconds since the last point of the curve.
+    age_s: f64,
 }
 
 /// What the regression says of the friction.
@@ -41,6 +43,8 @@ pub struct BrushFriction {
     pub is_bound: bool,
     /// The last slip went with more force than this curve has for it: the road may be a better one by now.
     pub is_doubted: bool,
+    /// Seconds since the last point of the curve.
+    pub age_s: f64,
 }
 
 impl BrushEstimator {
@@ -70,6 +74,7 @@ impl BrushEstimator {
             informed: false,
             raised: None,
             above: 0.0,
+            age_s: f64::INFINITY,
         };
         estimator.start();
         estimator
@@ -105,6 +110,11 @@ impl BrushEstimator {
     /// ∂θ/∂state, transposed: what turns a sensitivity to θ into one to the state.
     fn to_state(&self, theta: &Vector3<f64>) -> Matrix3<f64> {
         if self.config.compensate { logarithmic_jacobian(theta).transpose() } else { Matrix3::identity() }
+    }
+
+    /// Time passes.
+    pub fn age(&mut self, elapsed_s: f64) {
+        self.age_s += elapsed_s;
     }
 
     /// Takes the driven axle's slip (offset taken off), its uncertainty, and normalized force.
@@ -160,6 +170,7 @@ impl BrushEstimator {
             }
         }
         self.informed = true;
+        self.age_s = 0.0;
         if let Some((raised, friction)) = self.raised.zip(self.friction())
             && friction.std < Self::TELLS_MORE * raised
         {
@@ -225,6 +236,7 @@ impl BrushEstimator {
             std: variance.max(0.0).sqrt(),
             is_bound: self.raised.is_some(),
             is_doubted: self.above > Self::DOUBTED,
+            age_s: self.age_s,
         })
     }
 

@@ -29,9 +29,7 @@ pub struct FrictionMonitor {
     measured: Option<Measured>,
     /// Seconds since the bound from what is used was last as high as it is.
     bound_age_s: f64,
-    /// For how long the ABS has been working, pauses included, and for how long it has not, s.
-    abs_s: [f64; 2],
-    /// What is used while it works, smoothed further.
+    /// What is used while the ABS works, smoothed further.
     abs_used: f64,
 }
 
@@ -52,6 +50,10 @@ pub struct Evidence {
     pub brush: Option<BrushFriction>,
     /// The last ABS braking's.
     pub abs: Option<AbsFriction>,
+    /// For how long the ABS has been working, pauses included, s.
+    pub abs_working_s: Option<f64>,
+    /// Are the front wheels at their limit while braking, as far as that is known?
+    pub brakes_at_limit: Option<bool>,
     /// That of the driven wheels at their limit.
     pub limit: Option<LimitFriction>,
     /// That of an axle that slides sideways.
@@ -76,16 +78,22 @@ impl FrictionMonitor {
     /// So long it takes until brakes have built up what the tires can take, s.
     const ABS_BUILDS_UP_S: f64 = 0.3;
     /// What is used has settled when it is this near, relative, to what it was so long ago, s.
-    const ABS_SETTLED: f64 = 0.05;
+    const ABS_SETTLED: f64 = 0.03;
     const ABS_SETTLES_S: f64 = 0.3;
-    /// Shorter pauses belong to a braking, s.
-    const ABS_PAUSE_S: f64 = 0.5;
+    /// What other wheels may have where nobody sees whether they slip, relative; on a road slipperier than that the one
+    /// will do for all.
+    const ABS_UNSEEN_RESERVE: f64 = 0.5;
+    const ABS_SLIPPERY: f64 = 0.25;
+    /// A braking that ended counts for so long, s.
+    const ABS_TOLD_S: f64 = 0.5;
     /// A car whose path bends by so much more or less than it turns is spinning, m/s².
     const SPINNING: f64 = 1.5;
     /// Deviation of a sideways limit: absolute (sensors), and of its value (load transfer, longitudinal forces).
     const LATERAL_STD: (f64, f64) = (0.02, 0.02);
     /// With this much of the force along the car across it, or less, the slip curve is one of driving straight on.
     const STRAIGHT: f64 = 0.4;
+    /// What the curve said longer ago may have been of another surface, s.
+    const BRUSH_LASTS_S: f64 = 0.3;
     /// Model error of a brush at no use of friction, relative; it falls to zero at full use. A brush
     /// fitted to a real tire's curve at 60 % use is off by half.
     const BRUSH_MODEL_ERROR: f64 = 1.2;
@@ -96,7 +104,6 @@ impl FrictionMonitor {
             belief: Belief::UNKNOWN,
             measured: None,
             bound_age_s: 0.0,
-            abs_s: [0.0, f64::INFINITY],
             abs_used: 0.0,
             car: car.clone(),
             config: config.clone(),
@@ -122,7 +129,7 @@ impl FrictionMonitor {
             self.learn_used(used);
         }
         self.learn_brush(evidence.brush);
-        self.learn_abs(now, used, evidence.abs);
+        self.learn_abs(now, used, &evidence);
         if let Some(limit) = evidence.limit.filter(|limit| limit.age_s == 0.0) {
             self.learn_measured(limit.mu, [limit.std; 2], MuSource::Limit, true);
         }
@@ -179,7 +186,8 @@ impl FrictionMonitor {
     }
 
     fn learn_brush(&mut self, brush: Option<BrushFriction>) {
-        let brush = brush.filter(|brush| !brush.is_bound && !brush.is_doubted);
+        let brush =
+            brush.filter(|brush| !brush.is_bound && !brush.is_doubted && brush.age_s < Self::BRUSH_LASTS_S);
         let (Some(brush), Some([along, across])) = (brush, self.smoothed) else { return };
         let using = (Self::surely(along.abs()) / brush.mu).min(1.0);
         // What is used across the car is missing along it, and looks like a curve that bends early.
@@ -194,37 +202,35 @@ impl FrictionMonitor {
         self.learn_measured(brush.mu, [brush.std.hypot(model_std); 2], MuSource::Brush, is_sure);
     }
 
-    /// Where the ABS works, a wheel is at its limit; in a curve it may be one alone.
-    fn learn_abs(&mut self, now: &Kinematics, used: Option<f64>, ended: Option<AbsFriction>) {
-        let [working_s, pausing_s] = &mut self.abs_s;
-        if now.abs == Some(true) {
-            *working_s += now.elapsed_s;
-            *pausing_s = 0.0;
-        } else {
-            *pausing_s += now.elapsed_s;
-            if *pausing_s > Self::ABS_PAUSE_S {
-                *working_s = 0.0;
+    /// Where the ABS works, a wheel is at its limit; it may be one alone.
+    fn learn_abs(&mut self, now: &Kinematics, used: Option<f64>, evidence: &Evidence) {
+        let (Some([along, across]), Some(used)) = (self.smoothed, used) else {
+            // Nobody measures the deceleration while it goes on.
+            if let Some(abs) = evidence.abs.filter(|abs| abs.age_s <= Self::ABS_TOLD_S) {
+                self.learn_measured(abs.mu, [abs.std.max(Self::ABS_STD); 2], MuSource::Abs, true);
             }
+            return;
+        };
+        let Some(working_s) = evidence.abs_working_s else {
+            self.abs_used = used;
+            return;
+        };
+        let weight = 1.0 - (-now.elapsed_s / Self::ABS_SETTLES_S).exp();
+        self.abs_used += weight * (used - self.abs_used);
+        // While the brakes build up, the tires at their limit are not all of them.
+        let is_settled = used - self.abs_used < Self::ABS_SETTLED * used;
+        let is_braking = now.abs == Some(true) && working_s > Self::ABS_BUILDS_UP_S && along < 0.0;
+        if !is_braking || !is_settled || Self::is_spinning(now) {
+            return;
         }
-        if let (Some([along, across]), Some(used)) = (self.smoothed, used) {
-            if *working_s == 0.0 {
-                self.abs_used = used;
-                return;
-            }
-            let weight = 1.0 - (-now.elapsed_s / Self::ABS_SETTLES_S).exp();
-            self.abs_used += weight * (used - self.abs_used);
-            // While the brakes build up, the tires at their limit are not all of them.
-            let is_settled = used - self.abs_used < Self::ABS_SETTLED * used;
-            let is_braking = *working_s > Self::ABS_BUILDS_UP_S && along < 0.0 && is_settled;
-            if now.abs == Some(true) && is_braking && !Self::is_spinning(now) {
-                let is_straight = along.abs() > 3.0 * across.abs();
-                let reserve = if is_straight { Self::ABS_STD } else { Self::ABS_RESERVE * used };
-                self.learn_measured(used, [Self::ABS_STD, Self::ABS_STD.hypot(reserve)], MuSource::Abs, true);
-            }
-        } else if let Some(abs) = ended.filter(|abs| abs.age_s <= Self::ABS_PAUSE_S) {
-            // Nobody measured the deceleration while it went on.
-            self.learn_measured(abs.mu, [abs.std.max(Self::ABS_STD); 2], MuSource::Abs, true);
-        }
+        let reserve = match evidence.brakes_at_limit {
+            Some(false) => return,
+            // So little force does not slip enough to tell.
+            None if used > Self::ABS_SLIPPERY => Self::ABS_UNSEEN_RESERVE * used,
+            _ if across.abs() > Self::STRAIGHT * along.abs() => Self::ABS_RESERVE * used,
+            _ => 0.0,
+        };
+        self.learn_measured(used, [Self::ABS_STD, Self::ABS_STD.hypot(reserve)], MuSource::Abs, true);
     }
 
     /// An axle that slides has its friction between two bounds.
@@ -334,7 +340,8 @@ mod tests {
     fn gentle_driving_gives_a_bound_and_no_value() {
         let car = Car::new(&Vehicle::thesis());
         let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
-        let brush = Some(BrushFriction { mu: 0.9, std: 0.01, is_bound: false, is_doubted: false });
+        let brush =
+            Some(BrushFriction { mu: 0.9, std: 0.01, is_bound: false, is_doubted: false, age_s: 0.0 });
         let mut friction = Friction::default();
         for _ in 0..200 {
             friction = monitor.step(&sample(0.0, 2.0), Some(0.0), Evidence { brush, ..Evidence::default() });
@@ -408,8 +415,12 @@ mod tests {
         let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
         let braking = Kinematics { abs: Some(true), ..sample(-4.0, 0.0) };
         let brake = |monitor: &mut FrictionMonitor| {
-            let step = |_| monitor.step(&braking, Some(-4.0), Evidence::default());
-            (0..100).map(step).last().unwrap()
+            let step = |i: i32| {
+                let abs_working_s = Some(0.01 * f64::from(i));
+                let working = Evidence { abs_working_s, brakes_at_limit: Some(true), ..Evidence::default() };
+                monitor.step(&braking, Some(-4.0), working)
+            };
+            (0..150).map(step).last().unwrap()
         };
         let mut all = vec![brake(&mut monitor)];
         all.extend((0..2000).map(|_| monitor.step(&sample(0.0, 0.0), Some(0.0), Evidence::default())));
@@ -429,5 +440,24 @@ mod tests {
         }
         assert_eq!((turning.source, turning.max), (MuSource::LowerBound, None));
         assert!(turning.low > Some(0.7));
+    }
+
+    #[test]
+    fn an_abs_that_works_for_one_wheel_bounds_nothing_from_above() {
+        let car = Car::new(&Vehicle::thesis());
+        let braking = Kinematics { abs: Some(true), ..sample(-4.0, 0.0) };
+        let brake = |brakes_at_limit: Option<bool>| {
+            let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
+            let step = |i: i32| {
+                let abs_working_s = Some(0.01 * f64::from(i));
+                let working = Evidence { abs_working_s, brakes_at_limit, ..Evidence::default() };
+                monitor.step(&braking, Some(-4.0), working)
+            };
+            (0..150).map(step).last().unwrap()
+        };
+        let [refuted, unseen, seen] = [Some(false), None, Some(true)].map(brake);
+        assert_eq!((refuted.source, refuted.high), (MuSource::LowerBound, None));
+        assert!(!unseen.valid && unseen.high > Some(0.75), "{unseen:?}");
+        assert!(seen.valid && seen.high < Some(0.55), "{seen:?}");
     }
 }

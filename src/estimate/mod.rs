@@ -7,6 +7,7 @@ mod abs_braking;
 mod belief;
 mod bicycle_filter;
 mod block;
+mod brake_slip;
 mod brush;
 mod config;
 mod cornering;

@@ -2,6 +2,7 @@
 
 use super::abs_braking::AbsBraking;
 use super::block::{Block, BlockBuilder};
+use super::brake_slip::BrakeSlip;
 use super::brush::BrushEstimator;
 use super::cornering::CorneringEstimator;
 use super::dahl_ekf::DahlEkf;
@@ -35,6 +36,7 @@ pub struct Pipeline {
     brush: BrushEstimator,
     dahl: DahlEkf,
     abs: AbsBraking,
+    brake_slip: BrakeSlip,
     saturation: SaturationDetector,
     friction: FrictionMonitor,
     mapping: Option<Mapping>,
@@ -74,6 +76,7 @@ impl Pipeline {
             brush: BrushEstimator::new(car.slope_prior[driven].0, &config.brush),
             dahl: DahlEkf::new(&car, sensors, slow),
             abs: AbsBraking::new(&car),
+            brake_slip: BrakeSlip::new(&car),
             saturation: SaturationDetector::new(&car, sensors),
             friction: FrictionMonitor::new(&car, &config.friction),
             mapping: config.mapping.as_ref().and_then(Mapping::new),
@@ -157,6 +160,7 @@ impl Pipeline {
 
     fn longitudinal(&mut self, now: &Kinematics) {
         self.slope.age(now.elapsed_s);
+        self.brush.age(now.elapsed_s);
         let (offsets, slopes) = (self.slope.offsets(), self.slope.slopes());
         self.saturation.step(now, &self.traction, &offsets, &slopes, &self.config.slope);
         if let Some(block) = self.blocks.step(now) {
@@ -232,12 +236,16 @@ impl Pipeline {
     }
 
     fn use_of_friction(&mut self, now: &Kinematics) {
-        if let Some(friction) = self.abs.finished() {
+        let ended = self.abs.finished().filter(|_| self.brake_slip.was_at_limit());
+        if let Some(friction) = ended {
             self.brush.calibrate(friction.mu, friction.std);
         }
+        self.brake_slip.step(now, &self.latest.slope);
         let evidence = Evidence {
             brush: self.brush.friction(),
             abs: self.abs.last(),
+            abs_working_s: self.abs.working_s(),
+            brakes_at_limit: self.brake_slip.is_at_limit(&self.latest.slope),
             limit: self.saturation.friction(),
             lateral: self.cornering.limit(),
             map: self.mapped(),

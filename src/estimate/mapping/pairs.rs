@@ -200,7 +200,7 @@ impl PairFinder {
             _ if now.braking != Some(true) => self.free = self.known(estimates),
             _ => {}
         }
-        if !self.abs.is_braking() {
+        if self.abs.working_s().is_none() {
             self.started = None;
         }
     }

@@ -96,16 +96,21 @@ impl Story<'_> {
 
     pub(super) fn friction(&self, page: &mut Page) -> Result<(), PlotError> {
         let top = self.truth.iter().map(|row| row.mu_max).fold(0.3, f64::max) * 1.3;
-        let interval = self.rows.iter().map(move |row| {
-            let round = &row.round;
-            // Without an upper end everything above is possible.
-            let high = if round.mu_high.is_finite() { round.mu_high } else { top };
-            (round.time, round.mu_low, if round.mu_max.is_finite() { high } else { f64::NAN })
-        });
+        // What is not told is anything; without an upper end everything above is possible.
+        let interval = |is_open: bool| {
+            self.rows.iter().map(move |row| {
+                let round = &row.round;
+                let low = if round.mu_low.is_finite() { round.mu_low } else { 0.0 };
+                let is_bounded = round.mu_max.is_finite() && round.mu_high.is_finite();
+                let high = if is_bounded { round.mu_high } else { top };
+                (round.time, low, if is_open == is_bounded { f64::NAN } else { high })
+            })
+        };
         let mut plot = self
             .plot("Friction, used and available", "friction", 0.0..top)
             .height(260)
-            .band("available: 95 % interval", Color::Third, interval)
+            .band("available: this or any more", Color::Muted, interval(true))
+            .band("available: 95 % interval", Color::Third, interval(false))
             .line("used: gripd", Color::First, self.published(|row| row.round.mu_used))
             .line("at least available: gripd", Color::Second, self.published(|row| row.round.mu_low))
             .line("available: gripd", Color::Third, self.published(|row| row.round.mu_max))
@@ -122,9 +127,10 @@ impl Story<'_> {
         page.plot(
             "Friction between tires and road",
             &plot,
-            "While little of the friction is used, nothing tells how much there is: then only the lower \
-             bound is published, and the friction itself is not available. It becomes so when a tire comes \
-             near its limit, as in the braking on ice.",
+            "Shaded is what the friction may be. While little of it is used, nothing tells how much there is: only \
+             a lower bound is published (grey, open upwards), which sinks with every second in which the road may \
+             have become another one. When a tire comes near its limit, as in the braking on ice, the interval \
+             closes around the friction; and opens again when that is over.",
         )
     }
 
@@ -276,6 +282,7 @@ const SOURCES: &[(&str, &str)] = &[
     ("brush", "source: curvature (brush model)"),
     ("joint", "source: joint lateral filter"),
     ("abs", "source: ABS braking"),
+    ("limit", "source: spinning wheels"),
 ];
 
 fn source_color(source: &str) -> Option<Color> {
@@ -285,6 +292,7 @@ fn source_color(source: &str) -> Option<Color> {
         "brush" => Some(Color::Third),
         "joint" => Some(Color::First),
         "abs" => Some(Color::Notice),
+        "limit" => Some(Color::Ink),
         _ => None,
     }
 }

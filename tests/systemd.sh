@@ -2,7 +2,7 @@
 # tests/systemd.sh [PROGRAM]
 #
 # The unit file, checked by systemd itself, and at work in a guest with this machine's systemd as its
-# first process: started, publishing, killed and back, without the interface, stopped. PROGRAM is the
+# first process: started, publishing, reloaded, killed and back, without the interface, stopped. PROGRAM is the
 # gripd to test (target/debug/gripd; built if it is not given). Needs systemd and dbus on this machine;
 # says so and passes where there are none. About 20 s.
 set -eu
@@ -51,6 +51,7 @@ within() { # SECONDS WHAT COMMAND…
 }
 new_pid() { [ "$(property MainPID)" != "$old" ] && [ "$(property MainPID)" != 0 ] && [ "$(property ActiveState)" = active ]; }
 publishes() { [ "$(timeout 5 candump -L -n 30 vcan0,6A0:7F8 2>/dev/null | wc -l)" = 30 ]; }
+logged() { journalctl -u gripd --no-pager | grep -q "$1"; }
 says() { property StatusText | grep -q "$1"; }
 
 # Type=notify: `start` comes back once it is ready.
@@ -62,6 +63,21 @@ within 5 "no status text" says "interface is up"
 canplayer -l i -I /var/tmp/drive/drive.log vcan0=vcan0 & player=$!
 publishes || fail "it does not publish"
 echo "started and publishes"
+
+old=$(property MainPID)
+restarts=$(property NRestarts)
+systemctl reload gripd || fail "it does not reload"
+within 5 "it does not say that it has reloaded" logged "the new configuration is in use; the estimators go on"
+echo "mass_pound = 1" >> /etc/gripd/gripd.toml
+systemctl reload gripd || fail "reloading a wrong configuration fails"
+within 5 "it does not say that the configuration is refused" says "is refused"
+publishes || fail "it does not publish after a refused configuration"
+sed -i '$d' /etc/gripd/gripd.toml
+systemctl reload gripd
+within 5 "it does not say that all is well again" says "is up"
+[ "$(property MainPID) $(property NRestarts) $(property ActiveState)" = "$old $restarts active" ] || fail "it was restarted"
+publishes || fail "it does not publish after reloads"
+echo "reloaded, a wrong configuration refused, reloaded, without a restart"
 
 old=$(property MainPID)
 kill -9 "$old"

@@ -1,12 +1,13 @@
 //! The engine: frames in, frames out. Live, in replay, in tests and benchmarks it is the same one.
 
-use super::SetupError;
+use super::{SetupError, saved};
 use crate::can::{CanId, Frame, FrameKind};
 use crate::dbc::Database;
-use crate::estimate::{Learned, Pipeline};
+use crate::estimate::{EstimatorsConfig, Learned, Pipeline};
 use crate::estimates::State;
+use crate::model::Vehicle;
 use crate::signals::publish::Publisher;
-use crate::signals::{Inputs, Pushed, Sampler};
+use crate::signals::{Inputs, Pushed, Sampler, SamplerConfig};
 use crate::{Config, Estimates, Faults, Micros, Quantity, Sample, Sensors};
 
 /// Who takes what the engine makes.
@@ -24,12 +25,35 @@ pub struct Engine {
     sampler: Sampler,
     pipeline: Pipeline,
     publisher: Publisher,
+    origin: Origin,
     period: Micros,
     next_publication: Option<Micros>,
     /// Faults since the last publication.
     faults: Faults,
+    /// Faults that every publication tells until they are taken back.
+    lasting: Faults,
     dropped: u64,
     counts: EngineCounts,
+}
+
+/// What the estimators were made of, besides the compiled mapping.
+#[derive(Debug, PartialEq)]
+struct Origin {
+    sampling: SamplerConfig,
+    vehicle: Vehicle,
+    estimators: EstimatorsConfig,
+    fingerprint: String,
+}
+
+/// What of an engine lives on in the one that takes its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Survived {
+    /// All that it knew: nothing that its estimates stand on has changed.
+    Everything,
+    /// What would outlive the drive: it is the same car, otherwise measured or estimated.
+    Learned,
+    /// Nothing: it is another car, or another mapping.
+    Nothing,
 }
 
 /// What went through the engine.
@@ -79,8 +103,15 @@ impl Engine {
             pipeline,
             period: publisher.period(),
             publisher,
+            origin: Origin {
+                sampling: config.signals.sampling,
+                vehicle: config.vehicle.clone(),
+                estimators: config.estimators.clone(),
+                fingerprint: saved::fingerprint(config),
+            },
             next_publication: None,
             faults: Faults::empty(),
+            lasting: Faults::empty(),
             dropped: 0,
             counts: EngineCounts::default(),
         })
@@ -89,6 +120,40 @@ impl Engine {
     /// Goes on from what an earlier drive learned ([`Pipeline::restore`]). Before the first frame.
     pub fn restore(&mut self, learned: &Learned) {
         self.pipeline.restore(learned);
+    }
+
+    /// Takes the place of another engine, between two frames: what it has received but not yet sampled is
+    /// sampled, what it knows goes on as far as it still applies, and so do counters and counts.
+    pub fn take_over(&mut self, mut before: Engine, sink: &mut impl Sink) -> Survived {
+        let same_samples = self.origin.sampling == before.origin.sampling
+            && self.sampler.inputs() == before.sampler.inputs();
+        if !same_samples {
+            before.finish(sink);
+        }
+        let survived = if same_samples && self.origin == before.origin {
+            Survived::Everything
+        } else if self.origin.fingerprint == before.origin.fingerprint {
+            Survived::Learned
+        } else {
+            Survived::Nothing
+        };
+        match survived {
+            Survived::Everything => self.pipeline = before.pipeline,
+            Survived::Learned => self.restore(&before.learned()),
+            Survived::Nothing => {}
+        }
+        if same_samples {
+            self.sampler = before.sampler;
+        } else {
+            self.sampler.follow(&before.sampler);
+        }
+        self.publisher.follow(&before.publisher);
+        self.next_publication = before.next_publication.filter(|_| self.period == before.period);
+        self.faults |= before.faults;
+        self.dropped = before.dropped;
+        self.pipeline.set_dropped_frames(self.dropped);
+        self.counts = before.counts;
+        survived
     }
 
     /// What is worth keeping for the next drive ([`Pipeline::learned`]).
@@ -132,6 +197,11 @@ impl Engine {
         self.faults |= faults;
     }
 
+    /// Something is wrong that lasts, or (`false`) is wrong no more: every status frame tells it meanwhile.
+    pub fn set_lasting(&mut self, faults: Faults, wrong: bool) {
+        self.lasting.set(faults, wrong);
+    }
+
     /// Frames were lost before they came here.
     pub fn report_dropped(&mut self, count: u64) {
         if count == 0 {
@@ -169,7 +239,8 @@ impl Engine {
         }
         Estimates {
             time: latest.time,
-            state: State::NoInput,
+            // Without any sample: after a reload, until there is one.
+            state: if latest.state == State::Starting { State::Starting } else { State::NoInput },
             surface_changes: latest.surface_changes,
             dropped_frames: latest.dropped_frames,
             ..Estimates::default()
@@ -191,7 +262,7 @@ impl Engine {
         }
         self.next_publication = Some((now + Micros(1)).next_multiple_of(self.period));
         let mut estimates = self.current(now);
-        estimates.faults |= std::mem::take(&mut self.faults);
+        estimates.faults |= std::mem::take(&mut self.faults) | self.lasting;
         let sent = &mut self.counts.frames_out;
         self.publisher.publish(now, &estimates, &mut |frame| {
             *sent += 1;

@@ -5,7 +5,9 @@
 
 mod daemon;
 mod engine;
+mod reload;
 pub mod saved;
+mod systemd;
 mod throttle;
 
 use std::path::PathBuf;
@@ -19,8 +21,9 @@ use crate::dbc::DbcError;
 use crate::signals::SignalsError;
 use crate::signals::publish::PublishError;
 
-pub use daemon::{Link, ServiceError, Tally, run, serve};
-pub use engine::{Engine, EngineCounts, Sink, sensors};
+pub use daemon::{Link, Service, ServiceError, Tally, run, serve};
+pub use engine::{Engine, EngineCounts, Sink, Survived, sensors};
+pub use reload::{Fresh, Reloads};
 pub use saved::{Keeper, SavedState};
 
 /// `[service]`.

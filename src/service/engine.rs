@@ -20,7 +20,7 @@ pub trait Sink {
 
 /// Sampler, estimators and publisher in a row. Does no I/O, knows no clock, and does not allocate
 /// once built.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Engine {
     sampler: Sampler,
     pipeline: Pipeline,
@@ -37,7 +37,7 @@ pub struct Engine {
 }
 
 /// What the estimators were made of, besides the compiled mapping.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 struct Origin {
     sampling: SamplerConfig,
     vehicle: Vehicle,

@@ -18,7 +18,7 @@ use crate::Config;
 use crate::estimate::Learned;
 use crate::new_file::{NewFile, remove_leftovers};
 
-pub use file::fingerprint;
+pub use file::{fingerprint, parse, text};
 pub use keeper::Keeper;
 
 /// Why a file is not used.

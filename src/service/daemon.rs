@@ -333,6 +333,7 @@ impl Daemon {
                 Err(error) => {
                     self.tally.unsent += 1;
                     self.engine.report(Faults::BUS_ERROR);
+                    self.engine.untold();
                     if self.said.unsent.pass(Instant::now()).is_some() {
                         tracing::warn!(total = self.tally.unsent, "a frame was not sent: {error}");
                     }

@@ -30,6 +30,8 @@ pub struct Engine {
     next_publication: Option<Micros>,
     /// Faults since the last publication.
     faults: Faults,
+    /// Faults of the last publication.
+    told: Faults,
     /// Faults that every publication tells until they are taken back.
     lasting: Faults,
     dropped: u64,
@@ -111,6 +113,7 @@ impl Engine {
             },
             next_publication: None,
             faults: Faults::empty(),
+            told: Faults::empty(),
             lasting: Faults::empty(),
             dropped: 0,
             counts: EngineCounts::default(),
@@ -183,7 +186,10 @@ impl Engine {
             return;
         }
         self.drain(sink);
-        self.publish_if_due(frame.time, sink);
+        // Not the frame's time: one that comes late must not bring the last round once more.
+        if let Some(now) = self.sampler.now() {
+            self.publish_if_due(now, sink);
+        }
     }
 
     /// At the end of a recording: the samples that waited for later frames.
@@ -195,6 +201,11 @@ impl Engine {
     /// Something is wrong with the bus; it shows in the next status frame.
     pub fn report(&mut self, faults: Faults) {
         self.faults |= faults;
+    }
+
+    /// What was published last did not get through: the next status frame tells of its faults once more.
+    pub fn untold(&mut self) {
+        self.faults |= self.told;
     }
 
     /// Something is wrong that lasts, or (`false`) is wrong no more: every status frame tells it meanwhile.
@@ -262,7 +273,8 @@ impl Engine {
         }
         self.next_publication = Some((now + Micros(1)).next_multiple_of(self.period));
         let mut estimates = self.current(now);
-        estimates.faults |= std::mem::take(&mut self.faults) | self.lasting;
+        self.told = std::mem::take(&mut self.faults);
+        estimates.faults |= self.told | self.lasting;
         let sent = &mut self.counts.frames_out;
         self.publisher.publish(now, &estimates, &mut |frame| {
             *sent += 1;

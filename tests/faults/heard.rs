@@ -39,6 +39,13 @@ pub fn bits(frame: &Frame, signal: &str) -> u64 {
     message.signal(signal).unwrap().bits(frame.data()).unwrap()
 }
 
+/// Does it say that it has no value for a signal?
+pub fn is_not_available(frame: &Frame, signal: &str) -> bool {
+    let message = layout().messages().iter().find(|message| message.id == frame.id).unwrap();
+    let signal = message.signal(signal).unwrap();
+    signal.bits(frame.data()) == signal.value_named("not_available")
+}
+
 /// The frames of one message.
 pub fn of<'a>(frames: &'a [Frame], message: &str) -> impl Iterator<Item = &'a Frame> {
     let id = layout().message(message).unwrap().id;

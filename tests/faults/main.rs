@@ -8,6 +8,12 @@
 )]
 
 mod car;
+mod case;
+mod content;
+mod frame;
 mod heard;
+mod output;
 mod reload;
+mod sensor;
 mod service;
+mod timing;

@@ -6,8 +6,9 @@
 //! GRIPD_FUZZ=1000 GRIPD_FUZZ_SEED=7 cargo test --release --test fuzz -- --nocapture
 //! ```
 //!
-//! runs each target a thousand times as long. An input that fails is written to a file that the message names; put
-//! into `corpus/TARGET`, it is run first from then on.
+//! runs each target a thousand times as long. An input that fails is written to a file that the message names,
+//! TARGET-SEED-RUN; GRIPD_FUZZ_FROM=RUN goes there at once, and the file, put into `corpus/TARGET`, is run first from
+//! then on.
 
 #![allow(
     clippy::unwrap_used,

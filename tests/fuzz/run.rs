@@ -52,7 +52,7 @@ pub fn fuzz<I: Input>(
     let (runs, seed) = (usual * setting("GRIPD_FUZZ", 1), setting("GRIPD_FUZZ_SEED", 1));
     let begun = Instant::now();
     let mut count = 0;
-    for run in 0..runs {
+    for run in setting("GRIPD_FUZZ_FROM", 0)..runs {
         let input = make(&mut Dice::new(name, seed, run));
         count += input.count();
         one(name, &format!("{name}-{seed}-{run}"), &input, &mut check);

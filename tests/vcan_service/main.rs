@@ -10,6 +10,7 @@
     reason = "helpers of tests may fail loudly"
 )]
 
+mod faults;
 mod isolation;
 mod lifecycle;
 mod links;

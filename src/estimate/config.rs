@@ -99,6 +99,9 @@ pub struct SlopeConfig {
     /// Standard deviation of the slip offset before anything is measured: tires of one car differ in
     /// radius by this much.
     pub initial_offset_std: f64,
+    /// Slip that is none, while the speed hardly changes: tooth wheels locked to the sampling. No evidence of another
+    /// surface.
+    pub feigned_slip: f64,
     /// CUSUM: standard deviations forgiven at each block.
     pub cusum_drift: f64,
     /// CUSUM: standard deviations that must add up for a surface change.
@@ -131,6 +134,7 @@ impl Default for SlopeConfig {
             unseen_walk: 0.04,
             offset_walk: 2e-6,
             initial_offset_std: 0.02,
+            feigned_slip: 4e-4,
             cusum_drift: 0.75,
             cusum_threshold: 12.0,
             change_boost: 1e6,

@@ -30,13 +30,17 @@
 mod bend;
 mod lasting;
 mod measure;
+mod single_brake;
 mod sliding;
+mod standstill;
 
 use nalgebra::SVector;
 
 use self::bend::Bend;
+use self::single_brake::SingleBrake;
 pub use self::sliding::LateralLimit;
 use self::sliding::Sliding;
+use self::standstill::Standstill;
 
 use super::belief::Belief;
 use super::learned::{Known, Trial};
@@ -76,11 +80,14 @@ pub struct CorneringEstimator {
     window: Window,
     running: bool,
     axles: [AxleMonitor; 2],
+    single_brake: SingleBrake,
     tires: Bend,
     limit: Option<LateralLimit>,
     yaw_acceleration: YawAcceleration,
     minimum_speed: f64,
-    standing_s: f64,
+    standstill: Standstill,
+    /// For how long the car has been fast enough, s.
+    driving_s: f64,
     age_s: f64,
     informed: bool,
     /// Seconds since the last sample that could be used at all, and whether there was one.
@@ -156,9 +163,12 @@ impl CorneringEstimator {
     const UNKNOWN_STD: f64 = 0.5;
     /// Normalized innovations count in the CUSUM up to this.
     const ALARM_CLIP: f64 = 4.0;
-    /// All wheels slower than this, for [`Self::STANDING_AFTER`]: the car stands, m/s.
-    const STANDING_BELOW: f64 = 0.1;
-    const STANDING_AFTER: f64 = 0.5;
+    /// Errors of sensors move by this share of what they may be at all, 1/√s: a tenth in an hour.
+    const ERRORS_WALK: f64 = 0.1 / 60.0;
+    /// A bus sends less often than it is sampled: so many samples of a sensor that rests are worth one.
+    const REPEATED: f64 = 4.0;
+    /// After driving so slowly that it may be backwards, where wheel speeds have no sign, that shows within this, s.
+    const FORWARD_SHOWS_S: f64 = 3.0;
     /// Lateral velocity of which nothing is known yet, m/s.
     const UNKNOWN_VY: f64 = 0.5;
 
@@ -179,11 +189,13 @@ impl CorneringEstimator {
             window: Window::new(Self::WINDOW_S),
             running: false,
             axles: [axle.clone(), axle],
+            single_brake: SingleBrake::new(car, car.radius * sensors.noise_std(Quantity::WheelSpeedFl)),
             tires: Bend::new(),
             limit: None,
             yaw_acceleration: YawAcceleration::default(),
             minimum_speed,
-            standing_s: 0.0,
+            standstill: Standstill::default(),
+            driving_s: 0.0,
             age_s: 0.0,
             informed: false,
             idle_s: 0.0,
@@ -225,9 +237,11 @@ impl CorneringEstimator {
         let Some(Cornering { speed, yaw_rate: r, lateral_acceleration: ay, road_angle: angle }) =
             now.cornering(self.minimum_speed)
         else {
+            self.driving_s = 0.0;
             self.stop(now.elapsed_s);
             return false;
         };
+        self.driving_s += now.elapsed_s;
         if now.elapsed_s > 0.25 * Self::WINDOW_S {
             self.stop(now.elapsed_s);
         }
@@ -235,6 +249,7 @@ impl CorneringEstimator {
         let along = longitudinal.map_or(0.0, |a| self.car.longitudinal_force(a, speed));
         let sample =
             Means { speed, yaw_rate: r, acceleration: ay, angle, along, samples: 1.0, ..Means::default() };
+        self.single_brake.add(now, along);
         let mut changed = false;
         if let Some(mut means) = self.window.step(&sample, now.elapsed_s) {
             self.yaw_acceleration.shrink(&mut means);
@@ -303,6 +318,7 @@ impl CorneringEstimator {
     /// The sideslip is known well enough to be acted upon.
     pub fn is_motion_valid(&self, speed: f64) -> bool {
         self.is_consistent()
+            && self.driving_s > Self::FORWARD_SHOWS_S
             && self.motion.is_some_and(|m| m.lateral_velocity_std <= self.config.valid_sideslip_std * speed)
     }
 
@@ -327,24 +343,18 @@ impl CorneringEstimator {
 
     /// Standing still, the yaw rate sensor shows its offset.
     fn watch_standstill(&mut self, now: &Kinematics) {
-        let Some(wheels) = now.wheels else { return };
-        if wheels.iter().any(|wheel| wheel.abs() > Self::STANDING_BELOW) {
-            self.standing_s = 0.0;
-            return;
-        }
-        self.standing_s += now.elapsed_s;
-        if let Some(r) = now.yaw_rate
-            && self.standing_s > Self::STANDING_AFTER
-        {
+        if let Some((yaw_rate, samples)) = self.standstill.step(now) {
             let mut h = Row::zeros();
             h[YAW_OFFSET] = 1.0;
-            self.state.update(&h, r - self.state.mean[YAW_OFFSET], self.noise.yaw_rate.powi(2));
+            let variance = Self::REPEATED * self.noise.yaw_rate.powi(2) / samples;
+            self.state.update(&h, yaw_rate - self.state.mean[YAW_OFFSET], variance);
         }
     }
 
     /// The motion is not known for a while; stiffness and sensor errors are kept.
     fn stop(&mut self, elapsed_s: f64) {
         self.window = Window::new(Self::WINDOW_S);
+        self.single_brake.stop();
         if std::mem::take(&mut self.running) {
             self.forget(VY, 0.0, Self::UNKNOWN_VY);
         }
@@ -373,6 +383,14 @@ impl CorneringEstimator {
             self.state.covariance.row_mut(i).scale_mut(shrink);
             self.state.covariance.column_mut(i).scale_mut(shrink);
         }
+        let step = Self::ERRORS_WALK * elapsed_s.sqrt();
+        for (i, most) in [
+            (ANGLE_OFFSET, config.steering_offset_std),
+            (AY_OFFSET, config.acceleration_offset_std),
+            (YAW_OFFSET, config.yaw_rate_offset_std),
+        ] {
+            self.state.inflate(i, (step * most).powi(2));
+        }
         let kept = (-elapsed_s / config.bank_time_s).exp();
         self.state.mean[BANK] *= kept;
         self.state.covariance.row_mut(BANK).scale_mut(kept);
@@ -390,6 +408,10 @@ impl CorneringEstimator {
             self.forget(VY, vy, Self::UNKNOWN_VY);
         }
         let mut changed = false;
+        let is_braked = self.single_brake.end(now.speed, now.path.time);
+        if is_braked && self.driving_s > Self::FORWARD_SHOWS_S {
+            return false;
+        }
         for axle in [FRONT, REAR] {
             match self.measure(axle, now, belief) {
                 Said::Nothing => {}
@@ -420,9 +442,9 @@ impl CorneringEstimator {
 
     /// Numbers got out of hand: better to know nothing than to go on with them.
     fn start_again(&mut self) {
-        let noise = self.noise;
+        let (noise, single_brake) = (self.noise, self.single_brake.clone());
         *self = Self::new(&self.car, &Sensors::default(), &self.config, self.minimum_speed);
-        self.noise = noise;
+        (self.noise, self.single_brake) = (noise, single_brake);
     }
 }
 

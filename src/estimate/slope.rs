@@ -158,6 +158,8 @@ struct WheelSlope {
     settled: Option<Known>,
     /// What was taken up from an earlier drive is on trial.
     trial: Option<Trial<2>>,
+    /// Rolling speeds of the last blocks, m/s.
+    speeds: [f64; Self::DWELLS],
 }
 
 impl WheelSlope {
@@ -185,6 +187,9 @@ impl WheelSlope {
     const WORTH_KEEPING: f64 = 0.5;
     /// Blocks for which an earlier drive's numbers are on trial.
     const TRIAL: u32 = 40;
+    /// Blocks that are looked at for whether a wheel dwells at its speed, and within how much of it, m/s.
+    const DWELLS: usize = 4;
+    const LOCKED: f64 = 0.2;
     /// How fast a curve becomes known further up, and how slowly that is forgotten, s.
     const KNOWN_S: (f64, f64) = (4.0, 120.0);
 
@@ -198,6 +203,7 @@ impl WheelSlope {
             known_up_to: 0.0,
             settled: None,
             trial: None,
+            speeds: [f64::NAN; Self::DWELLS],
         }
     }
 
@@ -241,6 +247,7 @@ impl WheelSlope {
             known_up_to: 0.0,
             settled: None,
             trial: None,
+            speeds: self.speeds,
         };
     }
 
@@ -292,14 +299,23 @@ impl WheelSlope {
         let beyond = point.mu.abs() > Self::BEYOND * self.known_up_to;
         self.explore(point.mu.abs(), duration_s);
         // A softer surface makes more slip in the direction of the force.
-        let evidence = normalized * point.mu.signum();
-        // A tooth wheel locked to the sampling shifts the slip for a second, whatever the force. What no
-        // change of surface could explain is no evidence of one.
-        let explicable = self.filter.mean[0].abs() * point.mu.abs() / expected.variance.sqrt();
+        let feigned = if self.dwells(point.rolling) { config.feigned_slip } else { 0.0 };
+        let deviation = expected.variance.sqrt().hypot(feigned);
+        let evidence = expected.residual / deviation * point.mu.signum();
+        // What no change of surface could explain is no evidence of one.
+        let explicable = self.filter.mean[0].abs() * point.mu.abs() / deviation;
         let (stiffer, softer) = Self::CHANGES;
         (self.is_settled() && !beyond && point.mu.abs() > config.noticeable_mu).then(|| {
             evidence.clamp(-Self::CLIP, Self::CLIP).clamp(-stiffer * explicable, softer * explicable)
         })
+    }
+
+    /// Does the wheel dwell at one speed? Its teeth may be locked to the sampling then, and feign a slip that lasts.
+    fn dwells(&mut self, speed: f64) -> bool {
+        self.speeds.rotate_left(1);
+        self.speeds[Self::DWELLS - 1] = speed;
+        let changed = self.speeds.iter().map(|before| (speed - before).abs()).fold(0.0, f64::max);
+        changed < Self::LOCKED
     }
 
     fn explore(&mut self, mu: f64, duration_s: f64) {

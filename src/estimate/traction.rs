@@ -17,6 +17,8 @@ pub struct TractionPoint {
     pub mu: f64,
     /// Standard deviation of `mu`'s noise.
     pub mu_std: f64,
+    /// What the wheel's speed were without slip, m/s.
+    pub rolling: f64,
 }
 
 /// Turns blocks into points of the slip curve.
@@ -98,6 +100,7 @@ impl Traction {
             slip_std: (white * white + geometry * geometry + cornering * cornering).sqrt(),
             mu: force / load - reference_mu,
             mu_std: force_std / load,
+            rolling,
         })
     }
 

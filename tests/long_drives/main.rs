@@ -15,14 +15,17 @@ use watch::{Watch, watch};
 const HOUR_S: f64 = 3600.0;
 
 /// What holds however long it lasts: nothing to see is shown as nothing.
-fn straight_motorway(seconds: f64) -> Watch {
+fn straight_motorway(seconds: f64) {
     let seen = watch(&roads::motorway(seconds), 300.0, f64::INFINITY);
     seen.is_sane((seconds - 310.0) as u64 * 100);
-    assert!(seen.offsets.iter().all(|offset| offset.walked() < 1.0), "{seen:#?}");
+    for offset in seen.offsets {
+        assert!(offset.most_stds_off < 2.0 && offset.walked() < 1.0, "{seen:#?}");
+    }
     assert_eq!(seen.cornering_valid, 0, "{seen:#?}");
     nothing_of_friction(&seen);
     assert!(seen.with_sideslip == seen.samples && seen.largest_sideslip < 0.3, "{seen:#?}");
-    seen
+    assert_eq!((seen.changes_before, seen.surface_changes), (Some(0), 0), "{seen:#?}");
+    assert_eq!(seen.slope_valid_and_wrong, 0, "{seen:#?}");
 }
 
 fn nothing_of_friction(seen: &Watch) {
@@ -32,25 +35,13 @@ fn nothing_of_friction(seen: &Watch) {
 
 #[test]
 fn twenty_minutes_of_straight_motorway_move_nothing() {
-    let seen = straight_motorway(HOUR_S / 3.0);
-    assert!(seen.offsets.iter().all(|offset| offset.most_stds_off < 3.0), "{seen:#?}");
-    assert_eq!(seen.surface_changes, 0, "{seen:#?}");
-    assert_eq!(seen.slope_valid_and_wrong, 0, "{seen:#?}");
-    // Today, in the first five minutes; there should be none then, either.
-    assert!(seen.changes_before.unwrap() <= 2, "{seen:#?}");
+    straight_motorway(HOUR_S / 3.0);
 }
 
 #[test]
 #[ignore = "20 s; the same for twenty minutes is not"]
 fn three_hours_of_straight_motorway_move_nothing() {
-    let seen = straight_motorway(3.0 * HOUR_S);
-    // Today. From the first half hour on the slope is too sure of itself, and cruising trips its detector ten times an
-    // hour: there should be no change at all, and no slope valid and wrong.
-    assert!(seen.surface_changes <= 35, "{seen:#?}");
-    assert!(seen.slope_valid_and_wrong < 5000, "{seen:#?}");
-    // Today. The offsets stay where they are, 0.15 mrad and 0.03 m/s² off, while their deviations shrink without
-    // end; it should be 3.
-    assert!(seen.offsets.iter().all(|offset| offset.most_stds_off < 8.5), "{seen:#?}");
+    straight_motorway(3.0 * HOUR_S);
 }
 
 fn traffic_jam(seconds: f64) {
@@ -98,11 +89,7 @@ fn parking_back_and_forth_neither_trips_nor_unlearns_anything() {
     assert_eq!(seen.slope_valid_and_wrong + seen.cornering_valid_and_wrong, 0, "{seen:#?}");
     assert_eq!((seen.friction_valid, seen.motion_valid), (0, 0), "{seen:#?}");
     assert_eq!(seen.most_excluded, 0.0, "{seen:#?}");
-    let [road_angle, acceleration, yaw_rate] = seen.offsets;
-    assert!(road_angle.most_stds_off < 3.0 && acceleration.most_stds_off < 3.0, "{seen:#?}");
-    // Today. Wheels that creep send zero, the car is taken to stand, and how it turns to be the offset; it should be
-    // within 3 deviations, not off by twenty.
-    assert!(yaw_rate.last_off() < 0.001 && yaw_rate.most_stds_off < 24.0, "{seen:#?}");
+    assert!(seen.offsets.iter().all(|offset| offset.most_stds_off < 3.0), "{seen:#?}");
 }
 
 /// On a bus whose wheel speeds have no sign, as the demo's.
@@ -110,12 +97,9 @@ fn parking_back_and_forth_neither_trips_nor_unlearns_anything() {
 fn reversing_fast_gives_nothing_valid_that_is_wrong() {
     let seen = watch(&roads::reverse(120.0), 0.0, f64::INFINITY);
     seen.is_sane(11_000);
-    assert_eq!((seen.slope_valid, seen.cornering_valid), (0, 0), "{seen:#?}");
+    assert_eq!((seen.slope_valid, seen.cornering_valid, seen.motion_valid), (0, 0, 0), "{seen:#?}");
     nothing_of_friction(&seen);
-    // Today; there should be none.
-    assert!(seen.surface_changes <= 1, "{seen:#?}");
-    // Today: for the first two seconds it is taken for driving forward. It should not be valid at all.
-    assert!(seen.motion_valid < 200 && seen.valid_sideslip_most_off < 2.6, "{seen:#?}");
+    assert_eq!(seen.surface_changes, 0, "{seen:#?}");
 }
 
 #[test]
@@ -152,16 +136,12 @@ fn a_trailer_over_the_hills_is_no_other_surface() {
 }
 
 #[test]
-fn esp_braking_single_wheels_seldom_passes_for_friction() {
+fn esp_braking_single_wheels_passes_neither_for_friction_nor_for_stiffness() {
     let seen = watch(&roads::interventions(36), 0.0, f64::INFINITY);
     seen.is_sane(50_000);
-    // Today, all of it: braked wheels are taken for driven ones on ice (some seconds in 36 interventions, valid). There
-    // should be none, and no interval that excludes the truth by more than 0.1.
-    assert!(seen.friction_valid_and_wrong <= 300, "{seen:#?}");
-    assert!(seen.most_excluded < 0.72, "{seen:#?}");
+    assert_eq!((seen.friction_valid_and_wrong, seen.most_excluded), (0, 0.0), "{seen:#?}");
     assert_eq!(seen.surface_changes, 0, "{seen:#?}");
-    // Today. What ESP turns is taken for what the front tires turn: their stiffness is three to four times too high,
-    // and valid. Nothing should be valid and wrong.
-    assert!(seen.cornering_valid_and_wrong < 53_000, "{seen:#?}");
-    assert!(seen.valid_sideslip_most_off < 1.1, "{seen:#?}");
+    // Today, of 58000; nothing should be valid and wrong.
+    assert!(seen.cornering_valid_and_wrong <= 240 && seen.slope_valid_and_wrong <= 25, "{seen:#?}");
+    assert!(seen.valid_sideslip_most_off < 0.7, "{seen:#?}");
 }

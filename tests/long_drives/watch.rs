@@ -35,12 +35,6 @@ impl Offset {
         self.most_stds_off = self.most_stds_off.max(off);
     }
 
-    /// How far the last estimate is off.
-    pub fn last_off(&self) -> f64 {
-        let [_, last] = self.ends.unwrap();
-        (last - self.truth).abs()
-    }
-
     /// From the first estimate to the last, in standard deviations of the first one.
     pub fn walked(&self) -> f64 {
         let [first, last] = self.ends.unwrap();

@@ -2,7 +2,13 @@ use super::*;
 use crate::model::Vehicle;
 
 fn point(slope: f64, mu: f64, noise: f64) -> TractionPoint {
-    TractionPoint { slip: mu / slope + 0.015 + noise, slip_std: 2e-4, mu, mu_std: 0.0 }
+    TractionPoint {
+        slip: mu / slope + 0.015 + noise,
+        slip_std: 2e-4,
+        mu,
+        mu_std: 0.0,
+        rolling: 20.0 + 10.0 * mu,
+    }
 }
 
 /// Drives `blocks` blocks on a surface; returns at which of them changes were noticed.

@@ -1,0 +1,183 @@
+//! Does a single wheel brake, and turn the car?
+//!
+//! ESP turns a car by braking single wheels. The axles' equations know no such moment and take it for a lateral force:
+//! a stiffness comes out several times too high. But what brakes slips. The wheels of an axle roll as fast as the curve
+//! has them, once the difference of their radii is known; where one is slower though neither driver nor engine slows
+//! or drives it, it is braked alone. What a driver's brakes do in a curve, where the loads differ, is not told from that,
+//! and left to the equations.
+
+use nalgebra::vector;
+
+use crate::estimate::{Car, Kinematics};
+use crate::filter::Gaussian;
+use crate::model::DrivenAxle;
+
+/// Watches the difference between left and right of both axles.
+#[derive(Clone, Debug)]
+pub struct SingleBrake {
+    /// By how much more the left wheel turns than the right one on a straight road, relative, of each axle.
+    radii: [Gaussian<1>; 2],
+    track: [f64; 2],
+    is_driven: [bool; 2],
+    /// Of one wheel's speed, m/s.
+    wheel_noise: f64,
+    sums: Sums,
+    /// For how long one has been seen, s.
+    lasting_s: f64,
+}
+
+/// Sums over a window.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    count: f64,
+    /// Speed of the left wheels less that of the right ones, less what the curve makes of it, relative.
+    excess: [f64; 2],
+    /// Curvature of the path, 1/m.
+    turning: f64,
+    /// Normalized force along the car.
+    along: f64,
+    is_braking: bool,
+}
+
+impl SingleBrake {
+    /// How much two tires of an axle may differ in radius, relative, and by how much more as time goes, 1/√s.
+    const RADII: (f64, f64) = (0.004, 2e-4);
+    /// How well track width and yaw rate tell the difference that a curve makes, relative.
+    const GEOMETRY_STD: f64 = 0.03;
+    /// So little slip of one wheel alone turns no car.
+    const HARDLY: f64 = 1e-3;
+    /// So many deviations are no chance.
+    const CLEAR: f64 = 4.0;
+    /// With this force along the car, over its weight, or more, its driven wheels drive.
+    const DRIVING: f64 = 0.01;
+    /// No brake turns a car for longer, s: it is something else.
+    const LONGEST_S: f64 = 3.0;
+
+    /// For this car; `wheel_noise` is that of one wheel's speed, m/s.
+    pub fn new(car: &Car, wheel_noise: f64) -> Self {
+        Self {
+            radii: [Gaussian::new([0.0], [Self::RADII.0]); 2],
+            track: car.track,
+            is_driven: [car.driven_axle != DrivenAxle::Rear, car.driven_axle != DrivenAxle::Front],
+            wheel_noise,
+            sums: Sums::default(),
+            lasting_s: 0.0,
+        }
+    }
+
+    /// Takes a sample; `along` is the normalized force along the car.
+    pub fn add(&mut self, now: &Kinematics, along: f64) {
+        let (Some([fl, fr, rl, rr]), Some(yaw_rate), Some(speed), Some(angle)) =
+            (now.wheels, now.yaw_rate, now.speed, now.road_angle)
+        else {
+            return;
+        };
+        let turning = yaw_rate / speed;
+        let sums = &mut self.sums;
+        sums.count += 1.0;
+        sums.excess[0] += (fl - fr) / speed + turning * self.track[0] * angle.cos();
+        sums.excess[1] += (rl - rr) / speed + turning * self.track[1];
+        sums.turning += turning;
+        sums.along += along;
+        sums.is_braking |= now.braking == Some(true);
+    }
+
+    /// At a window's end: was a single wheel braked in it? Learns the radii where not.
+    pub fn end(&mut self, speed: f64, elapsed_s: f64) -> bool {
+        let sums = std::mem::take(&mut self.sums);
+        if sums.count == 0.0 {
+            return false;
+        }
+        let drives = sums.along > Self::DRIVING * sums.count;
+        let white = std::f64::consts::SQRT_2 * self.wheel_noise / speed / sums.count.sqrt();
+        let mut is_braked = false;
+        for (axle, radii) in self.radii.iter_mut().enumerate() {
+            let geometry = Self::GEOMETRY_STD * self.track[axle] * sums.turning / sums.count;
+            let variance = white * white + geometry * geometry + Self::HARDLY * Self::HARDLY;
+            radii.inflate(0, Self::RADII.1 * Self::RADII.1 * elapsed_s);
+            let residual = sums.excess[axle] / sums.count - radii.mean[0];
+            let differs =
+                radii.innovation(&vector![1.0], residual, variance).normalized().abs() > Self::CLEAR;
+            if !differs {
+                radii.update(&vector![1.0], residual, variance);
+            }
+            is_braked |= differs && !sums.is_braking && !(drives && self.is_driven[axle]);
+        }
+        self.lasting_s = if is_braked { self.lasting_s + elapsed_s } else { 0.0 };
+        is_braked && self.lasting_s < Self::LONGEST_S
+    }
+
+    /// The window has no end.
+    pub fn stop(&mut self) {
+        self.sums = Sums::default();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Wheel;
+    use crate::model::Vehicle;
+
+    const WINDOW_S: f64 = 0.4;
+
+    /// A window of driving at 20 m/s with this yaw rate, the left front wheel slipping by so much.
+    fn window(
+        single: &mut SingleBrake,
+        car: &Car,
+        yaw_rate: f64,
+        slip: f64,
+        along: f64,
+        pedal: bool,
+    ) -> bool {
+        let mut wheels = Wheel::ALL.map(|wheel| car.wheel_plane_speed(wheel, 20.0, 0.0, yaw_rate, 0.0));
+        // Its tire is larger than the other.
+        wheels[0] *= 1.002 * (1.0 - slip);
+        let now = Kinematics {
+            elapsed_s: 0.01,
+            speed: Some(20.0),
+            wheels: Some(wheels),
+            yaw_rate: Some(yaw_rate),
+            lateral_acceleration: Some(20.0 * yaw_rate),
+            longitudinal_acceleration: None,
+            road_angle: Some(0.0),
+            axle_torque: None,
+            braking: Some(pedal),
+            abs: None,
+        };
+        for _ in 0..40 {
+            single.add(&now, along);
+        }
+        single.end(20.0, WINDOW_S)
+    }
+
+    fn familiar(car: &Car) -> SingleBrake {
+        let mut single = SingleBrake::new(car, 0.03);
+        for i in 0..50 {
+            let yaw_rate = 0.2 * (f64::from(i) * 0.3).sin();
+            assert!(!window(&mut single, car, yaw_rate, 0.0, 0.0, false));
+        }
+        single
+    }
+
+    #[test]
+    fn a_wheel_braked_alone_is_seen_in_a_curve_too_until_it_lasts_too_long() {
+        let car = Car::new(&Vehicle::thesis());
+        for yaw_rate in [0.0, 0.2] {
+            let mut single = familiar(&car);
+            let seen = (0..20).take_while(|_| window(&mut single, &car, yaw_rate, 0.01, -0.2, false)).count();
+            assert!((5..=8).contains(&seen), "{seen} windows");
+            assert!(!window(&mut single, &car, yaw_rate, 0.0, 0.0, false));
+        }
+    }
+
+    #[test]
+    fn engine_and_driver_make_wheels_slip_as_well() {
+        let car = Car::new(&Vehicle::thesis());
+        assert_eq!(car.driven_axle, DrivenAxle::Front);
+        let mut single = familiar(&car);
+        assert!(!window(&mut single, &car, 0.1, -0.01, 0.2, false));
+        assert!(!window(&mut single, &car, 0.1, 0.01, -0.2, true));
+        assert!(window(&mut single, &car, 0.1, 0.01, -0.2, false));
+    }
+}

@@ -3,13 +3,17 @@
 use std::future::Future;
 use std::io;
 use std::pin::pin;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use nix::sys::mman::{MlockAllFlags, mlockall};
 use thiserror::Error;
 use tokio::time::{Interval, MissedTickBehavior};
 
 use super::throttle::Throttle;
-use super::{Engine, Fresh, Keeper, Reloads, SavedState, SetupError, Sink, Survived, systemd};
+use super::{
+    Endpoint, Engine, Fresh, Health, Keeper, Reloads, SavedState, SetupError, Sink, Survived, systemd,
+};
 use crate::can::{
     Bus, BusState, CanId, ErrorReport, Event, Frame, InterfaceName, OpenError, Reception, SendError,
     SocketCan, SocketCanConfig,
@@ -89,12 +93,14 @@ pub struct Service<L> {
     pub report_every_s: u64,
     /// Brings other configurations; `None`: there is only the one.
     pub reloads: Option<Reloads>,
+    /// Counts for whoever watches.
+    pub health: Option<Arc<Health>>,
 }
 
 impl<L> Service<L> {
     /// One link, and nothing that need not be.
     pub fn new(engine: Engine, input: L) -> Self {
-        Self { engine, input, output: None, keeper: None, report_every_s: 0, reloads: None }
+        Self { engine, input, output: None, keeper: None, report_every_s: 0, reloads: None, health: None }
     }
 }
 
@@ -126,8 +132,39 @@ pub async fn run(
     let keeper = SavedState::of_process(config)
         .and_then(|state| Keeper::start(state, config.service.state_every_s, &mut engine));
     let report_every_s = config.service.report_every_s;
-    let service = Service { engine, input, output, keeper, report_every_s, reloads };
+    // Kept until the end: then it takes its socket away.
+    let (health, _endpoint) = watched(config).unzip();
+    if config.service.lock_memory {
+        lock_memory();
+    }
+    let service = Service { engine, input, output, keeper, report_every_s, reloads, health };
     Ok(serve(service, &mut Unobserved, shutdown).await)
+}
+
+/// The endpoint that is configured, if it can be had: nobody who watches is no reason not to run.
+fn watched(config: &Config) -> Option<(Arc<Health>, Endpoint)> {
+    let address = config.service.metrics.as_ref()?;
+    let health = Arc::new(Health::default());
+    match Endpoint::start(address, Arc::clone(&health)) {
+        Ok(endpoint) => {
+            tracing::info!("metrics at {address}");
+            Some((health, endpoint))
+        }
+        Err(error) => {
+            tracing::warn!(
+                "service.metrics: {address} cannot be opened: {error}; the service goes on without"
+            );
+            None
+        }
+    }
+}
+
+fn lock_memory() {
+    if let Err(errno) = mlockall(MlockAllFlags::MCL_CURRENT | MlockAllFlags::MCL_FUTURE) {
+        tracing::warn!(
+            "service.lock_memory: the memory cannot be locked: {errno}; allow it by LimitMEMLOCK= in the unit, or              `ulimit -l`. The service goes on without"
+        );
+    }
 }
 
 fn reception(config: &Config, ids: &[CanId]) -> Reception {
@@ -148,8 +185,8 @@ pub async fn serve<L: Link>(
     observer: &mut impl Sink,
     shutdown: impl Future<Output = ()>,
 ) -> Tally {
-    let Service { engine, mut input, mut output, mut keeper, report_every_s, mut reloads } = service;
-    let mut daemon = Daemon::new(engine);
+    let Service { engine, mut input, mut output, mut keeper, report_every_s, mut reloads, health } = service;
+    let mut daemon = Daemon::new(engine, health);
     let mut shutdown = pin!(shutdown);
     let mut watchdog = systemd::watchdog_period().and_then(every);
     let mut report = every(Duration::from_secs(report_every_s));
@@ -177,6 +214,7 @@ pub async fn serve<L: Link>(
                 daemon.input(event, observer);
                 let target = output.as_mut().unwrap_or(&mut input);
                 daemon.send(target, observer);
+                daemon.show();
                 if let Some(keeper) = &mut keeper {
                     keeper.offer(&daemon.engine);
                 }
@@ -206,6 +244,7 @@ struct Daemon {
     said: Said,
     /// What systemd was last told of the input.
     status: &'static str,
+    health: Option<Arc<Health>>,
 }
 
 /// What was said lately, so that a bad day does not fill the log.
@@ -234,9 +273,9 @@ impl<S: Sink> Sink for Collect<'_, S> {
 }
 
 impl Daemon {
-    fn new(engine: Engine) -> Self {
+    fn new(engine: Engine, health: Option<Arc<Health>>) -> Self {
         let (outbox, status) = (Vec::with_capacity(16), "starting");
-        Self { engine, outbox, tally: Tally::default(), said: Said::default(), status }
+        Self { engine, outbox, tally: Tally::default(), said: Said::default(), status, health }
     }
 
     fn input(&mut self, event: Event, observer: &mut impl Sink) {
@@ -258,15 +297,29 @@ impl Daemon {
                 self.say_error("input", error);
             }
             Event::Up => {
+                self.set_up(true);
                 tracing::info!("the input interface is up");
                 self.tell("the input interface is up");
             }
             Event::Down | Event::Gone => {
                 self.engine.report(Faults::BUS_DOWN);
+                self.set_up(false);
                 let text = if event == Event::Down { "is down" } else { "does not exist" };
                 tracing::warn!("the input interface {text}; waiting for it");
                 self.tell("waiting for the input interface");
             }
+        }
+    }
+
+    fn set_up(&self, up: bool) {
+        if let Some(health) = &self.health {
+            health.set_input_up(up);
+        }
+    }
+
+    fn show(&self) {
+        if let Some(health) = &self.health {
+            health.update(&self.tally, &self.engine);
         }
     }
 
@@ -299,6 +352,9 @@ impl Daemon {
     /// Until there is a good one, each status frame tells of a configuration that was refused.
     fn reloaded(&mut self, accepted: Result<(), String>) {
         self.engine.set_lasting(Faults::CONFIG, accepted.is_err());
+        if let Some(health) = &self.health {
+            health.count_reload(accepted.is_ok());
+        }
         match accepted {
             Ok(()) => systemd::status(self.status),
             Err(reason) => {

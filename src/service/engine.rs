@@ -7,7 +7,7 @@ use crate::estimate::{EstimatorsConfig, Learned, Pipeline};
 use crate::estimates::State;
 use crate::model::Vehicle;
 use crate::signals::publish::Publisher;
-use crate::signals::{Inputs, Pushed, Sampler, SamplerConfig};
+use crate::signals::{FaultCounts, Inputs, Pushed, Sampler, SamplerConfig};
 use crate::{Config, Estimates, Faults, Micros, Quantity, Sample, Sensors};
 
 /// Who takes what the engine makes.
@@ -30,6 +30,8 @@ pub struct Engine {
     next_publication: Option<Micros>,
     /// Faults since the last publication.
     faults: Faults,
+    /// How often each was reported from outside.
+    reported: FaultCounts,
     /// Faults of the last publication.
     told: Faults,
     /// Faults that every publication tells until they are taken back.
@@ -113,6 +115,7 @@ impl Engine {
             },
             next_publication: None,
             faults: Faults::empty(),
+            reported: FaultCounts::default(),
             told: Faults::empty(),
             lasting: Faults::empty(),
             dropped: 0,
@@ -153,6 +156,7 @@ impl Engine {
         self.publisher.follow(&before.publisher);
         self.next_publication = before.next_publication.filter(|_| self.period == before.period);
         self.faults |= before.faults;
+        self.reported = before.reported;
         self.dropped = before.dropped;
         self.pipeline.set_dropped_frames(self.dropped);
         self.counts = before.counts;
@@ -201,6 +205,7 @@ impl Engine {
     /// Something is wrong with the bus; it shows in the next status frame.
     pub fn report(&mut self, faults: Faults) {
         self.faults |= faults;
+        self.reported.record(faults);
     }
 
     /// What was published last did not get through: the next status frame tells of its faults once more.
@@ -219,13 +224,23 @@ impl Engine {
             return;
         }
         self.dropped = self.dropped.saturating_add(count);
-        self.faults |= Faults::DROPPED;
+        self.report(Faults::DROPPED);
         self.pipeline.set_dropped_frames(self.dropped);
     }
 
     /// What went through so far.
     pub fn counts(&self) -> EngineCounts {
         self.counts
+    }
+
+    /// What it can do at the moment.
+    pub fn state(&self) -> State {
+        self.pipeline.latest().state
+    }
+
+    /// How often a fault began or was reported.
+    pub fn occurrences(&self, fault: Faults) -> u64 {
+        self.sampler.counts().get(fault) + self.reported.get(fault)
     }
 
     /// The sampler, for its fault counts.

@@ -10,7 +10,7 @@ use std::time::Duration;
 use tokio::sync::{Notify, oneshot};
 use tokio::time::{Instant, sleep_until};
 
-use super::{Engine, SavedState, SetupError, systemd};
+use super::{Address, Engine, SavedState, SetupError, systemd};
 use crate::Config;
 use crate::config::ConfigError;
 use crate::estimate::Learned;
@@ -33,9 +33,10 @@ pub struct Fresh {
 pub struct Reloads {
     bell: Arc<Notify>,
     read: Arc<Read>,
-    /// Names of the interfaces that are open.
+    /// What is open, by name.
     input: String,
     output: Option<String>,
+    metrics: Option<Address>,
     next: Instant,
     stage: Stage,
 }
@@ -64,6 +65,7 @@ impl Reloads {
             read: Arc::new(read),
             input: at_start.bus.interface.clone(),
             output: at_start.publish.interface.clone(),
+            metrics: at_start.service.metrics.clone(),
             next: Instant::now(),
             stage: Stage::Idle,
         }
@@ -111,9 +113,10 @@ impl Reloads {
         let keys = [
             ("bus.interface", self.input != config.bus.interface),
             ("publish.interface", self.output != config.publish.interface),
+            ("service.metrics", self.metrics != config.service.metrics),
         ];
         for (key, _) in keys.iter().filter(|(_, changed)| *changed) {
-            tracing::warn!("{key} has changed: interfaces are opened at the start only, restart for that");
+            tracing::warn!("{key} has changed: it is opened at the start only, restart for that");
         }
     }
 }

@@ -14,6 +14,7 @@ mod faults;
 mod isolation;
 mod lifecycle;
 mod links;
+mod metrics;
 mod process;
 mod reload;
 mod show;

@@ -141,7 +141,7 @@ fn another_interface_takes_a_restart() {
     let gripd = Gripd::start(car.path(), one.0);
     std::fs::write(car.path(), text.replace("gs_one", "gs_other")).unwrap();
     gripd.signal(SIGHUP);
-    gripd.wait_for_log("bus.interface has changed: interfaces are opened at the start only");
+    gripd.wait_for_log("bus.interface has changed: it is opened at the start only");
     gripd.wait_for_log("the new configuration is in use");
     traffic::send_all(one.0, &[data(0x1A0, &[0; 8])]);
     std::thread::sleep(Duration::from_millis(100));

@@ -10,7 +10,7 @@ use nix::sys::mman::{MlockAllFlags, mlockall};
 use thiserror::Error;
 use tokio::time::{Interval, MissedTickBehavior};
 
-use super::throttle::Throttle;
+use super::throttle::{Allowed, Quota, Throttle};
 use super::{
     Endpoint, Engine, Fresh, Health, Keeper, Reloads, SavedState, SetupError, Sink, Survived, systemd,
 };
@@ -254,6 +254,7 @@ struct Said {
     unsent: Throttle,
     bus_off: Throttle,
     bus_state: Throttle,
+    link: Quota,
 }
 
 /// Collects what the engine publishes, and shows estimates to the observer.
@@ -298,15 +299,14 @@ impl Daemon {
             }
             Event::Up => {
                 self.set_up(true);
-                tracing::info!("the input interface is up");
                 self.tell("the input interface is up");
+                self.say_link("input", event);
             }
             Event::Down | Event::Gone => {
                 self.engine.report(Faults::BUS_DOWN);
                 self.set_up(false);
-                let text = if event == Event::Down { "is down" } else { "does not exist" };
-                tracing::warn!("the input interface {text}; waiting for it");
                 self.tell("waiting for the input interface");
+                self.say_link("input", event);
             }
         }
     }
@@ -367,9 +367,7 @@ impl Daemon {
 
     fn output(&mut self, event: Event) {
         match event {
-            Event::Up => tracing::info!("the output interface is up"),
-            Event::Down => tracing::warn!("the output interface is down; nothing can be published"),
-            Event::Gone => tracing::warn!("the output interface does not exist; nothing can be published"),
+            Event::Up | Event::Down | Event::Gone => self.say_link("output", event),
             Event::Error(error) => {
                 self.engine.report(Faults::BUS_ERROR);
                 self.say_error("output", error);
@@ -399,6 +397,22 @@ impl Daemon {
         self.outbox.clear();
     }
 
+    /// Changes of a link, unless it does nothing but change.
+    fn say_link(&mut self, place: &str, event: Event) {
+        let allowed = self.said.link.pass(Instant::now());
+        if allowed == Allowed::No {
+            return;
+        }
+        match event {
+            Event::Up => tracing::info!("the {place} interface is up"),
+            Event::Down => tracing::warn!("the {place} interface is down; waiting for it"),
+            _ => tracing::warn!("the {place} interface does not exist; waiting for it"),
+        }
+        if allowed == Allowed::LastForNow {
+            tracing::warn!("the interfaces change all the time: no more is said of it for up to a minute");
+        }
+    }
+
     /// Changes of the controller's state, each at its own level; single errors are for debugging only.
     fn say_error(&mut self, place: &str, error: ErrorReport) {
         let Some(state) = error.bus_state() else {
@@ -416,7 +430,7 @@ impl Daemon {
 
     fn report(&self) {
         let Tally { received, published, unsent, dropped } = self.tally;
-        tracing::info!(received, published, unsent, dropped, "frames so far");
+        tracing::info!(received, published, unsent, dropped, "frames so far; {}", self.status);
     }
 }
 

@@ -13,6 +13,7 @@ mod content;
 mod frame;
 mod heard;
 mod output;
+mod process;
 mod reload;
 mod sensor;
 mod service;

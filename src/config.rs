@@ -12,7 +12,7 @@ use crate::estimate::EstimatorsConfig;
 use crate::identify::{IdentifyConfig, IdentifyError};
 use crate::model::effect::EffectConfig;
 use crate::model::{Vehicle, VehicleError};
-use crate::service::ServiceConfig;
+use crate::service::{Address, ServiceConfig};
 use crate::signals::SignalsConfig;
 use crate::signals::publish::{PublishConfig, built_in_database};
 
@@ -152,6 +152,9 @@ impl Config {
         // An empty name stays one: it means that nothing is kept.
         if let Some(file) = config.service.state_file.as_mut().filter(|file| !file.as_os_str().is_empty()) {
             *file = folder.join(&*file);
+        }
+        if let Some(Address::Unix(socket)) = &mut config.service.metrics {
+            *socket = folder.join(&*socket);
         }
         config.validate(path)?;
         Ok(config)

@@ -2,7 +2,8 @@
 # tests/systemd.sh [PROGRAM]
 #
 # The unit file, checked by systemd itself, and at work in a guest with this machine's systemd as its
-# first process: started, publishing, killed and back, without the interface, stopped. PROGRAM is the
+# first process: started, publishing, reloaded, killed and back, without the
+# interface, stopped, as a real-time process. PROGRAM is the
 # gripd to test (target/debug/gripd; built if it is not given). Needs systemd and dbus on this machine;
 # says so and passes where there are none. About 20 s.
 set -eu
@@ -36,7 +37,7 @@ cat > "$work/setup" <<SETUP
 mkdir -p usr/bin etc/gripd etc/systemd/system var/tmp/drive
 cp $program usr/bin/gripd
 sed 's#../dbc/demo.dbc#demo.dbc#' $PWD/config/demo.toml > etc/gripd/gripd.toml
-cp $PWD/dbc/demo.dbc etc/gripd/
+cp $PWD/dbc/demo.dbc $PWD/systemd/realtime.conf etc/gripd/
 cp $PWD/systemd/gripd.service etc/systemd/system/
 cp $drive var/tmp/drive/drive.log
 SETUP
@@ -51,6 +52,7 @@ within() { # SECONDS WHAT COMMAND…
 }
 new_pid() { [ "$(property MainPID)" != "$old" ] && [ "$(property MainPID)" != 0 ] && [ "$(property ActiveState)" = active ]; }
 publishes() { [ "$(timeout 5 candump -L -n 30 vcan0,6A0:7F8 2>/dev/null | wc -l)" = 30 ]; }
+logged() { journalctl -u gripd --no-pager | grep -q "$1"; }
 says() { property StatusText | grep -q "$1"; }
 
 # Type=notify: `start` comes back once it is ready.
@@ -62,6 +64,21 @@ within 5 "no status text" says "interface is up"
 canplayer -l i -I /var/tmp/drive/drive.log vcan0=vcan0 & player=$!
 publishes || fail "it does not publish"
 echo "started and publishes"
+
+old=$(property MainPID)
+restarts=$(property NRestarts)
+systemctl reload gripd || fail "it does not reload"
+within 5 "it does not say that it has reloaded" logged "the new configuration is in use; the estimators go on"
+echo "mass_pound = 1" >> /etc/gripd/gripd.toml
+systemctl reload gripd || fail "reloading a wrong configuration fails"
+within 5 "it does not say that the configuration is refused" says "is refused"
+publishes || fail "it does not publish after a refused configuration"
+sed -i '$d' /etc/gripd/gripd.toml
+systemctl reload gripd
+within 5 "it does not say that all is well again" says "is up"
+[ "$(property MainPID) $(property NRestarts) $(property ActiveState)" = "$old $restarts active" ] || fail "it was restarted"
+publishes || fail "it does not publish after reloads"
+echo "reloaded, a wrong configuration refused, reloaded, without a restart"
 
 old=$(property MainPID)
 kill -9 "$old"
@@ -86,6 +103,28 @@ within 2 "it did not save what it learned" test -s /var/lib/gripd/learned.toml
 grep -q '^driving_s' /var/lib/gripd/learned.toml || fail "what it saved is something else"
 [ "$(property Result) $(property ExecMainStatus)" = "success 0" ] || fail "it did not end cleanly"
 echo "stopped cleanly"
+
+# With real-time manners: the loop alone is real-time, its memory stays where it is.
+mkdir -p /etc/systemd/system/gripd.service.d
+cp /etc/gripd/realtime.conf /etc/systemd/system/gripd.service.d/
+printf '[service]\nlock_memory = true\nmetrics = "/run/gripd/metrics"\n' >> /etc/gripd/gripd.toml
+systemctl daemon-reload
+systemctl start gripd || fail "it does not start with real-time manners"
+within 5 "no status text" says "is up"
+[ -S /run/gripd/metrics ] || fail "no socket for the metrics"
+main=$(property MainPID)
+for task in /proc/"$main"/task/*; do
+    policy=$(sed 's/.*) //' "$task/stat" | cut -d ' ' -f 39)
+    case ${task##*/} in "$main") wanted=1 ;; *) wanted=0 ;; esac
+    [ "$policy" = "$wanted" ] || fail "thread $(cat "$task/comm") has policy $policy"
+done
+[ "$(awk '$1 == "VmLck:" { print $2 }' "/proc/$main/status")" -gt 1000 ] || fail "its memory is not locked"
+canplayer -I /var/tmp/drive/drive.log vcan0=vcan0 & player=$!
+publishes || fail "it does not publish with real-time manners"
+kill $player 2>/dev/null
+systemctl stop gripd
+[ ! -e /run/gripd ] || fail "/run/gripd is still there"
+echo "real-time, with locked memory and metrics"
 
 # Starting again and again does not cure a wrong configuration.
 echo "nonsense = 1" >> /etc/gripd/gripd.toml

@@ -5,7 +5,7 @@ use std::io;
 use nix::errno::Errno;
 use thiserror::Error;
 
-use super::{ErrorReport, Frame, InterfaceName, MemoryBus, SocketCan};
+use super::{CanId, ErrorReport, Frame, InterfaceName, MemoryBus, SocketCan};
 
 /// What comes from a bus: frames, and everything that can happen to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +22,17 @@ pub enum Event {
     Down,
     /// There is no such interface (any more, or yet); it is waited for.
     Gone,
+}
+
+/// What of a bus can be changed while it is open.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Reception {
+    /// Identifiers to receive; `None`: all.
+    pub ids: Option<Vec<CanId>>,
+    /// May FD frames be sent?
+    pub fd: bool,
+    /// Receive buffer in bytes; `None`: as it is.
+    pub receive_buffer: Option<usize>,
 }
 
 /// A bus that cannot be opened however long one waits.
@@ -109,6 +120,18 @@ impl Bus {
         match self {
             Bus::SocketCan(socket) => socket.try_send(frame),
             Bus::Memory(memory) => memory.try_send(frame),
+        }
+    }
+
+    /// Receives something else from now on. No frame is lost that was wanted before and still is; what was
+    /// received and not yet read may be of what is not wanted any more. A bus in memory filters nothing.
+    ///
+    /// # Errors
+    /// If the kernel refuses the filters; then everything is as before.
+    pub fn retune(&mut self, reception: Reception) -> io::Result<()> {
+        match self {
+            Bus::SocketCan(socket) => socket.retune(reception),
+            Bus::Memory(_) => Ok(()),
         }
     }
 }

@@ -10,7 +10,7 @@ mod raw_socket;
 mod socketcan;
 mod wire;
 
-pub use bus::{Bus, Event, OpenError, SendError};
+pub use bus::{Bus, Event, OpenError, Reception, SendError};
 pub use error_report::{BusState, ErrorClass, ErrorReport};
 pub use frame::{CanId, Frame, FrameError, FrameKind, Payload};
 pub use interface::InterfaceName;

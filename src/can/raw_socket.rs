@@ -68,13 +68,7 @@ impl RawSocket {
             .map_err(|errno| refused("switch receive time stamps on")(errno.into()))?;
         setsockopt(&socket, sockopt::RxqOvfl, &1)
             .map_err(|errno| refused("count dropped frames")(errno.into()))?;
-        if let Some(bytes) = receive_buffer {
-            // Beyond net.core.rmem_max only with CAP_NET_ADMIN; else as much as is allowed. A smaller
-            // buffer is no reason to fail: lost frames are counted.
-            if setsockopt(&socket, sockopt::RcvBufForce, &bytes).is_err() {
-                let _ = setsockopt(&socket, sockopt::RcvBuf, &bytes);
-            }
-        }
+        set_receive_buffer(&socket, receive_buffer);
         match socket.as_raw_socket().bind(&CanAddr::new(index).into()) {
             Ok(()) => Ok(Self(socket)),
             Err(error) => Err(refused("bind to the interface")(error)),
@@ -90,6 +84,14 @@ impl RawSocket {
                 Err(OpenError::Refused { interface, step: "open a CAN socket", source: errno.into() })
             }
         }
+    }
+
+    /// Other filters and another buffer on the open socket. The kernel sets up the new filters before it
+    /// takes the old ones away, and leaves the queue alone: nothing is lost that both let through.
+    pub(super) fn retune(&self, ids: Option<&[CanId]>, receive_buffer: Option<usize>) -> io::Result<()> {
+        set_filters(&self.0, ids)?;
+        set_receive_buffer(&self.0, receive_buffer);
+        Ok(())
     }
 
     /// Takes one message, without waiting.
@@ -131,6 +133,16 @@ impl AsRawFd for RawSocket {
 fn create() -> Result<CanFdSocket, Errno> {
     let flags = SockFlag::SOCK_NONBLOCK | SockFlag::SOCK_CLOEXEC;
     socket(AddressFamily::Can, SockType::Raw, flags, SockProtocol::CanRaw).map(CanFdSocket::from)
+}
+
+/// Beyond net.core.rmem_max only with CAP_NET_ADMIN; else as much as is allowed. A smaller buffer is no
+/// reason to fail: lost frames are counted.
+fn set_receive_buffer(socket: &CanFdSocket, bytes: Option<usize>) {
+    if let Some(bytes) = bytes
+        && setsockopt(socket, sockopt::RcvBufForce, &bytes).is_err()
+    {
+        let _ = setsockopt(socket, sockopt::RcvBuf, &bytes);
+    }
 }
 
 /// Lets exactly these identifiers through, data frames and remote requests alike: a request where

@@ -19,7 +19,7 @@ use tokio::task::coop;
 use tokio::time::{Instant, sleep_until};
 
 use super::raw_socket::{Buffers, RawSocket, Received};
-use super::{CanId, ErrorReport, Event, Frame, FrameKind, InterfaceName, OpenError, SendError};
+use super::{CanId, ErrorReport, Event, Frame, FrameKind, InterfaceName, OpenError, Reception, SendError};
 
 /// While down: how often to look whether the interface is up.
 const LOOK_WHILE_DOWN: Duration = Duration::from_millis(100);
@@ -112,6 +112,19 @@ impl SocketCan {
     /// was asked for); `None` while the interface is gone.
     pub fn receive_buffer(&self) -> Option<usize> {
         self.socket.as_ref().and_then(|socket| socket.get_ref().receive_buffer())
+    }
+
+    /// As [`Bus::retune`](super::Bus::retune).
+    ///
+    /// # Errors
+    /// If the kernel refuses the filters.
+    pub fn retune(&mut self, reception: Reception) -> io::Result<()> {
+        let Reception { ids, fd, receive_buffer } = reception;
+        if let Some(socket) = &self.socket {
+            socket.get_ref().retune(ids.as_deref(), receive_buffer)?;
+        }
+        self.config = SocketCanConfig { ids, fd, receive_buffer, ..self.config };
+        Ok(())
     }
 
     /// As [`Bus::recv`](super::Bus::recv): cancel-safe, never fails, allocates nothing while all is well.

@@ -24,7 +24,7 @@ use super::{Failure, demo_car};
 use crate::can::CanId;
 use crate::can::candump::Writer;
 use crate::model::Scenario;
-use crate::service::{self, Engine};
+use crate::service::{self, Engine, Service};
 use crate::signals::Outputs;
 use crate::signals::publish::built_in_database;
 
@@ -152,7 +152,7 @@ fn run(
         };
         let mut link = SimulatedTimeLink::new(ends, drive, log);
         let over = link.over();
-        service::serve(engine, &mut link, None, recorder, None, 0, over).await;
+        service::serve(Service::new(engine, &mut link), recorder, over).await;
         let (drive, lost) = link.finish()?;
         Ok(Ran { truth: drive.into_truth(), lost })
     })

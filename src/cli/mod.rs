@@ -6,6 +6,7 @@ mod demo;
 mod demo_car;
 mod explain;
 mod identify;
+mod log;
 mod output;
 mod player;
 mod progress;
@@ -24,6 +25,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use tracing_subscriber::EnvFilter;
 
+use self::log::Log;
 use crate::Config;
 use crate::can::candump::LogError;
 use crate::config::ConfigError;
@@ -122,7 +124,7 @@ enum Command {
 pub fn main() -> ExitCode {
     // Clap itself ends with 2 on bad usage and 0 on --help.
     let arguments = Arguments::parse();
-    set_up_logging(&arguments);
+    let log = set_up_logging(&arguments);
     let result = match arguments.command {
         Command::Demo(command) => command.run(),
         Command::Run(command) => command.run(),
@@ -134,6 +136,9 @@ pub fn main() -> ExitCode {
         Command::Calibrate(command) => command.run(),
         Command::Check(command) => command.run(),
     };
+    if let Some(log) = log {
+        log.flush();
+    }
     let (reason, code) = match result {
         Ok(()) | Err(Failure::ReaderGone) => return ExitCode::SUCCESS,
         Err(Failure::Work(reason)) => (reason, 1),
@@ -157,7 +162,8 @@ fn for_the_service(path: &Path) -> Result<Config, ConfigError> {
     Ok(config)
 }
 
-fn set_up_logging(arguments: &Arguments) {
+/// Logs to stderr; the service through a thread that is given back, to be flushed at the end.
+fn set_up_logging(arguments: &Arguments) -> Option<Log> {
     let default = match (arguments.quiet, arguments.verbose) {
         (true, _) => "warn",
         (_, 0) => "info",
@@ -169,10 +175,16 @@ fn set_up_logging(arguments: &Arguments) {
     let journal = std::env::var_os("JOURNAL_STREAM").is_some();
     let log = tracing_subscriber::fmt()
         .with_env_filter(filter)
-        .with_writer(std::io::stderr)
         .with_target(false)
         // Where stderr is a closed terminal or pipe, saying so there would panic.
         .log_internal_errors(false)
         .with_ansi(std::io::stderr().is_terminal());
-    if journal { log.without_time().init() } else { log.init() }
+    let thread = matches!(arguments.command, Command::Run(_)).then(Log::start).flatten();
+    match (thread.clone(), journal) {
+        (Some(thread), true) => log.with_writer(thread).without_time().init(),
+        (Some(thread), false) => log.with_writer(thread).init(),
+        (None, true) => log.with_writer(io::stderr).without_time().init(),
+        (None, false) => log.with_writer(io::stderr).init(),
+    }
+    thread
 }

@@ -1,14 +1,16 @@
 //! `gripd run`: the service on SocketCAN.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::Args;
 use tokio::signal::unix::{SignalKind, signal};
+use tokio::sync::Notify;
 
 use super::Failure;
-use crate::service::{self, ServiceError};
+use crate::service::{self, Reloads, ServiceError};
 
-/// Ends cleanly on SIGINT and SIGTERM; SIGHUP changes nothing.
+/// Ends cleanly on SIGINT and SIGTERM; reads its configuration anew on SIGHUP.
 #[derive(Args)]
 pub struct Run {
     /// Configuration of the car.
@@ -30,19 +32,20 @@ impl Run {
             let mut interrupt = signal(SignalKind::interrupt()).map_err(Failure::work)?;
             let mut terminate = signal(SignalKind::terminate()).map_err(Failure::work)?;
             let mut hangup = signal(SignalKind::hangup()).map_err(Failure::work)?;
+            let bell = Arc::new(Notify::new());
+            let reloads =
+                Reloads::new(&config, Arc::clone(&bell), move || super::for_the_service(&self.config));
             let shutdown = async move {
                 let name = loop {
                     tokio::select! {
                         _ = interrupt.recv() => break "SIGINT",
                         _ = terminate.recv() => break "SIGTERM",
-                        _ = hangup.recv() => tracing::warn!(
-                            "SIGHUP: the configuration is read at the start only; restart to change it"
-                        ),
+                        _ = hangup.recv() => bell.notify_one(),
                     }
                 };
                 tracing::info!("{name}: shutting down");
             };
-            match service::run(&config, self.interface.as_deref(), shutdown).await {
+            match service::run(&config, self.interface.as_deref(), Some(reloads), shutdown).await {
                 Ok(_) => Ok(()),
                 Err(ServiceError::Open(error)) => Err(Failure::work(error)),
                 Err(error) => Err(Failure::usage(error)),

@@ -41,11 +41,14 @@ impl LearnedNoise {
     /// Learns from an innovation that was computed with [`Self::variance`] of `promised`.
     pub fn learn(&mut self, innovation: &Innovation, promised: f64) {
         self.monitor.step(innovation);
-        if !(promised > 0.0 && innovation.residual.is_finite()) {
+        if promised <= 0.0 {
             return;
         }
         let from_state = innovation.variance - self.variance(promised);
         let seen = (innovation.residual * innovation.residual - from_state) / promised;
+        if !seen.is_finite() {
+            return;
+        }
         let limit = Self::CLIP * Self::CLIP * self.scale;
         self.seen = (self.seen + 1.0).min(self.memory);
         self.scale += (seen.clamp(0.0, limit) - self.scale) / self.seen;

@@ -205,6 +205,10 @@ pub struct VehicleError {
 }
 
 impl Vehicle {
+    /// Beyond these, in whatever unit, numbers are typing errors, and squares of them no numbers any more.
+    const LARGEST: f64 = 1e7;
+    const SMALLEST: f64 = 1e-7;
+
     /// The common vehicle of the thesis's simulations (App. B; methods.md §9).
     pub fn thesis() -> Self {
         let known = Uncertain::known;
@@ -331,6 +335,12 @@ impl Vehicle {
             if u.value < 0.0 && !may_be_negative {
                 return fail(u.value, "must not be negative");
             }
+            if u.value.abs() > Self::LARGEST || u.std > Self::LARGEST {
+                return fail(u.value.max(u.std), "must be less than 1e7: no vehicle has that");
+            }
+            if u.value != 0.0 && u.value.abs() < Self::SMALLEST {
+                return fail(u.value, "must be more than 1e-7: no vehicle has that");
+            }
             if u.value == 0.0 && !may_be_zero && key != "magic_formula_curvature" {
                 return fail(u.value, "must not be zero");
             }
@@ -377,6 +387,15 @@ mod tests {
         let mut vehicle = Vehicle::thesis();
         vehicle.drive_torque_ratio = Uncertain::known(0.0);
         assert_eq!(vehicle.validate().map_err(|e| e.key), Err("drive_torque_ratio"));
+    }
+
+    #[test]
+    fn a_radius_beyond_all_cars_is_refused() {
+        for radius in [1e308, 1e-300] {
+            let mut vehicle = Vehicle::thesis();
+            vehicle.wheel_radius_m = Uncertain::known(radius);
+            assert_eq!(vehicle.validate().map_err(|e| e.key), Err("wheel_radius_m"));
+        }
     }
 
     #[test]

@@ -1,17 +1,22 @@
 //! The daemon's loop.
 
 use std::future::Future;
+use std::io;
 use std::pin::pin;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use sd_notify::NotifyState;
+use nix::sys::mman::{MlockAllFlags, mlockall};
 use thiserror::Error;
 use tokio::time::{Interval, MissedTickBehavior};
 
-use super::throttle::Throttle;
-use super::{Engine, Keeper, SavedState, SetupError, Sink};
+use super::throttle::{Allowed, Quota, Throttle};
+use super::{
+    Endpoint, Engine, Fresh, Health, Keeper, Reloads, SavedState, SetupError, Sink, Survived, systemd,
+};
 use crate::can::{
-    Bus, BusState, ErrorReport, Event, Frame, InterfaceName, OpenError, SendError, SocketCan, SocketCanConfig,
+    Bus, BusState, CanId, ErrorReport, Event, Frame, InterfaceName, OpenError, Reception, SendError,
+    SocketCan, SocketCanConfig,
 };
 use crate::{Config, Estimates, Faults, Sample};
 
@@ -24,6 +29,13 @@ pub trait Link {
     /// # Errors
     /// If the frame could not be taken; it is then gone.
     fn try_send(&mut self, frame: &Frame) -> Result<(), SendError>;
+    /// Receives something else from now on; one that hands on everything has nothing to do.
+    ///
+    /// # Errors
+    /// If that cannot be; then everything is as before.
+    fn retune(&mut self, _reception: Reception) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 impl Link for Bus {
@@ -33,6 +45,10 @@ impl Link for Bus {
 
     fn try_send(&mut self, frame: &Frame) -> Result<(), SendError> {
         Bus::try_send(self, frame)
+    }
+
+    fn retune(&mut self, reception: Reception) -> io::Result<()> {
+        Bus::retune(self, reception)
     }
 }
 
@@ -63,6 +79,31 @@ pub struct Tally {
     pub dropped: u64,
 }
 
+/// What the loop works with.
+pub struct Service<L> {
+    /// Decodes, estimates, publishes.
+    pub engine: Engine,
+    /// Where frames come from.
+    pub input: L,
+    /// Where frames go to; `None`: where they come from.
+    pub output: Option<L>,
+    /// Saves what is learned, where it is to be saved.
+    pub keeper: Option<Keeper>,
+    /// A line with counts goes to the log this often, s; 0: never.
+    pub report_every_s: u64,
+    /// Brings other configurations; `None`: there is only the one.
+    pub reloads: Option<Reloads>,
+    /// Counts for whoever watches.
+    pub health: Option<Arc<Health>>,
+}
+
+impl<L> Service<L> {
+    /// One link, and nothing that need not be.
+    pub fn new(engine: Engine, input: L) -> Self {
+        Self { engine, input, output: None, keeper: None, report_every_s: 0, reloads: None, health: None }
+    }
+}
+
 /// Runs the service on SocketCAN until `shutdown` completes. The interface need not exist yet.
 ///
 /// # Errors
@@ -70,14 +111,14 @@ pub struct Tally {
 pub async fn run(
     config: &Config,
     interface: Option<&str>,
+    reloads: Option<Reloads>,
     shutdown: impl Future<Output = ()>,
 ) -> Result<Tally, ServiceError> {
     let mut engine = Engine::new(config)?;
     let name = interface.unwrap_or(&config.bus.interface);
-    let ids = Some(engine.ids().to_vec());
-    let input = open(name, ids, config)?;
+    let input = open(name, reception(config, engine.ids()))?;
     let output = match config.publish.interface.as_deref() {
-        Some(other) if other != name => Some(open(other, Some(Vec::new()), config)?),
+        Some(other) if other != name => Some(open(other, reception(config, &[]))?),
         _ => None,
     };
     tracing::info!(
@@ -88,56 +129,99 @@ pub async fn run(
         env!("CARGO_PKG_VERSION")
     );
     // Last: what cannot run leaves the file alone.
-    let state = SavedState::of_service(config, std::env::var_os("STATE_DIRECTORY").as_deref());
-    let every_s = config.service.state_every_s;
-    let keeper = state.and_then(|state| Keeper::start(state, every_s, &mut engine));
+    let keeper = SavedState::of_process(config)
+        .and_then(|state| Keeper::start(state, config.service.state_every_s, &mut engine));
     let report_every_s = config.service.report_every_s;
-    Ok(serve(engine, input, output, &mut Unobserved, keeper, report_every_s, shutdown).await)
+    // Kept until the end: then it takes its socket away.
+    let (health, _endpoint) = watched(config).unzip();
+    if config.service.lock_memory {
+        lock_memory();
+    }
+    let service = Service { engine, input, output, keeper, report_every_s, reloads, health };
+    Ok(serve(service, &mut Unobserved, shutdown).await)
 }
 
-fn open(name: &str, ids: Option<Vec<crate::can::CanId>>, config: &Config) -> Result<Bus, ServiceError> {
-    let interface: InterfaceName = name.parse().map_err(|e| ServiceError::Interface(format!("{e}")))?;
+/// The endpoint that is configured, if it can be had: nobody who watches is no reason not to run.
+fn watched(config: &Config) -> Option<(Arc<Health>, Endpoint)> {
+    let address = config.service.metrics.as_ref()?;
+    let health = Arc::new(Health::default());
+    match Endpoint::start(address, Arc::clone(&health)) {
+        Ok(endpoint) => {
+            tracing::info!("metrics at {address}");
+            Some((health, endpoint))
+        }
+        Err(error) => {
+            tracing::warn!(
+                "service.metrics: {address} cannot be opened: {error}; the service goes on without"
+            );
+            None
+        }
+    }
+}
+
+fn lock_memory() {
+    if let Err(errno) = mlockall(MlockAllFlags::MCL_CURRENT | MlockAllFlags::MCL_FUTURE) {
+        tracing::warn!(
+            "service.lock_memory: the memory cannot be locked: {errno}; allow it by LimitMEMLOCK= in the unit, or              `ulimit -l`. The service goes on without"
+        );
+    }
+}
+
+fn reception(config: &Config, ids: &[CanId]) -> Reception {
     let receive_buffer = Some(config.bus.receive_buffer_bytes).filter(|bytes| *bytes > 0);
-    let config = SocketCanConfig { interface, ids, fd: config.bus.fd, receive_buffer };
-    Ok(SocketCan::open(config)?.into())
+    Reception { ids: Some(ids.to_vec()), fd: config.bus.fd, receive_buffer }
+}
+
+fn open(name: &str, reception: Reception) -> Result<Bus, ServiceError> {
+    let interface: InterfaceName = name.parse().map_err(|e| ServiceError::Interface(format!("{e}")))?;
+    let Reception { ids, fd, receive_buffer } = reception;
+    Ok(SocketCan::open(SocketCanConfig { interface, ids, fd, receive_buffer })?.into())
 }
 
 /// The loop itself, on any link. `observer` sees every sample with its estimates, and every frame
-/// that is published; `keeper` saves what is learned, where it is to be saved.
+/// that is published.
 pub async fn serve<L: Link>(
-    engine: Engine,
-    mut input: L,
-    mut output: Option<L>,
+    service: Service<L>,
     observer: &mut impl Sink,
-    mut keeper: Option<Keeper>,
-    report_every_s: u64,
     shutdown: impl Future<Output = ()>,
 ) -> Tally {
-    let mut daemon = Daemon::new(engine);
+    let Service { engine, mut input, mut output, mut keeper, report_every_s, mut reloads, health } = service;
+    let mut daemon = Daemon::new(engine, health);
     let mut shutdown = pin!(shutdown);
-    let mut watchdog = watchdog();
+    let mut watchdog = systemd::watchdog_period().and_then(every);
     let mut report = every(Duration::from_secs(report_every_s));
     // Ready means: sockets are open. The interface may come later; the status says so.
-    notify(&[NotifyState::Ready]);
+    systemd::ready();
     loop {
         tokio::select! {
             biased;
             () = &mut shutdown => break,
-            () = tick(&mut watchdog) => notify(&[NotifyState::Watchdog]),
+            // From this loop and no other task: while a frame takes for ever, systemd hears nothing.
+            () = tick(&mut watchdog) => systemd::alive(),
             () = tick(&mut report) => daemon.report(),
+            fresh = next_reload(&mut reloads) => {
+                let accepted = fresh.and_then(|fresh| {
+                    retune(&fresh, &mut input, output.as_mut())?;
+                    report = every(Duration::from_secs(fresh.config.service.report_every_s));
+                    keeper = daemon.reload(fresh, keeper.take(), observer);
+                    Ok(())
+                });
+                daemon.reloaded(accepted);
+            }
             // Before the input, which may never be silent: this one only has news of its state.
             event = next(&mut output) => daemon.output(event),
             event = input.recv() => {
                 daemon.input(event, observer);
                 let target = output.as_mut().unwrap_or(&mut input);
                 daemon.send(target, observer);
+                daemon.show();
                 if let Some(keeper) = &mut keeper {
                     keeper.offer(&daemon.engine);
                 }
             }
         }
     }
-    notify(&[NotifyState::Stopping]);
+    systemd::stopping();
     daemon.report();
     if let Some(keeper) = keeper {
         keeper.finish(&daemon.engine);
@@ -158,6 +242,9 @@ struct Daemon {
     outbox: Vec<Frame>,
     tally: Tally,
     said: Said,
+    /// What systemd was last told of the input.
+    status: &'static str,
+    health: Option<Arc<Health>>,
 }
 
 /// What was said lately, so that a bad day does not fill the log.
@@ -167,6 +254,7 @@ struct Said {
     unsent: Throttle,
     bus_off: Throttle,
     bus_state: Throttle,
+    link: Quota,
 }
 
 /// Collects what the engine publishes, and shows estimates to the observer.
@@ -186,8 +274,9 @@ impl<S: Sink> Sink for Collect<'_, S> {
 }
 
 impl Daemon {
-    fn new(engine: Engine) -> Self {
-        Self { engine, outbox: Vec::with_capacity(16), tally: Tally::default(), said: Said::default() }
+    fn new(engine: Engine, health: Option<Arc<Health>>) -> Self {
+        let (outbox, status) = (Vec::with_capacity(16), "starting");
+        Self { engine, outbox, tally: Tally::default(), said: Said::default(), status, health }
     }
 
     fn input(&mut self, event: Event, observer: &mut impl Sink) {
@@ -209,23 +298,76 @@ impl Daemon {
                 self.say_error("input", error);
             }
             Event::Up => {
-                tracing::info!("the input interface is up");
-                notify(&[NotifyState::Status("the input interface is up")]);
+                self.set_up(true);
+                self.tell("the input interface is up");
+                self.say_link("input", event);
             }
             Event::Down | Event::Gone => {
                 self.engine.report(Faults::BUS_DOWN);
-                let text = if event == Event::Down { "is down" } else { "does not exist" };
-                tracing::warn!("the input interface {text}; waiting for it");
-                notify(&[NotifyState::Status("waiting for the input interface")]);
+                self.set_up(false);
+                self.tell("waiting for the input interface");
+                self.say_link("input", event);
             }
         }
     }
 
+    fn set_up(&self, up: bool) {
+        if let Some(health) = &self.health {
+            health.set_input_up(up);
+        }
+    }
+
+    fn show(&self) {
+        if let Some(health) = &self.health {
+            health.update(&self.tally, &self.engine);
+        }
+    }
+
+    fn tell(&mut self, status: &'static str) {
+        self.status = status;
+        systemd::status(status);
+    }
+
+    /// Between two frames: what is read anew takes over.
+    fn reload(&mut self, fresh: Fresh, keeper: Option<Keeper>, observer: &mut impl Sink) -> Option<Keeper> {
+        let Fresh { config, engine, state, learned: kept } = fresh;
+        let before = std::mem::replace(&mut self.engine, engine);
+        let learned = before.learned();
+        let survived = self.engine.take_over(before, &mut Collect { outbox: &mut self.outbox, observer });
+        if let (Survived::Nothing, Some(kept)) = (survived, kept) {
+            self.engine.restore(&kept);
+        }
+        tracing::info!(
+            identifiers = self.engine.ids().len(),
+            "the new configuration is in use; {}",
+            match survived {
+                Survived::Everything => "the estimators go on",
+                Survived::Learned => "the estimators begin anew with what was learned",
+                Survived::Nothing => "[vehicle] or the mapping is another one: the estimators begin anew",
+            }
+        );
+        Keeper::follow(keeper, &learned, state, config.service.state_every_s, &self.engine)
+    }
+
+    /// Until there is a good one, each status frame tells of a configuration that was refused.
+    fn reloaded(&mut self, accepted: Result<(), String>) {
+        self.engine.set_lasting(Faults::CONFIG, accepted.is_err());
+        if let Some(health) = &self.health {
+            health.count_reload(accepted.is_ok());
+        }
+        match accepted {
+            Ok(()) => systemd::status(self.status),
+            Err(reason) => {
+                tracing::error!("the new configuration is refused, the one before stays in use: {reason}");
+                systemd::status("the new configuration is refused, see the log; the one before is in use");
+            }
+        }
+        systemd::ready();
+    }
+
     fn output(&mut self, event: Event) {
         match event {
-            Event::Up => tracing::info!("the output interface is up"),
-            Event::Down => tracing::warn!("the output interface is down; nothing can be published"),
-            Event::Gone => tracing::warn!("the output interface does not exist; nothing can be published"),
+            Event::Up | Event::Down | Event::Gone => self.say_link("output", event),
             Event::Error(error) => {
                 self.engine.report(Faults::BUS_ERROR);
                 self.say_error("output", error);
@@ -245,6 +387,7 @@ impl Daemon {
                 Err(error) => {
                     self.tally.unsent += 1;
                     self.engine.report(Faults::BUS_ERROR);
+                    self.engine.untold();
                     if self.said.unsent.pass(Instant::now()).is_some() {
                         tracing::warn!(total = self.tally.unsent, "a frame was not sent: {error}");
                     }
@@ -252,6 +395,22 @@ impl Daemon {
             }
         }
         self.outbox.clear();
+    }
+
+    /// Changes of a link, unless it does nothing but change.
+    fn say_link(&mut self, place: &str, event: Event) {
+        let allowed = self.said.link.pass(Instant::now());
+        if allowed == Allowed::No {
+            return;
+        }
+        match event {
+            Event::Up => tracing::info!("the {place} interface is up"),
+            Event::Down => tracing::warn!("the {place} interface is down; waiting for it"),
+            _ => tracing::warn!("the {place} interface does not exist; waiting for it"),
+        }
+        if allowed == Allowed::LastForNow {
+            tracing::warn!("the interfaces change all the time: no more is said of it for up to a minute");
+        }
     }
 
     /// Changes of the controller's state, each at its own level; single errors are for debugging only.
@@ -271,7 +430,7 @@ impl Daemon {
 
     fn report(&self) {
         let Tally { received, published, unsent, dropped } = self.tally;
-        tracing::info!(received, published, unsent, dropped, "frames so far");
+        tracing::info!(received, published, unsent, dropped, "frames so far; {}", self.status);
     }
 }
 
@@ -289,9 +448,18 @@ async fn tick(interval: &mut Option<Interval>) {
     }
 }
 
-/// Twice as often as systemd wants to hear from us.
-fn watchdog() -> Option<Interval> {
-    sd_notify::watchdog_enabled().and_then(|period| every(period / 2))
+async fn next_reload(reloads: &mut Option<Reloads>) -> Result<Fresh, String> {
+    match reloads {
+        Some(reloads) => reloads.next().await,
+        None => std::future::pending().await,
+    }
+}
+
+/// Filters and buffers of what the new configuration needs, before it takes over.
+fn retune<L: Link>(fresh: &Fresh, input: &mut L, output: Option<&mut L>) -> Result<(), String> {
+    let refused = |error| format!("the kernel does not take the receive filters: {error}");
+    input.retune(reception(&fresh.config, fresh.engine.ids())).map_err(refused)?;
+    output.map_or(Ok(()), |output| output.retune(reception(&fresh.config, &[]))).map_err(refused)
 }
 
 fn every(period: Duration) -> Option<Interval> {
@@ -301,11 +469,4 @@ fn every(period: Duration) -> Option<Interval> {
         interval.set_missed_tick_behavior(MissedTickBehavior::Delay);
         interval
     })
-}
-
-/// Tells systemd, where there is one.
-fn notify(states: &[NotifyState]) {
-    if let Err(error) = sd_notify::notify(states) {
-        tracing::debug!("systemd was not told: {error}");
-    }
 }

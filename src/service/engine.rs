@@ -1,12 +1,13 @@
 //! The engine: frames in, frames out. Live, in replay, in tests and benchmarks it is the same one.
 
-use super::SetupError;
+use super::{SetupError, saved};
 use crate::can::{CanId, Frame, FrameKind};
 use crate::dbc::Database;
-use crate::estimate::{Learned, Pipeline};
+use crate::estimate::{EstimatorsConfig, Learned, Pipeline};
 use crate::estimates::State;
+use crate::model::Vehicle;
 use crate::signals::publish::Publisher;
-use crate::signals::{Inputs, Pushed, Sampler};
+use crate::signals::{FaultCounts, Inputs, Pushed, Sampler, SamplerConfig};
 use crate::{Config, Estimates, Faults, Micros, Quantity, Sample, Sensors};
 
 /// Who takes what the engine makes.
@@ -19,17 +20,44 @@ pub trait Sink {
 
 /// Sampler, estimators and publisher in a row. Does no I/O, knows no clock, and does not allocate
 /// once built.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Engine {
     sampler: Sampler,
     pipeline: Pipeline,
     publisher: Publisher,
+    origin: Origin,
     period: Micros,
     next_publication: Option<Micros>,
     /// Faults since the last publication.
     faults: Faults,
+    /// How often each was reported from outside.
+    reported: FaultCounts,
+    /// Faults of the last publication.
+    told: Faults,
+    /// Faults that every publication tells until they are taken back.
+    lasting: Faults,
     dropped: u64,
     counts: EngineCounts,
+}
+
+/// What the estimators were made of, besides the compiled mapping.
+#[derive(Clone, Debug, PartialEq)]
+struct Origin {
+    sampling: SamplerConfig,
+    vehicle: Vehicle,
+    estimators: EstimatorsConfig,
+    fingerprint: String,
+}
+
+/// What of an engine lives on in the one that takes its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Survived {
+    /// All that it knew: nothing that its estimates stand on has changed.
+    Everything,
+    /// What would outlive the drive: it is the same car, otherwise measured or estimated.
+    Learned,
+    /// Nothing: it is another car, or another mapping.
+    Nothing,
 }
 
 /// What went through the engine.
@@ -79,8 +107,17 @@ impl Engine {
             pipeline,
             period: publisher.period(),
             publisher,
+            origin: Origin {
+                sampling: config.signals.sampling,
+                vehicle: config.vehicle.clone(),
+                estimators: config.estimators.clone(),
+                fingerprint: saved::fingerprint(config),
+            },
             next_publication: None,
             faults: Faults::empty(),
+            reported: FaultCounts::default(),
+            told: Faults::empty(),
+            lasting: Faults::empty(),
             dropped: 0,
             counts: EngineCounts::default(),
         })
@@ -89,6 +126,41 @@ impl Engine {
     /// Goes on from what an earlier drive learned ([`Pipeline::restore`]). Before the first frame.
     pub fn restore(&mut self, learned: &Learned) {
         self.pipeline.restore(learned);
+    }
+
+    /// Takes the place of another engine, between two frames: what it has received but not yet sampled is
+    /// sampled, what it knows goes on as far as it still applies, and so do counters and counts.
+    pub fn take_over(&mut self, mut before: Engine, sink: &mut impl Sink) -> Survived {
+        let same_samples = self.origin.sampling == before.origin.sampling
+            && self.sampler.inputs() == before.sampler.inputs();
+        if !same_samples {
+            before.finish(sink);
+        }
+        let survived = if same_samples && self.origin == before.origin {
+            Survived::Everything
+        } else if self.origin.fingerprint == before.origin.fingerprint {
+            Survived::Learned
+        } else {
+            Survived::Nothing
+        };
+        match survived {
+            Survived::Everything => self.pipeline = before.pipeline,
+            Survived::Learned => self.restore(&before.learned()),
+            Survived::Nothing => {}
+        }
+        if same_samples {
+            self.sampler = before.sampler;
+        } else {
+            self.sampler.follow(&before.sampler);
+        }
+        self.publisher.follow(&before.publisher);
+        self.next_publication = before.next_publication.filter(|_| self.period == before.period);
+        self.faults |= before.faults;
+        self.reported = before.reported;
+        self.dropped = before.dropped;
+        self.pipeline.set_dropped_frames(self.dropped);
+        self.counts = before.counts;
+        survived
     }
 
     /// What is worth keeping for the next drive ([`Pipeline::learned`]).
@@ -118,7 +190,10 @@ impl Engine {
             return;
         }
         self.drain(sink);
-        self.publish_if_due(frame.time, sink);
+        // Not the frame's time: one that comes late must not bring the last round once more.
+        if let Some(now) = self.sampler.now() {
+            self.publish_if_due(now, sink);
+        }
     }
 
     /// At the end of a recording: the samples that waited for later frames.
@@ -130,6 +205,17 @@ impl Engine {
     /// Something is wrong with the bus; it shows in the next status frame.
     pub fn report(&mut self, faults: Faults) {
         self.faults |= faults;
+        self.reported.record(faults);
+    }
+
+    /// What was published last did not get through: the next status frame tells of its faults once more.
+    pub fn untold(&mut self) {
+        self.faults |= self.told;
+    }
+
+    /// Something is wrong that lasts, or (`false`) is wrong no more: every status frame tells it meanwhile.
+    pub fn set_lasting(&mut self, faults: Faults, wrong: bool) {
+        self.lasting.set(faults, wrong);
     }
 
     /// Frames were lost before they came here.
@@ -138,13 +224,23 @@ impl Engine {
             return;
         }
         self.dropped = self.dropped.saturating_add(count);
-        self.faults |= Faults::DROPPED;
+        self.report(Faults::DROPPED);
         self.pipeline.set_dropped_frames(self.dropped);
     }
 
     /// What went through so far.
     pub fn counts(&self) -> EngineCounts {
         self.counts
+    }
+
+    /// What it can do at the moment.
+    pub fn state(&self) -> State {
+        self.pipeline.latest().state
+    }
+
+    /// How often a fault began or was reported.
+    pub fn occurrences(&self, fault: Faults) -> u64 {
+        self.sampler.counts().get(fault) + self.reported.get(fault)
     }
 
     /// The sampler, for its fault counts.
@@ -169,7 +265,8 @@ impl Engine {
         }
         Estimates {
             time: latest.time,
-            state: State::NoInput,
+            // Without any sample: after a reload, until there is one.
+            state: if latest.state == State::Starting { State::Starting } else { State::NoInput },
             surface_changes: latest.surface_changes,
             dropped_frames: latest.dropped_frames,
             ..Estimates::default()
@@ -191,7 +288,8 @@ impl Engine {
         }
         self.next_publication = Some((now + Micros(1)).next_multiple_of(self.period));
         let mut estimates = self.current(now);
-        estimates.faults |= std::mem::take(&mut self.faults);
+        self.told = std::mem::take(&mut self.faults);
+        estimates.faults |= self.told | self.lasting;
         let sent = &mut self.counts.frames_out;
         self.publisher.publish(now, &estimates, &mut |frame| {
             *sent += 1;

@@ -4,8 +4,12 @@
 //! next one is looked at. There is no queue between receiving and publishing that could grow old.
 
 mod daemon;
+mod endpoint;
 mod engine;
+mod health;
+mod reload;
 pub mod saved;
+mod systemd;
 mod throttle;
 
 use std::path::PathBuf;
@@ -19,8 +23,11 @@ use crate::dbc::DbcError;
 use crate::signals::SignalsError;
 use crate::signals::publish::PublishError;
 
-pub use daemon::{Link, ServiceError, Tally, run, serve};
-pub use engine::{Engine, EngineCounts, Sink, sensors};
+pub use daemon::{Link, Service, ServiceError, Tally, run, serve};
+pub use endpoint::{Address, Endpoint};
+pub use engine::{Engine, EngineCounts, Sink, Survived, sensors};
+pub use health::Health;
+pub use reload::{Fresh, Reloads};
 pub use saved::{Keeper, SavedState};
 
 /// `[service]`.
@@ -34,11 +41,16 @@ pub struct ServiceConfig {
     pub state_file: Option<PathBuf>,
     /// It is written after so many seconds of driving, and at the end, s; 0: at the end only.
     pub state_every_s: u64,
+    /// Where Prometheus can read counts: the path of a Unix socket, relative to the configuration, or
+    /// `127.0.0.1:PORT`. Default: nowhere.
+    pub metrics: Option<Address>,
+    /// Keep all memory in RAM: no page is waited for while a frame is handled.
+    pub lock_memory: bool,
 }
 
 impl Default for ServiceConfig {
     fn default() -> Self {
-        Self { report_every_s: 60, state_file: None, state_every_s: 60 }
+        Self { report_every_s: 60, state_file: None, state_every_s: 60, metrics: None, lock_memory: false }
     }
 }
 

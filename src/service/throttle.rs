@@ -30,6 +30,38 @@ impl Throttle {
     }
 }
 
+/// Lets a number of messages through in each minute, and says when it begins to withhold.
+#[derive(Debug, Default)]
+pub(super) struct Quota {
+    begun: Option<Instant>,
+    said: u32,
+}
+
+/// May it be said?
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Allowed {
+    Yes,
+    /// And nothing more of the kind for a while.
+    LastForNow,
+    No,
+}
+
+impl Quota {
+    const EACH_MINUTE: u32 = 20;
+
+    pub(super) fn pass(&mut self, now: Instant) -> Allowed {
+        if self.begun.is_none_or(|begun| now - begun >= Duration::from_secs(60)) {
+            (self.begun, self.said) = (Some(now), 0);
+        }
+        self.said = self.said.saturating_add(1);
+        match self.said {
+            ..Self::EACH_MINUTE => Allowed::Yes,
+            Self::EACH_MINUTE => Allowed::LastForNow,
+            _ => Allowed::No,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -49,6 +81,19 @@ mod tests {
         assert_eq!(said[..7], [0, 1, 3, 7, 15, 31, 63]);
         assert_eq!(said[7..], [123, 183, 243, 303, 363, 423, 483, 543]);
         assert_eq!(counted + throttle.withheld, 60_000);
+    }
+
+    #[test]
+    fn a_quota_is_for_a_minute() {
+        let start = Instant::now();
+        let mut quota = Quota::default();
+        let allowed: Vec<_> = (0..130).map(|s| quota.pass(start + Duration::from_secs(s))).collect();
+        assert_eq!(allowed.iter().filter(|allowed| **allowed == Allowed::No).count(), 2 * 40);
+        assert_eq!((allowed[18], allowed[19], allowed[20]), (Allowed::Yes, Allowed::LastForNow, Allowed::No));
+        assert_eq!(
+            (allowed[60], allowed[79], allowed[120]),
+            (Allowed::Yes, Allowed::LastForNow, Allowed::Yes)
+        );
     }
 
     #[test]

@@ -110,8 +110,15 @@ impl Grid {
             && let Some(now) = self.now
             && (complete || self.ending || now - self.first > self.patience)
         {
-            self.next = Some(now.next_multiple_of(self.period));
+            let earliest = self.last.map_or(now, |last| now.max(last + Micros(1)));
+            self.next = Some(earliest.next_multiple_of(self.period));
         }
+    }
+
+    /// Goes on in the time of another grid: no sample is made where that one made some already.
+    pub(super) fn follow(&mut self, before: &Grid) {
+        (self.now, self.last) = (before.now, before.last);
+        self.first = before.now.unwrap_or_default();
     }
 
     /// Nothing more will come: what is left may be sampled up to the last frame.
@@ -202,6 +209,23 @@ mod tests {
         }
         grid.end();
         assert!(drain(&mut grid).len() < 200);
+    }
+
+    #[test]
+    fn a_grid_that_follows_makes_no_sample_twice() {
+        let mut before = grid();
+        before.advance(Micros(1_000_000));
+        before.start(true);
+        before.advance(Micros(1_020_000));
+        before.end();
+        assert_eq!(drain(&mut before), [1000, 1010, 1020]);
+        let mut after = grid();
+        after.follow(&before);
+        assert_eq!(after.advance(Micros(1_015_000)), Step::Late);
+        after.start(true);
+        after.advance(Micros(1_060_000));
+        let made: Vec<_> = std::iter::from_fn(|| after.due()).collect();
+        assert_eq!(made, [(Micros(1_030_000), 0.01)]);
     }
 
     #[test]

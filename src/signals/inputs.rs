@@ -11,7 +11,7 @@ use crate::dbc::Database;
 use crate::{Micros, Quantity};
 
 /// What is read from which frame, and how each quantity is to be treated afterwards.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Inputs {
     pub(super) messages: Vec<MessageInput>,
     pub(super) traits: [Option<Traits>; Quantity::COUNT],
@@ -22,7 +22,7 @@ pub struct Inputs {
 }
 
 /// A message that carries configured quantities.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct MessageInput {
     pub(super) id: CanId,
     pub(super) name: String,

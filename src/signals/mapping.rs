@@ -4,7 +4,7 @@ use crate::Quantity;
 use crate::dbc::{Codec, Mux};
 
 /// A quantity in a message.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Mapping {
     pub(super) quantity: Quantity,
     /// Added up; the first is the coarsest, and the one that codes for "not available" are looked for in.
@@ -23,7 +23,7 @@ pub(super) struct Mapping {
 }
 
 /// One of the signals that a quantity is the sum of.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Part {
     pub(super) codec: Codec,
     pub(super) mux: Mux,
@@ -32,7 +32,7 @@ pub(super) struct Part {
 }
 
 /// A signal that says whether the value may be used.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Quality {
     pub(super) codec: Codec,
     pub(super) mux: Mux,
@@ -41,7 +41,7 @@ pub(super) struct Quality {
 }
 
 /// A quality signal that comes in another message than the value.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Gate {
     /// Counted through all messages.
     pub(super) number: usize,

@@ -107,6 +107,7 @@ pub struct Publisher {
 /// One message, ready to be filled.
 #[derive(Clone, Debug)]
 struct Compiled {
+    name: &'static str,
     id: CanId,
     kind: FrameKind,
     /// Bytes on the bus.
@@ -201,6 +202,15 @@ impl Publisher {
         &self.warnings
     }
 
+    /// Goes on counting where another publisher of the same messages is, so that receivers see no jump.
+    pub fn follow(&mut self, before: &Publisher) {
+        for message in &mut self.messages {
+            if let Some(other) = before.messages.iter().find(|other| other.name == message.name) {
+                message.counter = other.counter;
+            }
+        }
+    }
+
     /// Emits one frame per message, stamped `time`. Allocates nothing.
     pub fn publish(&mut self, time: Micros, estimates: &Estimates, emit: &mut impl FnMut(&Frame)) {
         for message in &mut self.messages {
@@ -291,7 +301,17 @@ impl Compiled {
         let padded = FD_LENGTHS.into_iter().find(|length| *length >= message.length);
         let length = if message.length > 8 { padded.unwrap_or(64) } else { message.length };
         let crc = crc.and_then(|codec| Some((codec, crc_byte(&codec)?)));
-        Self { id, kind, length, protected: message.length, slots, counter_codec, crc, counter: 0 }
+        Self {
+            name: fields.name,
+            id,
+            kind,
+            length,
+            protected: message.length,
+            slots,
+            counter_codec,
+            crc,
+            counter: 0,
+        }
     }
 
     #[inline]

@@ -129,6 +129,13 @@ impl Sampler {
         Some((newest.time, newest.value))
     }
 
+    /// Goes on where another sampler ended: in its time, and with its counts. What it held of values is left
+    /// to it, for they were read by another mapping.
+    pub fn follow(&mut self, before: &Sampler) {
+        self.grid.follow(&before.grid);
+        self.counts = before.counts;
+    }
+
     /// Takes a frame. Frames that are not needed change nothing, not even the time.
     ///
     /// Of a needed identifier any data frame will do, classic or FD, that has at least the bytes the DBC

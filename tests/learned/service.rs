@@ -6,7 +6,7 @@ use std::path::Path;
 
 use gripd::Config;
 use gripd::can::{Event, Frame, SendError};
-use gripd::service::{Engine, Keeper, Link, SavedState, Sink, Tally, serve};
+use gripd::service::{Engine, Keeper, Link, SavedState, Service, Sink, Tally, serve};
 use tempfile::TempDir;
 
 use super::{FIRST, SECOND, after_the_first_drive, demo_car, frames, project};
@@ -49,7 +49,7 @@ fn serve_drive(log: &str, path: &Path, every_s: u64) -> Tally {
     let link = Playback { frames: frames(log).into_iter(), over: over.clone() };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
     let ended = async move { over.notified().await };
-    runtime.block_on(serve(engine, link, None, &mut Nobody, keeper, 0, ended))
+    runtime.block_on(serve(Service { keeper, ..Service::new(engine, link) }, &mut Nobody, ended))
 }
 
 fn names(folder: &Path) -> Vec<String> {

@@ -1,5 +1,6 @@
 //! What gripd does not listen to: itself, others of its kind, and what it does not need.
 
+use super::traffic::play;
 use super::*;
 
 /// The demo drive's first two seconds, with its identifiers.
@@ -10,23 +11,13 @@ fn two_seconds() -> Vec<Frame> {
     recording
 }
 
-/// Sends them once, in their own time.
-fn play(interface: &Interface, recording: &[Frame]) {
-    let begun = Instant::now();
-    for round in recording.chunks(4) {
-        let since = (round[0].time - recording[0].time).seconds();
-        std::thread::sleep(Duration::from_secs_f64(since).saturating_sub(begun.elapsed()));
-        traffic::send_all(interface.0, round);
-    }
-}
-
 #[test]
 fn it_takes_neither_its_own_frames_nor_those_of_a_second_one_for_input() {
     let Some(interface) = Interface::new("gs_two") else { return };
     let candump = Recorder::start(interface.0);
     let (first, second) = (Gripd::start(&demo_car(), interface.0), Gripd::start(&demo_car(), interface.0));
     let recording = two_seconds();
-    play(&interface, &recording);
+    play(interface.0, &recording);
     // And frames with its identifiers that nobody protected, as a broken gateway might loop them.
     let forged: Vec<Frame> = published_ids().iter().map(|id| data(id.number(), &[0xFF; 8])).collect();
     traffic::send_all(interface.0, &forged);
@@ -59,7 +50,7 @@ fn the_kernel_keeps_what_is_not_needed_from_it() {
     let noise: Vec<Frame> = (0..5000).map(|n: u32| data(0x200 + n % 0x400, &n.to_be_bytes())).collect();
     let recording = two_seconds();
     traffic::send_all(interface.0, &noise);
-    play(&interface, &recording);
+    play(interface.0, &recording);
     traffic::send_all(interface.0, &noise);
     let is_noise = |frame: &Frame| (0x200..0x600).contains(&frame.id.number());
     wait_for("candump to have all of it", || {

@@ -2,6 +2,8 @@
 
 use std::process::Stdio;
 
+use nix::fcntl::{FcntlArg, fcntl};
+
 use super::*;
 
 #[test]
@@ -40,19 +42,6 @@ fn it_ends_within_a_second_on_a_flooded_bus() {
 }
 
 #[test]
-fn a_hangup_changes_nothing() {
-    let Some(interface) = Interface::new("gs_hup") else { return };
-    let candump = Recorder::start(interface.0);
-    let gripd = Gripd::start(&demo_car(), interface.0);
-    let _car = Traffic::start(interface.0, frames(simulated_drive()));
-    candump.wait_for_more(12, "publishing");
-    gripd.signal(SIGHUP);
-    gripd.wait_for_log("restart to change it");
-    candump.wait_for_more(12, "publishing after SIGHUP");
-    gripd.end(SIGTERM);
-}
-
-#[test]
 fn nobody_needs_to_read_its_log() {
     let Some(interface) = Interface::new("gs_nolog") else { return };
     let candump = Recorder::start(interface.0);
@@ -68,6 +57,36 @@ fn nobody_needs_to_read_its_log() {
     assert_eq!(gripd.try_wait().unwrap(), None);
     process::send_signal(&gripd, SIGTERM);
     assert!(gripd.wait().unwrap().success());
+}
+
+/// GIVEN a log that fills a pipe which nobody empties THEN the loop goes on and is alive, and ends when it is to.
+#[test]
+fn a_reader_of_its_log_that_hangs_holds_up_nothing() {
+    let Some(interface) = Interface::new("gs_stuck") else { return };
+    let candump = Recorder::start(interface.0);
+    let mut gripd = Command::new(gripd())
+        .args(["run", "-v", "-i", interface.0, "-c"])
+        .arg(demo_car())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Smaller than the first dozen lines of errors.
+    let pipe = gripd.stderr.take().unwrap();
+    fcntl(&pipe, FcntlArg::F_SETPIPE_SZ(4096)).unwrap();
+    let _car = Traffic::start(interface.0, frames(simulated_drive()));
+    candump.wait_for_more(60, "publishing");
+    for _ in 0..100 {
+        assert!(run("cansend", &format!("{} 20000088#0000000000000000", interface.0)));
+    }
+    candump.wait_for_more(300, "publishing with a log that is stuck");
+    process::send_signal(&gripd, SIGTERM);
+    let ended = Instant::now();
+    assert!(gripd.wait().unwrap().success());
+    assert!(ended.elapsed() < Duration::from_secs(1), "{:?}", ended.elapsed());
+    let mut said = Vec::new();
+    std::io::Read::read_to_end(&mut { pipe }, &mut said).unwrap();
+    // No line fits any more.
+    assert!(said.len() > 3800, "the pipe was not full: {} bytes", said.len());
 }
 
 #[test]

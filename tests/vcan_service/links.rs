@@ -4,12 +4,7 @@ use super::*;
 
 /// The demo car's configuration, publishing on another interface.
 fn publishing_on(output: &str) -> tempfile::NamedTempFile {
-    let text = std::fs::read_to_string(demo_car()).unwrap();
-    let dbc = project("dbc/demo.dbc");
-    let text = text.replace("\"../dbc/demo.dbc\"", &format!("\"{}\"", dbc.display()));
-    let file = tempfile::Builder::new().suffix(".toml").tempfile().unwrap();
-    std::fs::write(file.path(), format!("{text}\n[publish]\ninterface = \"{output}\"\n")).unwrap();
-    file
+    edited_car(|text| format!("{text}\n[publish]\ninterface = \"{output}\"\n"))
 }
 
 #[test]

@@ -10,10 +10,13 @@
     reason = "helpers of tests may fail loudly"
 )]
 
+mod faults;
 mod isolation;
 mod lifecycle;
 mod links;
+mod metrics;
 mod process;
+mod reload;
 mod show;
 #[path = "../support/mod.rs"]
 mod support;
@@ -41,6 +44,16 @@ fn project(path: &str) -> PathBuf {
 
 fn demo_car() -> PathBuf {
     project("config/demo.toml")
+}
+
+/// The demo car's configuration with an edit, as a file that can be edited again.
+fn edited_car(edit: impl FnOnce(String) -> String) -> tempfile::NamedTempFile {
+    let text = std::fs::read_to_string(demo_car()).unwrap();
+    let dbc = project("dbc/demo.dbc");
+    let text = text.replace("\"../dbc/demo.dbc\"", &format!("\"{}\"", dbc.display()));
+    let file = tempfile::Builder::new().suffix(".toml").tempfile().unwrap();
+    std::fs::write(file.path(), edit(text)).unwrap();
+    file
 }
 
 /// 20 s of a simulated drive of the demo car, made by `gripd simulate`.

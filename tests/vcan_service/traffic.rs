@@ -104,6 +104,16 @@ pub fn send_all(interface: &str, frames: &[Frame]) {
     });
 }
 
+/// Sends a recording's frames once, in their own time.
+pub fn play(interface: &str, recording: &[Frame]) {
+    let begun = Instant::now();
+    for round in recording.chunks(4) {
+        let since = (round[0].time - recording[0].time).seconds();
+        std::thread::sleep(Duration::from_secs_f64(since).saturating_sub(begun.elapsed()));
+        send_all(interface, round);
+    }
+}
+
 /// Sends frames as fast as the interface takes them, over and over.
 pub struct Flood {
     stop: Arc<AtomicBool>,

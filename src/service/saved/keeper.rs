@@ -5,6 +5,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::{SavedState, TakenUp};
+use crate::Faults;
 use crate::estimate::Learned;
 use crate::service::Engine;
 
@@ -12,6 +13,7 @@ use crate::service::Engine;
 /// puts a copy into a slot that was there before: no allocation, and no waiting for anybody.
 #[derive(Debug)]
 pub struct Keeper {
+    state: SavedState,
     slot: SyncSender<Learned>,
     /// Closes when the writer has ended.
     ended: Receiver<()>,
@@ -31,26 +33,77 @@ impl Keeper {
     /// written, which was said in the log. `every_s`: seconds of driving between two writings; 0: only at the
     /// end.
     pub fn start(state: SavedState, every_s: u64, engine: &mut Engine) -> Option<Self> {
-        let TakenUp { learned, may_write } = state.take_up();
+        let TakenUp { learned, may_write, refused } = state.take_up();
         if let Some(learned) = learned {
             engine.restore(&learned);
+        }
+        if refused {
+            engine.report(Faults::CONFIG);
         }
         if !may_write {
             return None;
         }
+        Self::spawn(state, every_s, engine, |_| true)
+    }
+
+    /// After a reload: goes on as before where car and file are the same, else hands over to a new one.
+    /// `engine` runs from now on, `learned` is what the one before it knew. Waits for nothing: the new writer
+    /// looks at its file once the old one has ended.
+    pub fn follow(
+        before: Option<Self>,
+        learned: &Learned,
+        state: Option<SavedState>,
+        every_s: u64,
+        engine: &Engine,
+    ) -> Option<Self> {
+        let ended = match before {
+            Some(mut same) if state.as_ref() == Some(&same.state) => {
+                same.every_s = seconds(every_s);
+                same.next_s = same.saved_s + same.every_s;
+                return Some(same);
+            }
+            Some(other) => Some(other.hand_over(learned)),
+            None => None,
+        };
+        Self::spawn(state?, every_s, engine, move |state| {
+            // An error: it has ended.
+            let _ = ended.map(|ended| ended.recv());
+            state.take_up().may_write
+        })
+    }
+
+    /// Starts the writer, whose first step is to see whether it may write.
+    fn spawn(
+        state: SavedState,
+        every_s: u64,
+        engine: &Engine,
+        may_write: impl FnOnce(&SavedState) -> bool + Send + 'static,
+    ) -> Option<Self> {
         let (slot, copies) = sync_channel(1);
         let (writer_lives, ended) = sync_channel(0);
+        let own = state.clone();
         let writer = thread::Builder::new().name("state".into()).spawn(move || {
-            write(&state, &copies);
+            if may_write(&own) {
+                write(&own, &copies);
+            }
             drop(writer_lives);
         });
         if let Err(error) = writer {
             tracing::warn!("no thread for saving what is learned ({error}): nothing will be saved");
             return None;
         }
-        let every_s = if every_s == 0 { f64::INFINITY } else { every_s as f64 };
+        let every_s = seconds(every_s);
         let saved_s = engine.driving_s();
-        Some(Self { slot, ended, every_s, next_s: saved_s + every_s, saved_s })
+        Some(Self { state, slot, ended, every_s, next_s: saved_s + every_s, saved_s })
+    }
+
+    /// A last copy, if there is room for it, and no more after it. What is returned closes when it is written.
+    fn hand_over(self, learned: &Learned) -> Receiver<()> {
+        if learned.driving_s > self.saved_s {
+            // Full: the disk is slow, and has the copy before.
+            let _ = self.slot.try_send(*learned);
+        }
+        self.ended
     }
 
     /// To be called now and then, after any frame: hands a copy over if one is due.
@@ -88,6 +141,11 @@ impl Keeper {
             tracing::warn!("the disk does not answer: what was learned last may not be saved");
         }
     }
+}
+
+/// Zero is never.
+fn seconds(every_s: u64) -> f64 {
+    if every_s == 0 { f64::INFINITY } else { every_s as f64 }
 }
 
 /// The writer: says once that it cannot write and why, and once that it can again.

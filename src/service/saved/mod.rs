@@ -18,7 +18,7 @@ use crate::Config;
 use crate::estimate::Learned;
 use crate::new_file::{NewFile, remove_leftovers};
 
-pub use file::fingerprint;
+pub use file::{fingerprint, parse, text};
 pub use keeper::Keeper;
 
 /// Why a file is not used.
@@ -66,6 +66,8 @@ pub struct TakenUp {
     pub learned: Option<Learned>,
     /// Nothing is lost when the file is written.
     pub may_write: bool,
+    /// There is something in the file's place that cannot be used.
+    pub refused: bool,
 }
 
 /// The file and the car it has to be of.
@@ -97,6 +99,11 @@ impl SavedState {
                 .map(|folder| folder.join(Self::NAME)),
         };
         path.map(|path| Self::new(&path, config))
+    }
+
+    /// The same in this process's environment.
+    pub fn of_process(config: &Config) -> Option<Self> {
+        Self::of_service(config, std::env::var_os("STATE_DIRECTORY").as_deref())
     }
 
     /// Where it is.
@@ -145,7 +152,7 @@ impl SavedState {
                     }
                     None => tracing::info!("{path}: nothing saved yet; the estimators start from [vehicle]"),
                 }
-                return TakenUp { learned, may_write: true };
+                return TakenUp { learned, may_write: true, refused: false };
             }
             Err(refusal) => refusal,
         };
@@ -154,7 +161,7 @@ impl SavedState {
                 "{path} {refusal}; the estimators start from [vehicle] and nothing will be saved. Make it a \
                  file that this user may read and write, or name another one in [service] state_file"
             );
-            return TakenUp::default();
+            return TakenUp { refused: true, ..TakenUp::default() };
         }
         let aside = self.aside();
         match fs::rename(&self.path, &aside) {
@@ -168,10 +175,10 @@ impl SavedState {
                     "{path} {refusal}; the estimators start from [vehicle], and nothing will be saved, since \
                      the file cannot be moved aside ({error}): move or delete it, and restart"
                 );
-                return TakenUp::default();
+                return TakenUp { refused: true, ..TakenUp::default() };
             }
         }
-        TakenUp { learned: None, may_write: true }
+        TakenUp { learned: None, may_write: true, refused: true }
     }
 
     /// Where a refused file is moved to.

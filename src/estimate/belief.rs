@@ -96,6 +96,8 @@ impl Belief {
     /// At least this much is in use, give or take half a cell. What is ruled out below that goes between it and
     /// what was known to be there: if the road got worse since, what is in use now may be all of it.
     pub fn learn_used(&mut self, used: f64) -> Use {
+        // More than any road has is all of it.
+        let used = used.min(middle(CELLS - 1));
         let known = self.interval().0;
         let possible = |mu: f64| ((mu - used) / CELL + 0.5).clamp(0.0, 1.0);
         if self.learn(possible, Some(&|mu| known < used + CELL || mu < known)) {
@@ -211,6 +213,16 @@ mod tests {
         belief.learn_used(0.4);
         let (low, high) = belief.interval();
         assert!((low - 0.4).abs() < 0.02 && high > HIGHEST - 0.02, "{low} {high}");
+    }
+
+    #[test]
+    fn more_than_any_road_has_leaves_the_best_road() {
+        let mut belief = Belief::UNKNOWN;
+        for used in [1.0, 2.0, 1e30, f64::INFINITY] {
+            belief.learn_used(used);
+            let (low, high) = belief.interval();
+            assert!(low > 0.9 && low < high && high <= HIGHEST, "{used}: {low} {high}");
+        }
     }
 
     #[test]

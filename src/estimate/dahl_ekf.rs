@@ -233,12 +233,12 @@ impl DahlEkf {
 
     /// μ of (8.7e): the friction used, whatever it was meant to be.
     pub fn friction(&self) -> Option<f64> {
-        self.started.then(|| self.filter.mean[MU])
+        self.started.then(|| self.filter.mean[MU]).filter(|mu| mu.is_finite())
     }
 
     /// σ₀ of (8.7d), stiffness / load, 1/m.
     pub fn stiffness(&self) -> Option<f64> {
-        self.started.then(|| self.filter.mean[SIGMA])
+        self.started.then(|| self.filter.mean[SIGMA]).filter(|sigma| sigma.is_finite())
     }
 }
 

@@ -67,8 +67,8 @@ fn sound(estimates: &Estimates) {
         motion.slip_angle_front,
         motion.slip_angle_rear,
     ];
-    // Without the thesis's Dahl filter, which is for the CSV only: it may lose itself for a sample, and begins anew.
-    let frictions = [mu.max, mu.low, mu.high, mu.used, mu.age_s, mu.brush, mu.brush_std, mu.abs, mu.map];
+    let frictions =
+        [mu.max, mu.low, mu.high, mu.used, mu.age_s, mu.brush, mu.brush_std, mu.abs, mu.map, mu.dahl];
     assert!(lateral.into_iter().all(is_number), "{v:?}");
     assert!(motions.into_iter().all(is_number), "{motion:?}");
     assert!(frictions.into_iter().all(is_number), "{mu:?}");

@@ -88,6 +88,8 @@ pub struct CorneringEstimator {
     standstill: Standstill,
     /// For how long the car has been fast enough, s.
     driving_s: f64,
+    /// Rises by two with each window that surprises, falls by one with each that does not.
+    surprise: u32,
     age_s: f64,
     informed: bool,
     /// Seconds since the last sample that could be used at all, and whether there was one.
@@ -123,6 +125,8 @@ struct SensorNoise {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Said {
     Nothing,
+    /// What the filter did not expect.
+    Surprise,
     /// The surface changed.
     Changed,
     /// What an earlier drive learned is not true of this one.
@@ -169,6 +173,14 @@ impl CorneringEstimator {
     const REPEATED: f64 = 4.0;
     /// After driving so slowly that it may be backwards, where wheel speeds have no sign, that shows within this, s.
     const FORWARD_SHOWS_S: f64 = 3.0;
+    /// A window surprises with a normalized innovation (squared) beyond this …
+    const SURPRISING: f64 = 16.0;
+    /// … and is doubted until two have not; more than three such count as three.
+    const DOUBTFUL: u32 = 2;
+    const MOST_SURPRISED: u32 = 6;
+    /// By so much (rad) no tire has confirmed that the sideslip changed since the last window: that is a spin, or a
+    /// sensor that lies.
+    const UNSEEN: f64 = 0.05;
     /// Lateral velocity of which nothing is known yet, m/s.
     const UNKNOWN_VY: f64 = 0.5;
 
@@ -196,6 +208,7 @@ impl CorneringEstimator {
             minimum_speed,
             standstill: Standstill::default(),
             driving_s: 0.0,
+            surprise: 0,
             age_s: 0.0,
             informed: false,
             idle_s: 0.0,
@@ -269,7 +282,7 @@ impl CorneringEstimator {
 
     /// Friction, at a sample by which an axle was found to slide.
     pub fn limit(&self) -> Option<LateralLimit> {
-        self.limit
+        self.limit.map(|limit| LateralLimit { is_sure: self.is_consistent(), ..limit })
     }
 
     /// Normalized cornering stiffness front and rear, 1/rad.
@@ -319,15 +332,26 @@ impl CorneringEstimator {
     pub fn is_motion_valid(&self, speed: f64) -> bool {
         self.is_consistent()
             && self.driving_s > Self::FORWARD_SHOWS_S
-            && self.motion.is_some_and(|m| m.lateral_velocity_std <= self.config.valid_sideslip_std * speed)
+            && self.motion.is_some_and(|m| {
+                let unseen = (m.lateral_velocity - self.state.mean[VY]).abs();
+                m.lateral_velocity_std <= self.config.valid_sideslip_std * speed
+                    && unseen < Self::UNSEEN * speed
+            })
     }
 
-    /// Innovations are about as large as the filter believes, and the noise it had to assume for
-    /// that is still a sensor's.
+    /// Innovations are about as large as the filter believes, on the whole and lately, and the noise it had to
+    /// assume for that is still a sensor's.
     pub fn is_consistent(&self) -> bool {
-        self.axles.iter().all(|axle| {
-            axle.noise.nis() < self.config.inconsistent_nis && axle.noise.scale() < Self::NOISE_LIMIT
-        })
+        self.surprise < Self::DOUBTFUL
+            && self.axles.iter().all(|axle| {
+                axle.noise.nis() < self.config.inconsistent_nis && axle.noise.scale() < Self::NOISE_LIMIT
+            })
+    }
+
+    /// A sensor lies, as its plausibility has it: the motion is anything, and is doubted for a while afterwards.
+    pub fn distrust(&mut self) {
+        self.stop(0.0);
+        self.surprise = Self::MOST_SURPRISED;
     }
 
     /// The surface changed, as this filter or another noticed: the stiffness may be anything near.
@@ -407,7 +431,7 @@ impl CorneringEstimator {
             let vy = self.car.steady_lateral_velocity(now.speed, r, now.acceleration);
             self.forget(VY, vy, Self::UNKNOWN_VY);
         }
-        let mut changed = false;
+        let (mut changed, mut surprised) = (false, false);
         let is_braked = self.single_brake.end(now.speed, now.path.time);
         if is_braked && self.driving_s > Self::FORWARD_SHOWS_S {
             return false;
@@ -415,6 +439,7 @@ impl CorneringEstimator {
         for axle in [FRONT, REAR] {
             match self.measure(axle, now, belief) {
                 Said::Nothing => {}
+                Said::Surprise => surprised = true,
                 Said::Changed => changed = true,
                 Said::OtherCar => {
                     self.start_afresh();
@@ -422,6 +447,8 @@ impl CorneringEstimator {
                 }
             }
         }
+        self.surprise = if surprised { self.surprise + 2 } else { self.surprise.saturating_sub(1) };
+        self.surprise = self.surprise.min(Self::MOST_SURPRISED);
         for i in [FRONT, REAR] {
             let (low, high) = Self::COMPLIANCE_LIMITS;
             self.state.mean[i] = self.state.mean[i].clamp(low, high);

@@ -235,14 +235,14 @@ impl FrictionMonitor {
 
     /// An axle that slides has its friction between two bounds.
     fn learn_lateral(&mut self, limit: Option<LateralLimit>) {
-        let Some(LateralLimit { low, high }) = limit else { return };
+        let Some(LateralLimit { low, high, is_sure }) = limit else { return };
         let (known_low, known_high) = self.belief.interval();
         let is_another =
             self.belief.learn_between((low, high), Self::LATERAL_STD.0 + Self::LATERAL_STD.1 * low);
         let says_more = high - low < known_high - known_low;
         let middle = 0.5 * (low + high);
         self.take(
-            Measured { mu: middle, source: MuSource::Joint, age_s: 0.0, is_sure: true },
+            Measured { mu: middle, source: MuSource::Joint, age_s: 0.0, is_sure },
             is_another || says_more,
         );
     }

@@ -135,6 +135,9 @@ impl Pipeline {
         if !self.cornering.is_consistent() {
             self.latest.faults |= Faults::INCONSISTENT;
         }
+        if sample.faults.intersects(Faults::MOTION_MISMATCH | Faults::STUCK) {
+            self.believe_nothing();
+        }
         &self.latest
     }
 
@@ -146,6 +149,15 @@ impl Pipeline {
     /// Frames lost before they could be used, as the bus counts them.
     pub fn set_dropped_frames(&mut self, count: u64) {
         self.latest.dropped_frames = count;
+    }
+
+    /// Sensors contradict each other: one of them lies, and all that stands on them may.
+    fn believe_nothing(&mut self) {
+        self.cornering.distrust();
+        self.friction.surface_changed();
+        let latest = &mut self.latest;
+        (latest.slope_valid, latest.cornering_valid) = (false, false);
+        (latest.motion.valid, latest.friction.valid) = (false, false);
     }
 
     fn state(&self, sample: &Sample) -> State {

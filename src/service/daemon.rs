@@ -162,7 +162,8 @@ fn watched(config: &Config) -> Option<(Arc<Health>, Endpoint)> {
 fn lock_memory() {
     if let Err(errno) = mlockall(MlockAllFlags::MCL_CURRENT | MlockAllFlags::MCL_FUTURE) {
         tracing::warn!(
-            "service.lock_memory: the memory cannot be locked: {errno}; allow it by LimitMEMLOCK= in the unit, or              `ulimit -l`. The service goes on without"
+            "service.lock_memory: the memory cannot be locked: {errno}; allow it by LimitMEMLOCK= in the unit, or \
+             `ulimit -l`. The service goes on without"
         );
     }
 }

@@ -112,13 +112,14 @@ impl CorneringEstimator {
         self.state.update(&h, residual, variance * redundancy * doubted);
         // Steered fast to and fro, sensors a few milliseconds apart disagree in ways that look like softness.
         let steady = now.acceleration.abs() > now.acceleration_spread;
+        let otherwise = if expected.nis() > Self::SURPRISING { Said::Surprise } else { Said::Nothing };
         if !(is_rolling && steady && settled && force.abs() * GRAVITY >= Self::INFORMATIVE) {
-            return Said::Nothing;
+            return otherwise;
         }
         let evidence = expected.normalized() * force.signum() / redundancy.sqrt();
         match monitor.cusum.step(evidence.clamp(-Self::ALARM_CLIP, Self::ALARM_CLIP)) {
             Some(_) => Said::Changed,
-            None => Said::Nothing,
+            None => otherwise,
         }
     }
 

@@ -17,6 +17,8 @@ pub struct LateralLimit {
     pub low: f64,
     /// More than this the slip angle would have fetched from the road.
     pub high: f64,
+    /// The filter agreed with its sensors until then.
+    pub is_sure: bool,
 }
 
 /// One axle's slip angle against what its force accounts for.
@@ -75,7 +77,11 @@ impl Sliding {
 pub fn limit(used: f64, (least, most): (f64, f64), tires: &Bend) -> Option<LateralLimit> {
     /// With less bend the bound would be too far off to be of use.
     const LEAST_BEND: f64 = 1.4;
-    (least > LEAST_BEND).then(|| LateralLimit { low: used, high: used / tires.least_share(least, most) })
+    (least > LEAST_BEND).then(|| LateralLimit {
+        low: used,
+        high: used / tires.least_share(least, most),
+        is_sure: true,
+    })
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //!
 //! No wheel rolls freely then. What goes on is the speed from before, by the accelerometer, with what gravity and
 //! its offset added to it while the wheels still rolled; and no axle is faster than the car. That holds for some
-//! seconds, and tells a wheel near its limit, which slips twice as far as its stiffness has it, from one that is
+//! seconds, and tells a wheel near its limit, which slips much further than its stiffness has it, from one that is
 //! braked less. Where the ABS works, one wheel is at its limit; here is whether the others are.
 
 use super::{Car, Kinematics};
@@ -39,6 +39,8 @@ impl BrakeSlip {
     const FOLLOWS_S: (f64, f64) = (0.2, 3.0);
     /// The speed carried on is known to this, m/s, and gets worse by that, m/s².
     const SPEED_STD: (f64, f64) = (0.03, 0.03);
+    /// After a gap this long nobody knows the speed, s.
+    const GAP_S: f64 = 0.25;
     /// After so long it is not known, s.
     const LONGEST_S: f64 = 5.0;
     /// At its limit a wheel slips at least so many times as far as its stiffness has it.
@@ -73,6 +75,9 @@ impl BrakeSlip {
             self.abs_s += if now.abs == Some(true) { now.elapsed_s } else { 0.0 };
             return;
         };
+        if now.elapsed_s > Self::GAP_S {
+            self.rolling = None;
+        }
         let braking = now.abs == Some(true) || now.braking.unwrap_or(felt < -Self::BRAKING);
         let Some(rolling) = &mut self.rolling else {
             self.rolling = (!braking).then_some(Rolling { speed, unfelt: 0.0 });

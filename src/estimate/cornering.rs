@@ -20,14 +20,15 @@
 //!
 //! Tires bend: near their limit they slip further than κ μ, by a factor that depends on how much of the friction is
 //! in use. What is believed of the friction says how far on average, and how far that may be off ([`bend`]). And
-//! tires slide: an axle whose slip angle its force does not account for at all is left out, v_y goes on by its
-//! kinematics alone, and its force is a measurement of the friction ([`sliding`]).
+//! tires slide: an axle whose slip angle its force does not account for at all is left out, and v_y goes on by its
+//! kinematics alone ([`sliding`]). How far an axle is bent beyond doubt bounds the friction ([`bound`]).
 //!
 //! Further states are the offsets of steering, accelerometer and gyro, the scales of speed and
 //! steering angle, and the road's bank, which turns v_y but is no tire force. Noise is learned from the
 //! innovations; a CUSUM detector per axle notices a change of surface.
 
 mod bend;
+mod bound;
 mod lasting;
 mod measure;
 mod single_brake;
@@ -282,7 +283,7 @@ impl CorneringEstimator {
 
     /// Friction, at a sample by which an axle was found to slide.
     pub fn limit(&self) -> Option<LateralLimit> {
-        self.limit.map(|limit| LateralLimit { is_sure: self.is_consistent(), ..limit })
+        self.limit.map(|limit| LateralLimit { is_sure: limit.is_sure && self.is_consistent(), ..limit })
     }
 
     /// Normalized cornering stiffness front and rear, 1/rad.
@@ -436,6 +437,7 @@ impl CorneringEstimator {
         if is_braked && self.driving_s > Self::FORWARD_SHOWS_S {
             return false;
         }
+        self.limit = self.bent_limit(now, belief);
         for axle in [FRONT, REAR] {
             match self.measure(axle, now, belief) {
                 Said::Nothing => {}

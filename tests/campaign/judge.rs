@@ -16,6 +16,9 @@ const NOTICEABLE: f64 = 0.5;
 /// An interval that excludes the truth by more than this is a lie.
 const MOST_OFF: f64 = 0.1;
 
+/// Lateral acceleration that excites the cornering stiffness, m/s².
+const EXCITING: f64 = 3.0;
+
 /// Rows over which one surface goes over into the next: a tenth of a second, and a little.
 pub const TRANSITION: usize = 12;
 
@@ -59,10 +62,10 @@ pub struct Judgement {
     /// Drops to less than half of the friction, and in how many seconds of noticeable driving the interval held it.
     drops: Vec<f64>,
     drops_unnoticed: u64,
-    /// Cornering stiffness: samples where valid, and those within 7 %.
-    cornering: [u64; 2],
-    /// Sideslip up to 6 m/s²: count and sum of squares, rad².
-    sideslip: (u64, f64),
+    /// Cornering stiffness where valid: values, and those within 7 %; all, and those while [`EXCITING`].
+    cornering: [[u64; 2]; 2],
+    /// Sideslip up to 6 m/s²: count and sum of squares, rad²; all, and those that are valid.
+    sideslip: [(u64, f64); 2],
 }
 
 /// Is there anything to judge? Creeping and standing cars are not estimated.
@@ -156,15 +159,23 @@ impl Judgement {
         *covered += u64::from(off == 0.0);
         if estimates.cornering_valid {
             let axles = [truth.cornering_front, truth.cornering_rear];
+            let is_exciting = truth.lateral_acceleration.abs() >= EXCITING;
             for (stiffness, truth) in estimates.cornering.iter().zip(axles) {
                 let Some(stiffness) = stiffness else { continue };
-                self.cornering[0] += 1;
-                self.cornering[1] += u64::from((stiffness.value / truth - 1.0).abs() <= 0.07);
+                let is_near = u64::from((stiffness.value / truth - 1.0).abs() <= 0.07);
+                let counted = if is_exciting { 2 } else { 1 };
+                for [all, near] in &mut self.cornering[..counted] {
+                    *all += 1;
+                    *near += is_near;
+                }
             }
         }
         if let Some(sideslip) = estimates.motion.sideslip.filter(|_| truth.lateral_acceleration.abs() < 6.0) {
-            self.sideslip.0 += 1;
-            self.sideslip.1 += (sideslip - truth.sideslip).powi(2);
+            let counted = if estimates.motion.valid { 2 } else { 1 };
+            for (count, squares) in &mut self.sideslip[..counted] {
+                *count += 1;
+                *squares += (sideslip - truth.sideslip).powi(2);
+            }
         }
     }
 
@@ -186,8 +197,12 @@ impl Judgement {
         self.lies.extend(other.lies);
         self.drops.extend(other.drops);
         self.drops_unnoticed += other.drops_unnoticed;
-        self.cornering = [self.cornering[0] + other.cornering[0], self.cornering[1] + other.cornering[1]];
-        self.sideslip = (self.sideslip.0 + other.sideslip.0, self.sideslip.1 + other.sideslip.1);
+        for (mine, other) in self.cornering.iter_mut().zip(other.cornering) {
+            *mine = [mine[0] + other[0], mine[1] + other[1]];
+        }
+        for (mine, other) in self.sideslip.iter_mut().zip(other.sideslip) {
+            *mine = (mine.0 + other.0, mine.1 + other.1);
+        }
         self
     }
 
@@ -262,13 +277,20 @@ impl fmt::Display for Judgement {
             drops.last().copied().unwrap_or(0.0),
             self.drops_unnoticed
         )?;
+        let [all, excited] = self.cornering.map(|[values, near]| (values, share(near, values)));
         writeln!(
             f,
-            "cornering stiffness where valid: {} values, {:.1} % within 7 %",
-            self.cornering[0],
-            share(self.cornering[1], self.cornering[0])
+            "cornering stiffness where valid: {} values, {:.1} % within 7 %; beyond {EXCITING} m/s² {} values, {:.1} %",
+            all.0, all.1, excited.0, excited.1
         )?;
-        let rms = (self.sideslip.1 / self.sideslip.0.max(1) as f64).sqrt().to_degrees();
-        write!(f, "sideslip up to 6 m/s²: {rms:.3}° rms")
+        let rms = |(count, squares): (u64, f64)| (squares / count.max(1) as f64).sqrt().to_degrees();
+        let [all, valid] = self.sideslip;
+        write!(
+            f,
+            "sideslip up to 6 m/s²: {:.3}° rms; where valid ({:.1} %) {:.3}°",
+            rms(all),
+            share(valid.0, all.0),
+            rms(valid)
+        )
     }
 }

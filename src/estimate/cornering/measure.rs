@@ -1,6 +1,6 @@
 //! The filter's equations on a window's means.
 
-use super::sliding::{self, Excess, LateralLimit};
+use super::sliding::Excess;
 use super::{
     ANGLE_OFFSET, ANGLE_SCALE, AY_OFFSET, BANK, Belief, CorneringEstimator, FRONT, GRAVITY, LateralMotion,
     Row, SPEED_SCALE, STATES, Said, VY, YAW_OFFSET,
@@ -8,25 +8,28 @@ use super::{
 use crate::estimate::window::{Means, Path};
 
 /// One axle's equation at a window.
-struct Equation {
-    /// Sensitivity to the state of the slip angle by the motion, less that by the force.
-    h: Row,
+pub(super) struct Equation {
+    pub axle: usize,
+    /// Sensitivity to the state of the slip angle by the motion …
+    pub motion: Row,
+    /// … and of that less the one by the force.
+    pub h: Row,
     /// What is to be zero, rad: slip angle by the force, less that by the motion.
-    residual: f64,
+    pub residual: f64,
     /// Slip angle by the motion, rad.
-    angle: f64,
+    pub angle: f64,
     /// Force sideways over the load, and with that along the car.
-    force: f64,
-    used: f64,
+    pub force: f64,
+    pub used: f64,
     /// Slip angle by the stiffness alone, rad.
-    straight: f64,
+    pub straight: f64,
     /// What is not known of the bend, rad².
-    bend_variance: f64,
+    pub bend_variance: f64,
     /// Noise by the data sheets, rad².
-    promised: f64,
+    pub promised: f64,
     /// The car turns as one that drives round a bend. Where it turns more, it may be a single brake that does it, and
     /// the force is none of this axle's.
-    is_cornering: bool,
+    pub is_cornering: bool,
 }
 
 impl CorneringEstimator {
@@ -34,8 +37,6 @@ impl CorneringEstimator {
     const SLIDING_NOISE: f64 = 0.1;
     /// With so much more friction than is in use an axle is at its limit.
     const AT_LIMIT: f64 = 1.15;
-    /// With this share of the force sideways, an axle's limit is one sideways.
-    const SIDEWAYS: f64 = 0.7;
     /// Up to this share of the lateral acceleration, yaw acceleration is that of driving round a bend.
     const STEADY: f64 = 0.5;
     /// Below this probability of sliding nothing speaks for it.
@@ -46,8 +47,6 @@ impl CorneringEstimator {
     const MOST_BENT: f64 = 0.97;
     /// Deviation of a tire's shape from the straightest one, of its distance to the roundest.
     const SHAPE_STD: f64 = 0.3;
-    /// A compliance is hardly known better when it is to bound the friction: the surface may have changed.
-    const LEAST_COMPLIANCE_STD: f64 = 0.12;
 
     /// v̇_y = a_y − v_x r from window to window, with the sensors' errors and the bank taken off.
     pub(super) fn predict(&mut self, now: &Means) {
@@ -98,9 +97,6 @@ impl CorneringEstimator {
             at_limit: belief.at_most(Self::AT_LIMIT * used),
         });
         if monitor.sliding.is_sure() {
-            if equation.is_cornering && force.abs() > Self::SIDEWAYS * used {
-                self.limit = self.sliding_limit(axle, &equation, variance).or(self.limit);
-            }
             return Said::Nothing;
         }
         let is_rolling = sliding < Self::HARDLY_SLIDING;
@@ -124,7 +120,7 @@ impl CorneringEstimator {
     }
 
     /// What the slip angle is by the motion, less what it is by the force.
-    fn equation(&self, axle: usize, now: &Means, belief: &Belief) -> Equation {
+    pub(super) fn equation(&self, axle: usize, now: &Means, belief: &Belief) -> Equation {
         let car = &self.car;
         let x = &self.state.mean;
         let front = axle == FRONT;
@@ -140,17 +136,20 @@ impl CorneringEstimator {
         let angle = steered - along.atan();
         let (bend, bend_variance) = self.expected_bend(used, belief);
         let straight = x[axle] * force;
-        let mut h = Row::zeros();
-        h[VY] = -1.0 / speed;
+        let mut motion = Row::zeros();
+        motion[VY] = -1.0 / speed;
+        motion[YAW_OFFSET] = lever / speed;
+        motion[SPEED_SCALE] = along;
+        if front {
+            motion[ANGLE_OFFSET] = -1.0;
+            motion[ANGLE_SCALE] = now.angle;
+        }
+        let mut h = motion;
         h[axle] = -force * bend;
         h[AY_OFFSET] = x[axle] * bend / GRAVITY;
-        h[YAW_OFFSET] = lever / speed;
-        h[SPEED_SCALE] = along;
-        if front {
-            h[ANGLE_OFFSET] = -1.0;
-            h[ANGLE_SCALE] = now.angle;
-        }
         Equation {
+            axle,
+            motion,
             h,
             residual: straight * bend - angle,
             angle,
@@ -187,22 +186,6 @@ impl CorneringEstimator {
             // More is in use than was believed to be there.
             _ => (2.0, 4.0),
         }
-    }
-
-    /// The friction by an axle that slides: how far its slip angle is beyond what the stiffness alone has it, with
-    /// all that is not known of both taken off.
-    fn sliding_limit(&self, axle: usize, equation: &Equation, variance: f64) -> Option<LateralLimit> {
-        let angle = equation.angle * equation.force.signum();
-        let mut motion = equation.h;
-        motion[axle] = 0.0;
-        let compliance = self.state.mean[axle];
-        let straight = compliance * equation.used;
-        let angle_std = self.state.innovation(&motion, 0.0, variance).variance.sqrt();
-        let relative_std = (self.state.std(axle) / compliance).max(Self::LEAST_COMPLIANCE_STD);
-        let at = |deviations: f64| {
-            (angle + deviations * angle_std) / straight * (1.0 + deviations * relative_std).max(0.0)
-        };
-        sliding::limit(equation.used, (at(-2.0), at(2.0)), &self.tires)
     }
 
     /// Noise of an axle's equation as the sensors' data sheets promise it, rad².

@@ -10,13 +10,14 @@ use nalgebra::vector;
 
 use crate::estimate::{Car, Kinematics};
 use crate::filter::Gaussian;
-use crate::model::DrivenAxle;
+use crate::model::{DrivenAxle, GRAVITY};
 
 /// Watches the difference between left and right of both axles.
 #[derive(Clone, Debug)]
 pub struct SingleBrake {
-    /// By how much more the left wheel turns than the right one on a straight road, relative, of each axle.
-    radii: [Gaussian<1>; 2],
+    /// By how much more the left wheel turns than the right one, relative, of each axle: on a straight road, and by how
+    /// much more for each g sideways. The outer tire is pressed flatter and turns faster.
+    radii: [Gaussian<2>; 2],
     track: [f64; 2],
     is_driven: [bool; 2],
     /// Of one wheel's speed, m/s.
@@ -34,14 +35,17 @@ struct Sums {
     excess: [f64; 2],
     /// Curvature of the path, 1/m.
     turning: f64,
-    /// Normalized force along the car.
+    /// Normalized force along the car, and acceleration across it, g.
     along: f64,
+    across: f64,
     is_braking: bool,
 }
 
 impl SingleBrake {
     /// How much two tires of an axle may differ in radius, relative, and by how much more as time goes, 1/√s.
     const RADII: (f64, f64) = (0.004, 2e-4);
+    /// How much the loads of a curve may change that, relative for each g.
+    const PRESSED: f64 = 0.01;
     /// How well track width and yaw rate tell the difference that a curve makes, relative.
     const GEOMETRY_STD: f64 = 0.03;
     /// So little slip of one wheel alone turns no car.
@@ -56,7 +60,7 @@ impl SingleBrake {
     /// For this car; `wheel_noise` is that of one wheel's speed, m/s.
     pub fn new(car: &Car, wheel_noise: f64) -> Self {
         Self {
-            radii: [Gaussian::new([0.0], [Self::RADII.0]); 2],
+            radii: [Gaussian::new([0.0; 2], [Self::RADII.0, Self::PRESSED]); 2],
             track: car.track,
             is_driven: [car.driven_axle != DrivenAxle::Rear, car.driven_axle != DrivenAxle::Front],
             wheel_noise,
@@ -67,8 +71,8 @@ impl SingleBrake {
 
     /// Takes a sample; `along` is the normalized force along the car.
     pub fn add(&mut self, now: &Kinematics, along: f64) {
-        let (Some([fl, fr, rl, rr]), Some(yaw_rate), Some(speed), Some(angle)) =
-            (now.wheels, now.yaw_rate, now.speed, now.road_angle)
+        let (Some([fl, fr, rl, rr]), Some(yaw_rate), Some(speed), Some(angle), Some(across)) =
+            (now.wheels, now.yaw_rate, now.speed, now.road_angle, now.lateral_acceleration)
         else {
             return;
         };
@@ -79,6 +83,7 @@ impl SingleBrake {
         sums.excess[1] += (rl - rr) / speed + turning * self.track[1];
         sums.turning += turning;
         sums.along += along;
+        sums.across += across / GRAVITY;
         sums.is_braking |= now.braking == Some(true);
     }
 
@@ -95,11 +100,11 @@ impl SingleBrake {
             let geometry = Self::GEOMETRY_STD * self.track[axle] * sums.turning / sums.count;
             let variance = white * white + geometry * geometry + Self::HARDLY * Self::HARDLY;
             radii.inflate(0, Self::RADII.1 * Self::RADII.1 * elapsed_s);
-            let residual = sums.excess[axle] / sums.count - radii.mean[0];
-            let differs =
-                radii.innovation(&vector![1.0], residual, variance).normalized().abs() > Self::CLEAR;
+            let h = vector![1.0, sums.across / sums.count];
+            let residual = sums.excess[axle] / sums.count - h.dot(&radii.mean);
+            let differs = radii.innovation(&h, residual, variance).normalized().abs() > Self::CLEAR;
             if !differs {
-                radii.update(&vector![1.0], residual, variance);
+                radii.update(&h, residual, variance);
             }
             is_braked |= differs && !sums.is_braking && !(drives && self.is_driven[axle]);
         }

@@ -10,6 +10,9 @@
 
 use super::bend::Bend;
 
+/// As likely as this, sliding is taken for true.
+pub const SURE: f64 = 0.9;
+
 /// Friction between two bounds, by an axle that slides sideways.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LateralLimit {
@@ -19,6 +22,16 @@ pub struct LateralLimit {
     pub high: f64,
     /// The filter agreed with its sensors until then.
     pub is_sure: bool,
+}
+
+impl LateralLimit {
+    /// What bounds the friction more closely.
+    pub fn narrower(one: Option<Self>, other: Option<Self>) -> Option<Self> {
+        match (one, other) {
+            (Some(one), Some(other)) => Some(if one.high < other.high { one } else { other }),
+            _ => one.or(other),
+        }
+    }
 }
 
 /// One axle's slip angle against what its force accounts for.
@@ -40,7 +53,7 @@ pub struct Sliding {
     probability: f64,
 }
 
-impl Sliding {
+impl Excess {
     /// However narrow the belief is, an axle may have stopped to slide.
     const LIKELIEST: f64 = 0.9;
     /// Share of the filter's errors that are larger than it believes, and how much larger.
@@ -49,26 +62,31 @@ impl Sliding {
     const LEAST: f64 = 0.4;
     /// … and by no more than this, rad.
     const LARGEST: f64 = 0.3;
-    /// As likely as this, it is taken for true.
-    const SURE: f64 = 0.9;
 
-    /// Weighs both explanations; the probability of sliding.
-    pub fn weigh(&mut self, excess: &Excess) -> f64 {
-        let std = excess.variance.sqrt();
-        let prior = excess.at_limit.min(Self::LIKELIEST);
-        let normal = |std: f64| (-0.5 * (excess.angle / std).powi(2)).exp() * 0.4 / std;
+    /// Weighs both explanations: the probability that it is the tire, not the filter.
+    pub fn sliding(&self) -> f64 {
+        let std = self.variance.sqrt();
+        let prior = self.at_limit.min(Self::LIKELIEST);
+        let normal = |std: f64| (-0.5 * (self.angle / std).powi(2)).exp() * 0.4 / std;
         let (share, wider) = Self::WRONG;
         let erring = (1.0 - share) * normal(std) + share * normal(wider * std);
-        let beyond = (excess.angle - Self::LEAST * excess.straight) / std;
+        let beyond = (self.angle - Self::LEAST * self.straight) / std;
         let sliding = (0.5 + 0.4 * beyond).clamp(0.0, 1.0) / Self::LARGEST;
         let both = prior * sliding + (1.0 - prior) * erring;
-        self.probability = if both > 0.0 { prior * sliding / both } else { prior };
+        if both > 0.0 { prior * sliding / both } else { prior }
+    }
+}
+
+impl Sliding {
+    /// Takes what a window says; the probability of sliding.
+    pub fn weigh(&mut self, excess: &Excess) -> f64 {
+        self.probability = excess.sliding();
         self.probability
     }
 
     /// Is it sure enough?
     pub fn is_sure(&self) -> bool {
-        self.probability > Self::SURE
+        self.probability > SURE
     }
 }
 

@@ -170,6 +170,8 @@ pub struct Estimates {
     pub cornering_ekf: Option<Estimate>,
     /// Sensor offsets.
     pub offsets: SensorOffsets,
+    /// How rough the road is: by how much the wheels' rims scatter about their rolling, m/s.
+    pub roughness: Option<Estimate>,
     /// Friction.
     pub friction: Friction,
     /// How well the longitudinal use of the tires tells the slope, 0–1.

@@ -22,6 +22,7 @@ mod lateral_velocity;
 mod learned;
 pub mod mapping;
 mod pipeline;
+mod roughness;
 mod saturation;
 mod slip_angles;
 mod slope;

@@ -12,6 +12,7 @@ use super::lateral_slope::LateralSlopeEstimator;
 use super::lateral_velocity::LateralVelocityEstimator;
 use super::learned::Learned;
 use super::mapping::{MappedFriction, Mapping, mean_slope};
+use super::roughness::Roughness;
 use super::saturation::SaturationDetector;
 use super::slope::SlopeEstimator;
 use super::traction::{Traction, TractionPoint};
@@ -29,6 +30,7 @@ pub struct Pipeline {
     blocks: BlockBuilder,
     traction: Traction,
     slope: SlopeEstimator,
+    roughness: Roughness,
     lateral_velocity: LateralVelocityEstimator,
     lateral_slope: LateralSlopeEstimator,
     joint_ekf: JointEkf,
@@ -69,6 +71,7 @@ impl Pipeline {
             blocks: BlockBuilder::new(config.slope.block_s),
             traction: Traction::new(&car, sensors, &config.slope, slow),
             slope: SlopeEstimator::new(&car, sensors, &config.slope),
+            roughness: Roughness::new(car.radius * sensors.noise_std(Quantity::WheelSpeedFl)),
             lateral_velocity: LateralVelocityEstimator::new(&car, sensors, slow),
             lateral_slope: LateralSlopeEstimator::new(&car, slow),
             joint_ekf: JointEkf::new(&car, sensors, &config.joint_ekf, slow),
@@ -172,6 +175,7 @@ impl Pipeline {
 
     fn longitudinal(&mut self, now: &Kinematics) {
         self.slope.age(now.elapsed_s);
+        self.roughness.age(now.elapsed_s);
         self.brush.age(now.elapsed_s);
         let (offsets, slopes) = (self.slope.offsets(), self.slope.slopes());
         self.saturation.step(now, &self.traction, &offsets, &slopes, &self.config.slope);
@@ -184,7 +188,11 @@ impl Pipeline {
                 self.cornering.surface_changed();
             }
             self.curve(&block, &points);
+            if block.braking != Some(true) && !self.saturation.is_spinning() {
+                self.roughness.step(&block);
+            }
         }
+        self.latest.roughness = self.roughness.estimate();
         self.latest.slope = self.slope.slopes();
         self.latest.slip_offset = self.slope.offsets();
         self.latest.slope_valid = now.speed.is_some() && self.slope.is_valid();

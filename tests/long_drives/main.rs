@@ -8,6 +8,7 @@
 #[path = "../support/driven.rs"]
 mod driven;
 mod roads;
+mod rough;
 mod watch;
 
 use watch::{Watch, watch};

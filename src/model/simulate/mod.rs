@@ -34,6 +34,7 @@ mod driver;
 mod effects;
 mod input;
 mod sensor;
+mod shake;
 mod surface;
 mod tooth_wheel;
 mod truth;
@@ -48,6 +49,7 @@ use self::driver::{Abs, Demand, Driver};
 use self::effects::{Effects, Plain};
 use self::input::Input;
 use self::sensor::{History, Pending, Sensor};
+use self::shake::Shake;
 use self::surface::Surface;
 use self::tooth_wheel::ToothWheel;
 use super::scenario::{Piece, Scenario, ScenarioError};
@@ -104,6 +106,9 @@ pub struct Simulation {
     driver: Option<Driver>,
     abs: Option<Abs>,
     surface: Surface,
+    /// Of a rough road, and by how much it makes each wheel turn faster now, rad/s.
+    shake: Option<Shake>,
+    shaken: [f64; 4],
     sensors: Vec<Sensor>,
     clock_scale: f64,
 
@@ -146,6 +151,7 @@ enum Stream {
     Noise,
     Teeth,
     Jitter,
+    Shake,
 }
 
 fn random(seed: u64, stream: Stream, index: u64) -> ChaCha8Rng {
@@ -200,6 +206,8 @@ impl Simulation {
             driver,
             abs: scenario.abs.as_ref().map(Abs::new),
             surface,
+            shake: Shake::new(&scenario.road, random(seed, Stream::Shake, 0)),
+            shaken: [0.0; 4],
             effects,
             effect_columns: effect::column_names(&scenario.effect),
             clock_scale: 1.0 + 1e-6 * scenario.clock.skew_ppm,
@@ -280,7 +288,13 @@ impl Simulation {
         self.time = next;
         self.follow(&before, h);
         self.on_road = self.surface.at(t);
-        let turned = std::array::from_fn(|i| 0.5 * h * (before.wheel_speed[i] + self.state.wheel_speed[i]));
+        if let Some(shake) = &mut self.shake {
+            let faster = shake.step(t, h);
+            self.shaken = std::array::from_fn(|i| faster[i] / self.plant.radius[i]);
+        }
+        let turned = std::array::from_fn(|i| {
+            h * (0.5 * (before.wheel_speed[i] + self.state.wheel_speed[i]) + self.shaken[i])
+        });
         for sensor in &mut self.sensors {
             sensor.turn(t, h, &turned);
         }
@@ -360,7 +374,7 @@ impl Simulation {
 
     /// What perfect sensors at the centre of gravity say, by [`Quantity`].
     fn true_readings(&self) -> [f64; Quantity::COUNT] {
-        let [fl, fr, rl, rr] = self.state.wheel_speed;
+        let [fl, fr, rl, rr] = std::array::from_fn(|i| self.state.wheel_speed[i] + self.shaken[i]);
         let brake: f64 = self.controls.brake_torque.iter().sum();
         [
             fl,

@@ -34,9 +34,7 @@ fn gravel_is_told_from_snow_by_its_roughness() {
     let take = |_: &gripd::Sample, truth: &Truth, now: &Estimates| {
         let t = truth.time.seconds();
         let place = ROAD.iter().rposition(|stretch| t >= stretch.0 + SETTLED_S);
-        let (Some(place), Some(roughness), Some(slope)) = (place, now.roughness, now.slope[0]) else {
-            return;
-        };
+        let (Some(place), Some(roughness)) = (place, now.roughness) else { return };
         if ROAD.get(place + 1).is_some_and(|next| t >= next.0) {
             return;
         }

@@ -4,19 +4,18 @@ use std::future::Future;
 use std::io;
 use std::pin::pin;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use nix::sys::mman::{MlockAllFlags, mlockall};
 use thiserror::Error;
 use tokio::time::{Interval, MissedTickBehavior};
 
-use super::throttle::{Allowed, Quota, Throttle};
+use super::said::Said;
 use super::{
     Endpoint, Engine, Fresh, Health, Keeper, Reloads, SavedState, SetupError, Sink, Survived, systemd,
 };
 use crate::can::{
-    Bus, BusState, CanId, ErrorReport, Event, Frame, InterfaceName, OpenError, Reception, SendError,
-    SocketCan, SocketCanConfig,
+    Bus, CanId, Event, Frame, InterfaceName, OpenError, Reception, SendError, SocketCan, SocketCanConfig,
 };
 use crate::{Config, Estimates, Faults, Sample};
 
@@ -248,16 +247,6 @@ struct Daemon {
     health: Option<Arc<Health>>,
 }
 
-/// What was said lately, so that a bad day does not fill the log.
-#[derive(Debug, Default)]
-struct Said {
-    dropped: Throttle,
-    unsent: Throttle,
-    bus_off: Throttle,
-    bus_state: Throttle,
-    link: Quota,
-}
-
 /// Collects what the engine publishes, and shows estimates to the observer.
 struct Collect<'a, S> {
     outbox: &'a mut Vec<Frame>,
@@ -285,29 +274,27 @@ impl Daemon {
             Event::Frame(frame) => {
                 self.tally.received += 1;
                 self.engine.frame(&frame, &mut Collect { outbox: &mut self.outbox, observer });
+                self.said.doubts(&self.engine);
             }
             Event::Dropped(count) => {
                 self.tally.dropped += u64::from(count);
                 self.engine.report_dropped(u64::from(count));
-                if self.said.dropped.pass(Instant::now()).is_some() {
-                    let total = self.tally.dropped;
-                    tracing::warn!(count, total, "the kernel dropped frames: we are too slow");
-                }
+                self.said.dropped(count, self.tally.dropped);
             }
             Event::Error(error) => {
                 self.engine.report(Faults::BUS_ERROR);
-                self.say_error("input", error);
+                self.said.error("input", error);
             }
             Event::Up => {
                 self.set_up(true);
                 self.tell("the input interface is up");
-                self.say_link("input", event);
+                self.said.link("input", event);
             }
             Event::Down | Event::Gone => {
                 self.engine.report(Faults::BUS_DOWN);
                 self.set_up(false);
                 self.tell("waiting for the input interface");
-                self.say_link("input", event);
+                self.said.link("input", event);
             }
         }
     }
@@ -368,10 +355,10 @@ impl Daemon {
 
     fn output(&mut self, event: Event) {
         match event {
-            Event::Up | Event::Down | Event::Gone => self.say_link("output", event),
+            Event::Up | Event::Down | Event::Gone => self.said.link("output", event),
             Event::Error(error) => {
                 self.engine.report(Faults::BUS_ERROR);
-                self.say_error("output", error);
+                self.said.error("output", error);
             }
             Event::Frame(_) | Event::Dropped(_) => {}
         }
@@ -389,44 +376,11 @@ impl Daemon {
                     self.tally.unsent += 1;
                     self.engine.report(Faults::BUS_ERROR);
                     self.engine.untold();
-                    if self.said.unsent.pass(Instant::now()).is_some() {
-                        tracing::warn!(total = self.tally.unsent, "a frame was not sent: {error}");
-                    }
+                    self.said.unsent(self.tally.unsent, &error);
                 }
             }
         }
         self.outbox.clear();
-    }
-
-    /// Changes of a link, unless it does nothing but change.
-    fn say_link(&mut self, place: &str, event: Event) {
-        let allowed = self.said.link.pass(Instant::now());
-        if allowed == Allowed::No {
-            return;
-        }
-        match event {
-            Event::Up => tracing::info!("the {place} interface is up"),
-            Event::Down => tracing::warn!("the {place} interface is down; waiting for it"),
-            _ => tracing::warn!("the {place} interface does not exist; waiting for it"),
-        }
-        if allowed == Allowed::LastForNow {
-            tracing::warn!("the interfaces change all the time: no more is said of it for up to a minute");
-        }
-    }
-
-    /// Changes of the controller's state, each at its own level; single errors are for debugging only.
-    fn say_error(&mut self, place: &str, error: ErrorReport) {
-        let Some(state) = error.bus_state() else {
-            tracing::debug!("{place}: {error}");
-            return;
-        };
-        let said = if state == BusState::Off { &mut self.said.bus_off } else { &mut self.said.bus_state };
-        let Some(withheld) = said.pass(Instant::now()) else { return };
-        match state {
-            BusState::Off => tracing::error!(withheld, "{place}: {error}"),
-            BusState::Passive | BusState::Warning => tracing::warn!(withheld, "{place}: {error}"),
-            BusState::Active => tracing::info!(withheld, "{place}: {error}"),
-        }
     }
 
     fn report(&self) {

@@ -8,6 +8,7 @@ mod endpoint;
 mod engine;
 mod health;
 mod reload;
+mod said;
 pub mod saved;
 mod systemd;
 mod throttle;

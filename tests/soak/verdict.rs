@@ -1,0 +1,151 @@
+//! What is flagged valid, against the truth of the simulation.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use gripd::estimates::Estimate;
+use gripd::model::Truth;
+use gripd::{Estimates, Micros};
+
+/// What is judged.
+const NAMES: [&str; 4] = ["slope", "cornering stiffness", "sideslip", "friction"];
+/// Off by more is wrong: two of stiffness, relative; sideslip, rad; friction. As tests/faults and tests/campaign have
+/// it; the secant that a slope is lies up to a quarter below a brush tire's slope at zero slip.
+const LIMITS: [f64; 4] = [0.35, 0.35, 0.05, 0.1];
+
+/// Of each: how far what is valid is off, and what it should be; `None` where nothing is valid.
+pub type Offs = [Option<(f64, f64)>; 4];
+
+/// Judges a sample.
+pub fn offs(truth: &Truth, estimates: &Estimates) -> Offs {
+    let relative = |is: &[Option<Estimate>], truth: &[f64]| {
+        let both =
+            is.iter().zip(truth).filter_map(|(is, truth)| Some((is.as_ref()?.value / truth - 1.0, *truth)));
+        both.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))
+    };
+    let Estimates { motion, friction, .. } = estimates;
+    let sideslip = motion.sideslip.map(|sideslip| (sideslip - truth.sideslip, truth.sideslip));
+    let max = friction.max.map(|max| (max - truth.mu_max, truth.mu_max));
+    let axles = [truth.cornering_front, truth.cornering_rear];
+    [
+        relative(&estimates.slope, &truth.slope).filter(|_| estimates.slope_valid),
+        relative(&estimates.cornering, &axles).filter(|_| estimates.cornering_valid),
+        sideslip.filter(|_| motion.valid),
+        max.filter(|_| friction.valid),
+    ]
+    .map(|off| off.filter(|(off, _)| off.is_finite()))
+}
+
+/// Is it so far off that it is wrong?
+fn is_wrong(which: usize, off: Option<(f64, f64)>) -> bool {
+    off.is_some_and(|(off, _)| off.abs() > LIMITS[which])
+}
+
+/// Samples of one quantity.
+#[derive(Clone, Copy, Debug, Default)]
+struct Count {
+    valid: u64,
+    wrong: u64,
+}
+
+/// What became wrong after a fault began, though it was not without.
+#[derive(Clone, Copy, Debug)]
+struct Blame {
+    samples: u64,
+    most_off: f64,
+    truth: f64,
+    at_s: f64,
+}
+
+/// All that was judged.
+#[derive(Clone, Debug, Default)]
+pub struct Verdict {
+    samples: u64,
+    without: [Count; 4],
+    with: [Count; 4],
+    /// Wrong with faults, and not without them.
+    by_faults: [u64; 4],
+    blamed: BTreeMap<(&'static str, usize), Blame>,
+    /// Pieces that began with each fault.
+    pub faults: BTreeMap<&'static str, u64>,
+}
+
+impl Verdict {
+    /// A sample of the drive without faults.
+    pub fn without(&mut self, offs: &Offs) {
+        self.samples += 1;
+        count(&mut self.without, offs);
+    }
+
+    /// A sample of the drive with them, beside the same without.
+    pub fn with(&mut self, offs: &Offs, clean: &Offs, blamed: &'static str, at: Micros) {
+        count(&mut self.with, offs);
+        for which in 0..NAMES.len() {
+            let Some((off, truth)) = offs[which].filter(|_| is_wrong(which, offs[which])) else { continue };
+            if is_wrong(which, clean[which]) {
+                continue;
+            }
+            self.by_faults[which] += 1;
+            let none = Blame { samples: 0, most_off: 0.0, truth, at_s: 0.0 };
+            let blame = self.blamed.entry((blamed, which)).or_insert(none);
+            blame.samples += 1;
+            if off.abs() > blame.most_off.abs() {
+                *blame = Blame { samples: blame.samples, most_off: off, truth, at_s: at.seconds() };
+            }
+        }
+    }
+
+    fn share(part: u64, all: u64) -> f64 {
+        100.0 * part as f64 / all.max(1) as f64
+    }
+
+    /// What holds today.
+    #[track_caller]
+    pub fn is_good(&self) {
+        assert!(self.samples > 10_000 && !self.faults.is_empty(), "{self}");
+    }
+}
+
+fn count(counts: &mut [Count; 4], offs: &Offs) {
+    for (which, count) in counts.iter_mut().enumerate() {
+        count.valid += u64::from(offs[which].is_some());
+        count.wrong += u64::from(is_wrong(which, offs[which]));
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "| flagged valid | without faults | of it wrong | with faults | of it wrong | wrong by the faults |"
+        )?;
+        writeln!(f, "|---|---|---|---|---|---|")?;
+        for (which, name) in NAMES.iter().enumerate() {
+            let (without, with) = (self.without[which], self.with[which]);
+            writeln!(
+                f,
+                "| {name} | {:.2} % | {:.3} % | {:.2} % | {:.3} % | {:.1} s |",
+                Self::share(without.valid, self.samples),
+                Self::share(without.wrong, without.valid),
+                Self::share(with.valid, self.samples),
+                Self::share(with.wrong, with.valid),
+                0.01 * self.by_faults[which] as f64
+            )?;
+        }
+        let mut blamed: Vec<_> = self.blamed.iter().collect();
+        blamed.sort_by_key(|(_, blame)| std::cmp::Reverse(blame.samples));
+        for ((fault, which), blame) in blamed {
+            writeln!(
+                f,
+                "  {} wrong for {:.2} s after \"{fault}\" ({} times), most by {:+.3} (truth {:.3}) at {:.1} s",
+                NAMES[*which],
+                0.01 * blame.samples as f64,
+                self.faults.get(fault).copied().unwrap_or(0),
+                blame.most_off,
+                blame.truth,
+                blame.at_s
+            )?;
+        }
+        Ok(())
+    }
+}

@@ -17,7 +17,7 @@ use super::dice::Dice;
 use super::memory::{self, Memory};
 use super::sound::sound;
 use super::spoil::{Event, List, Piece};
-use super::verdict::{Offs, Verdict, offs};
+use super::verdict::{Offs, Secant, Verdict, offs};
 use super::{heard, road};
 
 /// A date, so that stamps are as long as those of a live bus.
@@ -81,14 +81,15 @@ impl Sink for Heard {
 /// What is true, and how the engine without faults did, in order of time.
 #[derive(Default)]
 struct Known {
-    truths: Vec<Truth>,
+    /// With the share of a slope that the straight line through a bent curve may have.
+    truths: Vec<(Truth, f64)>,
     clean: Vec<(Micros, Offs)>,
 }
 
 impl Known {
-    fn truth(&self, time: Micros) -> Option<&Truth> {
-        let place = self.truths.partition_point(|truth| truth.time < time);
-        self.truths.get(place).filter(|truth| truth.time - time < CLOSE)
+    fn truth(&self, time: Micros) -> Option<&(Truth, f64)> {
+        let place = self.truths.partition_point(|(truth, _)| truth.time < time);
+        self.truths.get(place).filter(|(truth, _)| truth.time - time < CLOSE)
     }
 
     fn clean(&self, time: Micros) -> Option<&Offs> {
@@ -151,8 +152,10 @@ impl Day {
         let mut known = Known::default();
         let mut readings: Vec<Reading> = Vec::new();
         let mut simulation = Simulation::new(&scenario, seed << 32 | number).unwrap();
+        let mut secant = Secant::default();
         while let Some(tick) = simulation.next_tick() {
-            known.truths.push(Truth { time: tick.truth.time + begin, ..*tick.truth });
+            let truth = Truth { time: tick.truth.time + begin, ..*tick.truth };
+            known.truths.push((truth, secant.share(&truth)));
             readings.extend(tick.readings.iter().map(|r| Reading { time: r.time + begin, ..*r }));
         }
         readings.sort_by_key(|reading| reading.time);

@@ -39,6 +39,7 @@ mod setting;
 mod sound;
 mod spoil;
 #[path = "../campaign/surface.rs"]
+#[allow(dead_code, reason = "the campaign uses the rest")]
 mod surface;
 mod verdict;
 

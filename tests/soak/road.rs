@@ -33,7 +33,15 @@ struct Inputs {
     other: String,
     effects: String,
     roads: String,
+    /// What lies under the wheels, and its friction.
+    road: Option<(Surface, f64)>,
 }
+
+/// How often one meets a surface.
+const USUAL: [Surface; 10] = {
+    use Surface::{Dry, Gravel, Ice, Snow, Wet};
+    [Dry, Dry, Dry, Dry, Wet, Wet, Wet, Gravel, Snow, Ice]
+};
 
 /// A stretch of about six minutes, with its own place, weather and driver, but the same car.
 pub fn stretch(dice: &mut ChaCha8Rng) -> Scenario {
@@ -47,7 +55,7 @@ pub fn stretch(dice: &mut ChaCha8Rng) -> Scenario {
     let seconds = (at + 4.0_f64).ceil();
     let vehicle = &CAR[CAR.find("[vehicle]").unwrap()..CAR.find("[[road]]").unwrap()];
     let sensors = &CAR[CAR.find("[sensors.wheel_speed]").unwrap()..];
-    let Inputs { speed, pressure, other, effects, roads } = inputs;
+    let Inputs { speed, pressure, other, effects, roads, .. } = inputs;
     let text = format!(
         "duration_s = {seconds}\ninitial_speed_mps = 0.0\nseed = 1\n\
          brake_pressure = [{{ kind = \"points\", points = {pressure:?} }}]\n\
@@ -61,20 +69,11 @@ impl Inputs {
     /// Adds a section from a time on; returns when it ends, the car then standing or all but.
     fn section(&mut self, from: f64, dice: &mut ChaCha8Rng) -> f64 {
         use Manoeuvre::*;
-        let surface = Surface::ALL[dice.random_range(0..Surface::ALL.len())];
         let manoeuvre = [Cruise, Winding, Winding, Slalom, Stop, Emergency][dice.random_range(0..6)];
-        let (friction, [along, across]) = (surface.friction(dice), surface.stiffness(dice));
-        write!(
-            self.roads,
-            "[[road]]\nfrom_s = {from}\ntransition_s = 0.1\nname = \"{}\"\nfriction = {friction}\n\
-             longitudinal_factor = {along}\nlateral_factor = {across}\n",
-            surface.name()
-        )
-        .unwrap();
-        if dice.random_range(0.0..1.0) < 0.1 {
-            let (side, less) = (["left", "right"][dice.random_range(0..2)], dice.random_range(0.3..0.6));
-            writeln!(self.roads, "{side} = {{ friction = {} }}", friction * less).unwrap();
-        }
+        let (surface, friction) = match self.road {
+            Some(same) if dice.random_range(0..3) > 0 => same,
+            _ => self.other_road(from, dice),
+        };
         let (low, high) = surface.speeds();
         let speed = dice.random_range(low..high);
         let gentle = 0.3 * friction * GRAVITY;
@@ -113,6 +112,23 @@ impl Inputs {
                 until + stop_s
             }
         }
+    }
+
+    fn other_road(&mut self, from: f64, dice: &mut ChaCha8Rng) -> (Surface, f64) {
+        let surface = USUAL[dice.random_range(0..USUAL.len())];
+        let (friction, [along, across]) = (surface.friction(dice), surface.stiffness(dice));
+        writeln!(
+            self.roads,
+            "[[road]]\nfrom_s = {from}\ntransition_s = 0.1\nname = \"{}\"\nfriction = {friction}\n\
+             longitudinal_factor = {along}\nlateral_factor = {across}",
+            surface.name()
+        )
+        .unwrap();
+        if dice.random_range(0..10) == 0 {
+            let (side, less) = (["left", "right"][dice.random_range(0..2)], dice.random_range(0.3..0.6));
+            writeln!(self.roads, "{side} = {{ friction = {} }}", friction * less).unwrap();
+        }
+        *self.road.insert((surface, friction))
     }
 
     fn steer(

@@ -51,7 +51,7 @@ const NOTHING: &str = "nothing yet";
 pub struct List(Vec<Case>);
 
 /// One fault, for one window.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 enum What {
     Listed(usize),
     Mixed,
@@ -75,7 +75,10 @@ impl List {
         while time + 25.0 < seconds {
             let mut what = vec![self.draw(dice)];
             if dice.random_range(0..4) == 0 {
+                // Last what leaves nothing as the list knows it.
                 what.push(self.draw(dice));
+                what.sort_by_key(|what| matches!(what, What::Mixed));
+                what.dedup();
             }
             for _ in 0..[1, 1, 2, 4][dice.random_range(0..4)] {
                 plan.push((time, what.clone()));

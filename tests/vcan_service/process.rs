@@ -93,6 +93,11 @@ impl Gripd {
         send_signal(&self.child, signal);
     }
 
+    /// Its process.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Everything it has said on stderr.
     pub fn log(&self) -> String {
         self.log.lock().unwrap().join("\n")

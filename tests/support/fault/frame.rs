@@ -10,7 +10,7 @@ pub const INERTIAL: u32 = 0x1B0;
 
 /// Each frame of a message, while the fault lasts, made into others.
 pub fn instead(frames: Vec<Frame>, id: u32, made: impl Fn(&Frame) -> Vec<Frame>) -> Vec<Frame> {
-    let of = |frame: &Frame| frame.id.number() == id && meanwhile(frame.time);
+    let of = |frame: &Frame| frame.id.number() == id && frame.is_data() && meanwhile(frame.time);
     frames.into_iter().flat_map(|frame| if of(&frame) { made(&frame) } else { vec![frame] }).collect()
 }
 

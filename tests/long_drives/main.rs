@@ -145,3 +145,30 @@ fn esp_braking_single_wheels_passes_neither_for_friction_nor_for_stiffness() {
     assert!(seen.cornering_valid_and_wrong <= 240 && seen.slope_valid_and_wrong <= 25, "{seen:#?}");
     assert!(seen.valid_sideslip_most_off < 0.7, "{seen:#?}");
 }
+
+/// Far beyond what the data sheet allows: a sensor that breaks slowly. It is learned as an offset.
+#[test]
+fn sensors_that_drift_for_minutes_make_little_valid_and_wrong() {
+    for (channel, size) in [
+        ("yaw_rate", 0.05),
+        ("lateral_acceleration", 1.5),
+        ("steering_wheel_angle", 0.35),
+        ("longitudinal_acceleration", 1.0),
+    ] {
+        for within_s in [30.0, 200.0] {
+            let seen = watch(&roads::drifting(channel, size, within_s), 60.0, f64::INFINITY);
+            println!(
+                "| {channel} {size} in {within_s} s | slope {} {} | cornering {} {} | motion {} {:.2} | friction {} {:.2} | {} |",
+                seen.slope_valid,
+                seen.slope_valid_and_wrong,
+                seen.cornering_valid,
+                seen.cornering_valid_and_wrong,
+                seen.motion_valid,
+                seen.valid_sideslip_most_off,
+                seen.friction_valid_and_wrong,
+                seen.most_excluded,
+                seen.surface_changes
+            );
+        }
+    }
+}

@@ -64,5 +64,22 @@ pub fn cases() -> Vec<Case> {
             within: (0.0, 0.1),
             ..Case::PLAIN
         },
+        Case {
+            name: "three messages at a half, a third and a fifth of their rate",
+            fault: Fault::Frames(|frames| {
+                let kept = |f: &Frame| {
+                    let one_in = match f.id.number() {
+                        0x1A0 => 2,
+                        0x1D0 => 3,
+                        0x1C0 => 5,
+                        _ => 1,
+                    };
+                    !meanwhile(f.time) || f.time.0 / 10_000 % one_in == 0
+                };
+                frames.into_iter().filter(kept).collect()
+            }),
+            within: (0.0, 0.1),
+            ..Case::PLAIN
+        },
     ]
 }

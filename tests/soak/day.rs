@@ -6,19 +6,20 @@ use std::time::Instant;
 
 use gripd::can::Frame;
 use gripd::cli::SimulatedFrames;
-use gripd::model::{Reading, Simulation, Truth};
+use gripd::model::Reading;
 use gripd::service::{Engine, Sink};
 use gripd::signals::Outputs;
 use gripd::{Config, Estimates, Faults, Micros, Sample};
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::dice::Dice;
+use super::heard;
 use super::memory::{self, Memory};
+use super::road::Stretch;
 use super::sound::sound;
 use super::spoil::{Event, List, Piece};
-use super::verdict::{Offs, Secant, Verdict, offs};
-use super::{heard, road};
+use super::verdict::{Offs, True, Verdict, offs};
 
 /// A date, so that stamps are as long as those of a live bus.
 const BEGIN: Micros = Micros(1_760_000_000_000_000);
@@ -79,17 +80,17 @@ impl Sink for Heard {
 }
 
 /// What is true, and how the engine without faults did, in order of time.
-#[derive(Default)]
-struct Known {
-    /// With the share of a slope that the straight line through a bent curve may have.
-    truths: Vec<(Truth, f64)>,
+struct Known<'a> {
+    begin: Micros,
+    truths: &'a [True],
     clean: Vec<(Micros, Offs)>,
 }
 
-impl Known {
-    fn truth(&self, time: Micros) -> Option<&(Truth, f64)> {
-        let place = self.truths.partition_point(|(truth, _)| truth.time < time);
-        self.truths.get(place).filter(|(truth, _)| truth.time - time < CLOSE)
+impl Known<'_> {
+    fn truth(&self, time: Micros) -> Option<&True> {
+        let time = time - self.begin;
+        let place = self.truths.partition_point(|truth| truth.time < time);
+        self.truths.get(place).filter(|truth| truth.time - time < CLOSE)
     }
 
     fn clean(&self, time: Micros) -> Option<&Offs> {
@@ -113,8 +114,8 @@ struct Day {
     outcome: Outcome,
 }
 
-/// Drives for so many hours, and judges.
-pub fn drive(hours: f64, seed: u64) -> Outcome {
+/// Drives for so many hours over these stretches, in any order, and judges.
+pub fn drive(hours: f64, seed: u64, stretches: &[Stretch]) -> Outcome {
     let begun = Instant::now();
     let config = Config::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("config/demo.toml")).unwrap();
     let database = config.input_database().unwrap();
@@ -136,7 +137,7 @@ pub fn drive(hours: f64, seed: u64) -> Outcome {
         outcome,
     };
     while day.outcome.seconds < hours * 3600.0 {
-        day.stretch(seed);
+        day.stretch(seed, stretches);
     }
     day.outcome.memory.resident[1] = memory::resident();
     day.outcome.took_s = begun.elapsed().as_secs_f64();
@@ -144,24 +145,20 @@ pub fn drive(hours: f64, seed: u64) -> Outcome {
 }
 
 impl Day {
-    fn stretch(&mut self, seed: u64) {
+    fn stretch(&mut self, seed: u64, stretches: &[Stretch]) {
         let number = self.outcome.stretches;
         let mut dice = ChaCha8Rng::seed_from_u64(seed << 32 | number);
-        let scenario = road::stretch(&mut dice);
+        // Each of them, then any.
+        let stretch = match stretches.get(number as usize) {
+            Some(stretch) => stretch,
+            None => &stretches[dice.random_range(0..stretches.len())],
+        };
         let begin = BEGIN + Micros((self.outcome.seconds * 1e6) as i64) + BETWEEN;
-        let mut known = Known::default();
-        let mut readings: Vec<Reading> = Vec::new();
-        let mut simulation = Simulation::new(&scenario, seed << 32 | number).unwrap();
-        let mut secant = Secant::default();
-        while let Some(tick) = simulation.next_tick() {
-            let truth = Truth { time: tick.truth.time + begin, ..*tick.truth };
-            known.truths.push((truth, secant.share(&truth)));
-            readings.extend(tick.readings.iter().map(|r| Reading { time: r.time + begin, ..*r }));
-        }
-        readings.sort_by_key(|reading| reading.time);
+        let mut readings = stretch.readings_from(begin);
+        let mut known = Known { begin, truths: &stretch.truths, clean: Vec::new() };
         self.without_faults(&readings, &mut known);
 
-        let plan = self.list.plan(scenario.duration_s, &mut dice);
+        let plan = self.list.plan(stretch.seconds, &mut dice);
         self.list.sensors(&plan, begin, &mut readings);
         let mut frames = Vec::new();
         self.senders[1].take(&readings, &mut |frame| frames.push(*frame));
@@ -169,7 +166,7 @@ impl Day {
         for piece in self.list.pieces(&plan, begin, frames, &mut self.blamed, &mut mixed) {
             self.piece(&piece, &known);
         }
-        self.outcome.seconds += scenario.duration_s.ceil() + BETWEEN.seconds();
+        self.outcome.seconds += stretch.seconds.ceil() + BETWEEN.seconds();
         self.outcome.stretches += 1;
         if number == 0 {
             self.outcome.memory = Memory::default();
@@ -179,7 +176,7 @@ impl Day {
         }
     }
 
-    fn without_faults(&mut self, readings: &[Reading], known: &mut Known) {
+    fn without_faults(&mut self, readings: &[Reading], known: &mut Known<'_>) {
         let mut frames = Vec::new();
         self.senders[0].take(readings, &mut |frame| frames.push(*frame));
         for frame in &frames {
@@ -195,7 +192,7 @@ impl Day {
         }
     }
 
-    fn piece(&mut self, piece: &Piece, known: &Known) {
+    fn piece(&mut self, piece: &Piece, known: &Known<'_>) {
         if piece.is_fault {
             *self.outcome.verdict.faults.entry(piece.blamed).or_default() += 1;
         }

@@ -2,11 +2,13 @@
 
 use std::fmt::Write as _;
 
-use gripd::model::{GRAVITY, Scenario};
-use rand::RngExt;
+use gripd::Micros;
+use gripd::model::{GRAVITY, Reading, Scenario, Simulation};
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::surface::Surface;
+use super::verdict::{Secant, True};
 
 const CAR: &str = include_str!("../../config/scenarios/demo.toml");
 
@@ -43,8 +45,35 @@ const USUAL: [Surface; 10] = {
     [Dry, Dry, Dry, Dry, Wet, Wet, Wet, Gravel, Snow, Ice]
 };
 
+/// What happened on a stretch: what was true, and what the sensors said of it.
+pub struct Stretch {
+    pub seconds: f64,
+    pub truths: Vec<True>,
+    pub readings: Vec<Reading>,
+}
+
+impl Stretch {
+    /// Drives one. Wheels that stand are slow to simulate: a stretch takes as long as a thousandth or a hundredth of it.
+    pub fn draw(seed: u64) -> Self {
+        let scenario = scenario(&mut ChaCha8Rng::seed_from_u64(seed));
+        let mut simulation = Simulation::new(&scenario, seed).unwrap();
+        let (mut truths, mut readings, mut secant) = (Vec::new(), Vec::new(), Secant::default());
+        while let Some(tick) = simulation.next_tick() {
+            truths.push(True::of(tick.truth, &mut secant));
+            readings.extend_from_slice(tick.readings);
+        }
+        readings.sort_by_key(|reading| reading.time);
+        Self { seconds: scenario.duration_s, truths, readings }
+    }
+
+    /// What the sensors say if it begins at that time.
+    pub fn readings_from(&self, begin: Micros) -> Vec<Reading> {
+        self.readings.iter().map(|r| Reading { time: r.time + begin, ..*r }).collect()
+    }
+}
+
 /// A stretch of about six minutes, with its own place, weather and driver, but the same car.
-pub fn stretch(dice: &mut ChaCha8Rng) -> Scenario {
+fn scenario(dice: &mut ChaCha8Rng) -> Scenario {
     let mut inputs =
         Inputs { speed: vec![[0.0, 0.0], [1.0, 0.0]], pressure: vec![[0.0, 0.0]], ..Inputs::default() };
     let mut at = 0.0;

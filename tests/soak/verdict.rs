@@ -31,7 +31,7 @@ impl Secant {
     const MEMORY: f64 = 3000.0;
 
     /// The least share of the slope at zero slip that may be found after this row.
-    pub fn share(&mut self, truth: &Truth) -> f64 {
+    fn share(&mut self, truth: &Truth) -> f64 {
         let used = (truth.mu_used / truth.mu_max).clamp(0.0, 1.0);
         self.used = used.max(self.used * (1.0 - 1.0 / Self::MEMORY));
         // Brush: F/μ = 1 − (1 − x)³ with x = C s/(3 μ).
@@ -40,12 +40,38 @@ impl Secant {
     }
 }
 
+/// What is true, as far as it is judged.
+#[derive(Clone, Copy, Debug)]
+pub struct True {
+    pub time: Micros,
+    slope: [f64; 4],
+    /// The share of the slope that the straight line through a bent curve may have.
+    secant: f64,
+    cornering: [f64; 2],
+    sideslip: f64,
+    friction: f64,
+}
+
+impl True {
+    /// At one instant, the next after those that the secant has seen.
+    pub fn of(truth: &Truth, secant: &mut Secant) -> Self {
+        Self {
+            time: truth.time,
+            slope: truth.slope,
+            secant: secant.share(truth),
+            cornering: [truth.cornering_front, truth.cornering_rear],
+            sideslip: truth.sideslip,
+            friction: truth.mu_max,
+        }
+    }
+}
+
 /// Judges a sample.
-pub fn offs((truth, secant): &(Truth, f64), estimates: &Estimates) -> Offs {
-    let slope = |is: &Option<Estimate>, truth: f64| {
-        let ratio = is.as_ref()?.value / truth;
+pub fn offs(truth: &True, estimates: &Estimates) -> Offs {
+    let slope = |is: &Option<Estimate>, slope: f64| {
+        let ratio = is.as_ref()?.value / slope;
         // Anywhere between the secant and the slope at zero slip it is right.
-        Some((ratio - ratio.clamp(*secant, 1.0), truth))
+        Some((ratio - ratio.clamp(truth.secant, 1.0), slope))
     };
     let slopes = estimates.slope.iter().zip(truth.slope).filter_map(|(is, truth)| slope(is, truth));
     let relative = |is: &[Option<Estimate>], truth: &[f64]| {
@@ -55,11 +81,10 @@ pub fn offs((truth, secant): &(Truth, f64), estimates: &Estimates) -> Offs {
     };
     let Estimates { motion, friction, .. } = estimates;
     let sideslip = motion.sideslip.map(|sideslip| (sideslip - truth.sideslip, truth.sideslip));
-    let max = friction.max.map(|max| (max - truth.mu_max, truth.mu_max));
-    let axles = [truth.cornering_front, truth.cornering_rear];
+    let max = friction.max.map(|max| (max - truth.friction, truth.friction));
     [
         slopes.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).filter(|_| estimates.slope_valid),
-        relative(&estimates.cornering, &axles).filter(|_| estimates.cornering_valid),
+        relative(&estimates.cornering, &truth.cornering).filter(|_| estimates.cornering_valid),
         sideslip.filter(|_| motion.valid),
         max.filter(|_| friction.valid),
     ]

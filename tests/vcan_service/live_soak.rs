@@ -22,7 +22,7 @@ fn flaps_and_reloads_lose_nothing() {
     let log = Log::start(interface.0);
     let gripd = Gripd::start(car.path(), interface.0);
     gripd.wait_for_log("the input interface is up");
-    let echo = Echo::start(interface.0);
+    let echo = Echo::start(interface.0, false);
     let sender = Sender::start(interface.0, recording);
     let (mut flaps, mut reloads, mut early) = (0, 0, 0);
     let begun = Instant::now();

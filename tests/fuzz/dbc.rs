@@ -105,7 +105,8 @@ fn payloads() {
     });
     fuzz("payloads", 20_000, Dice::next, |seed| {
         let mut dice = Dice::new("payloads", *seed, 0);
-        let message = dice.of(dice.of(databases).messages());
+        let database = dice.of(databases);
+        let message = dice.of(database.messages());
         let length = *dice.of(&[message.length, message.length, 64, message.length / 2, 0]);
         decode_one(message, length, &mut dice);
     });

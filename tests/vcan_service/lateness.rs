@@ -130,7 +130,7 @@ fn bare_echo() {
     }
 }
 
-/// A candump that writes to a file and lets everybody else go first: stamps are the kernel's.
+/// A candump that writes to a file and lets others go first, with a queue for half a minute: stamps are the kernel's.
 pub struct Log {
     child: Child,
     pub file: PathBuf,
@@ -140,7 +140,7 @@ impl Log {
     pub fn start(interface: &str) -> Self {
         let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{interface}.log"));
         let mut candump = Command::new("nice");
-        candump.args(["-n", "19", "candump", "-L", "-d", "-D", "-r", "16000000", interface]);
+        candump.args(["-n", "10", "candump", "-L", "-d", "-D", "-r", "64000000", interface]);
         let child = candump.stdout(std::fs::File::create(&file).unwrap()).spawn().unwrap();
         let log = Self { child, file };
         wait_for("candump's first line", || {

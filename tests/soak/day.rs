@@ -217,7 +217,7 @@ impl Day {
                 }
                 let (Some(truth), Some(clean)) = (known.truth(time), known.clean(time)) else { continue };
                 let offs = offs(truth, &estimates);
-                self.outcome.verdict.with(&offs, clean, piece.blamed, time - BEGIN);
+                self.outcome.verdict.with(&offs, clean, piece.blamed, time - BEGIN, truth.unchanged_s);
             }
         }
         heard::protected(&published);

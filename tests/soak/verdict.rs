@@ -24,11 +24,22 @@ pub type Offs = [Option<(f64, f64)>; 4];
 pub struct Secant {
     /// The largest share of the friction that was in use lately.
     used: f64,
+    friction: f64,
+    unchanged_s: f64,
 }
 
 impl Secant {
     /// For so many rows of truth a use of friction counts: half a minute.
     const MEMORY: f64 = 3000.0;
+
+    fn unchanged_s(&mut self, truth: &Truth) -> f64 {
+        // Over a tenth of a second; a slippery side under a car that leans changes little.
+        let before = self.friction;
+        self.friction += 0.1 * (truth.mu_max - self.friction);
+        let changes = (truth.mu_max / before - 1.0).abs() > 0.1;
+        self.unchanged_s = if changes { 0.0 } else { self.unchanged_s + 0.01 };
+        self.unchanged_s
+    }
 
     /// The least share of the slope at zero slip that may be found after this row.
     fn share(&mut self, truth: &Truth) -> f64 {
@@ -50,6 +61,8 @@ pub struct True {
     cornering: [f64; 2],
     sideslip: f64,
     friction: f64,
+    /// Since the road became another one, s.
+    pub unchanged_s: f64,
 }
 
 impl True {
@@ -62,6 +75,7 @@ impl True {
             cornering: [truth.cornering_front, truth.cornering_rear],
             sideslip: truth.sideslip,
             friction: truth.mu_max,
+            unchanged_s: secant.unchanged_s(truth),
         }
     }
 }
@@ -120,6 +134,8 @@ pub struct Verdict {
     with: [Count; 4],
     /// Wrong with faults, and not without them.
     by_faults: [u64; 4],
+    /// Of these, within two minutes after the road became another one.
+    on_another_road: [u64; 4],
     blamed: BTreeMap<(&'static str, usize), Blame>,
     /// Pieces that began with each fault.
     pub faults: BTreeMap<&'static str, u64>,
@@ -133,7 +149,7 @@ impl Verdict {
     }
 
     /// A sample of the drive with them, beside the same without.
-    pub fn with(&mut self, offs: &Offs, clean: &Offs, blamed: &'static str, at: Micros) {
+    pub fn with(&mut self, offs: &Offs, clean: &Offs, blamed: &'static str, at: Micros, unchanged_s: f64) {
         count(&mut self.with, offs);
         for which in 0..NAMES.len() {
             let Some((off, truth)) = offs[which].filter(|_| is_wrong(which, offs[which])) else { continue };
@@ -141,6 +157,7 @@ impl Verdict {
                 continue;
             }
             self.by_faults[which] += 1;
+            self.on_another_road[which] += u64::from(unchanged_s < 120.0);
             let none = Blame { samples: 0, most_off: 0.0, truth, at_s: 0.0 };
             let blame = self.blamed.entry((blamed, which)).or_insert(none);
             blame.samples += 1;
@@ -176,19 +193,20 @@ impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "| flagged valid | without faults | of it wrong | with faults | of it wrong | wrong by the faults |"
+            "| flagged valid | without faults | of it wrong | with faults | of it wrong | wrong by the faults | of it within 2 minutes of a change of road |"
         )?;
-        writeln!(f, "|---|---|---|---|---|---|")?;
+        writeln!(f, "|---|---|---|---|---|---|---|")?;
         for (which, name) in NAMES.iter().enumerate() {
             let (without, with) = (self.without[which], self.with[which]);
             writeln!(
                 f,
-                "| {name} | {:.2} % | {:.3} % | {:.2} % | {:.3} % | {:.1} s |",
+                "| {name} | {:.2} % | {:.3} % | {:.2} % | {:.3} % | {:.1} s | {:.0} % |",
                 Self::share(without.valid, self.samples),
                 Self::share(without.wrong, without.valid),
                 Self::share(with.valid, self.samples),
                 Self::share(with.wrong, with.valid),
-                0.01 * self.by_faults[which] as f64
+                0.01 * self.by_faults[which] as f64,
+                Self::share(self.on_another_road[which], self.by_faults[which])
             )?;
         }
         let mut blamed: Vec<_> = self.blamed.iter().collect();

@@ -1,7 +1,7 @@
 //! How late the service answers: from the kernel's stamp of the frame that makes a round due to the kernel's stamp of
 //! the round's first frame, beside a bare echo (one read, one write) in the same run.
 //!
-//! Every test run measures some seconds, and asserts nothing of how fast it is. The README's table, in five minutes:
+//! Every test run measures some seconds, and asserts nothing of how fast it is. The README's table, in four minutes:
 //!
 //! ```text
 //! CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER=$PWD/tests/vcan/run.sh VCAN_TIMEOUT=600 \
@@ -17,6 +17,7 @@ use nix::time::ClockId;
 use nix::unistd::Pid;
 use socketcan::{CanDataFrame, CanFilter, CanSocket, EmbeddedFrame, Id, Socket, SocketOptions, StandardId};
 
+use super::setting::setting;
 use super::*;
 
 /// What the echo is asked on, and what it answers on.
@@ -219,6 +220,7 @@ pub fn heard(log: &Path, config: &Path, unsent: u64, links_flap: bool) -> Heard 
             number if is_published(&frame) => {
                 let mut due = again.next_frame().unwrap().expect("a replay publishes as much");
                 while !same(&frame, &due) {
+                    assert_eq!(live.stats().dropped, 0, "candump lost frames: nothing can be compared");
                     heard.missing += 1;
                     assert!(heard.missing <= unsent, "{}: {frame:?}, not {due:?}", heard.published);
                     due = again.next_frame().unwrap().expect("a replay publishes as much");
@@ -309,7 +311,7 @@ fn lateness_at_500_and_2000_frames_a_second() {
     let Some(interface) = Interface::new("gs_later") else { return };
     let load = std::fs::read_to_string("/proc/loadavg").unwrap();
     println!("load average in the guest: {load}");
-    for (frames_per_second, real_time) in [(500, false), (2000, false), (500, true), (2000, true)] {
-        measure(&interface, frames_per_second, 60, real_time);
+    for (frames_per_second, real_time) in [(500, false), (2000, false), (500, true)] {
+        measure(&interface, frames_per_second, setting("GRIPD_LATENESS_S", 60), real_time);
     }
 }

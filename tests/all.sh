@@ -8,5 +8,6 @@ tests/setup.sh
 cargo test --locked
 arch=$(uname -m | tr '[:lower:]' '[:upper:]')
 export "CARGO_TARGET_${arch}_UNKNOWN_LINUX_GNU_RUNNER=$PWD/tests/vcan/run.sh"
+export VCAN_TIMEOUT="${VCAN_TIMEOUT:-600}"
 cargo test --locked --test 'vcan*'
 exec tests/systemd.sh target/debug/gripd

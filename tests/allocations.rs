@@ -1,11 +1,11 @@
 //! GIVEN the service after its start WHEN it works THEN it takes no memory from the heap: its time per
 //! frame does not depend on the allocator, and there is nothing that could leak or fragment.
 
-#![allow(unsafe_code, reason = "a global allocator, here one that counts, cannot be written without")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
+#[path = "support/counting.rs"]
+mod counting;
+
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -16,50 +16,9 @@ use gripd::can::candump::Reader;
 use gripd::service::{Engine, Keeper, SavedState, Sink};
 use gripd::{Config, Estimates, Micros, Sample};
 
-/// The system's, but it counts what each thread asks for.
-struct Counting;
-
-thread_local! {
-    /// Without a destructor, so that it may be used in an allocator.
-    static REQUESTS: Cell<u64> = const { Cell::new(0) };
-}
-
-fn count() {
-    REQUESTS.set(REQUESTS.get() + 1);
-}
-
-// SAFETY: everything is handed on to `System` unchanged; counting does not allocate.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        count();
-        unsafe { System.alloc_zeroed(layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count();
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // Giving back something is as bad: it was taken once.
-        count();
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
 /// How often the allocator was called meanwhile, by this thread.
 fn requests_of(work: impl FnOnce()) -> u64 {
-    let before = REQUESTS.get();
-    work();
-    REQUESTS.get() - before
+    counting::asked_by(work).requests
 }
 
 fn project(path: &str) -> PathBuf {

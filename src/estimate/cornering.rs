@@ -29,6 +29,7 @@
 
 mod bend;
 mod bound;
+mod doubt;
 mod lasting;
 mod measure;
 mod single_brake;
@@ -38,6 +39,7 @@ mod standstill;
 use nalgebra::SVector;
 
 use self::bend::Bend;
+pub use self::doubt::{Axle, Doubt};
 use self::single_brake::SingleBrake;
 pub use self::sliding::LateralLimit;
 use self::sliding::Sliding;
@@ -91,6 +93,8 @@ pub struct CorneringEstimator {
     driving_s: f64,
     /// Rises by two with each window that surprises, falls by one with each that does not.
     surprise: u32,
+    /// What surprised last.
+    surprised_by: Doubt,
     age_s: f64,
     informed: bool,
     /// Seconds since the last sample that could be used at all, and whether there was one.
@@ -210,6 +214,7 @@ impl CorneringEstimator {
             standstill: Standstill::default(),
             driving_s: 0.0,
             surprise: 0,
+            surprised_by: Doubt::Sensors,
             age_s: 0.0,
             informed: false,
             idle_s: 0.0,
@@ -340,19 +345,15 @@ impl CorneringEstimator {
             })
     }
 
-    /// Innovations are about as large as the filter believes, on the whole and lately, and the noise it had to
-    /// assume for that is still a sensor's.
+    /// Nothing speaks against what it says.
     pub fn is_consistent(&self) -> bool {
-        self.surprise < Self::DOUBTFUL
-            && self.axles.iter().all(|axle| {
-                axle.noise.nis() < self.config.inconsistent_nis && axle.noise.scale() < Self::NOISE_LIMIT
-            })
+        self.doubt().is_none()
     }
 
     /// A sensor lies, as its plausibility has it: the motion is anything, and is doubted for a while afterwards.
     pub fn distrust(&mut self) {
         self.stop(0.0);
-        self.surprise = Self::MOST_SURPRISED;
+        (self.surprise, self.surprised_by) = (Self::MOST_SURPRISED, Doubt::Sensors);
     }
 
     /// The surface changed, as this filter or another noticed: the stiffness may be anything near.

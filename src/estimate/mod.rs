@@ -34,6 +34,7 @@ pub use config::{
     BrushConfig, CorneringConfig, EstimatorsConfig, FrictionConfig, JointEkfConfig, LateralVelocitySource,
     SlopeConfig,
 };
+pub use cornering::{Axle, Doubt};
 pub use dahl_ekf::{DahlEkf, DahlWheel};
 pub use joint_ekf::JointEkf;
 pub use kinematic_observer::{KinematicObserver, SpeedDerivative};

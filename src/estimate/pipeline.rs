@@ -4,7 +4,7 @@ use super::abs_braking::AbsBraking;
 use super::block::{Block, BlockBuilder};
 use super::brake_slip::BrakeSlip;
 use super::brush::BrushEstimator;
-use super::cornering::CorneringEstimator;
+use super::cornering::{CorneringEstimator, Doubt};
 use super::dahl_ekf::DahlEkf;
 use super::friction::{Evidence, FrictionMonitor};
 use super::joint_ekf::JointEkf;
@@ -147,6 +147,11 @@ impl Pipeline {
     /// The latest estimates.
     pub fn latest(&self) -> &Estimates {
         &self.latest
+    }
+
+    /// Why the lateral filter does not believe itself at the moment; [`Faults::INCONSISTENT`] tells that it does not.
+    pub fn doubt(&self) -> Option<Doubt> {
+        self.cornering.doubt()
     }
 
     /// Frames lost before they could be used, as the bus counts them.

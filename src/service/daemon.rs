@@ -4,21 +4,15 @@ use std::future::Future;
 use std::io;
 use std::pin::pin;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use nix::sys::mman::{MlockAllFlags, mlockall};
-use thiserror::Error;
 use tokio::time::{Interval, MissedTickBehavior};
 
-use super::throttle::{Allowed, Quota, Throttle};
-use super::{
-    Endpoint, Engine, Fresh, Health, Keeper, Reloads, SavedState, SetupError, Sink, Survived, systemd,
-};
-use crate::can::{
-    Bus, BusState, CanId, ErrorReport, Event, Frame, InterfaceName, OpenError, Reception, SendError,
-    SocketCan, SocketCanConfig,
-};
-use crate::{Config, Estimates, Faults, Sample};
+use super::run::reception;
+use super::said::Said;
+use super::{Engine, Fresh, Health, Keeper, Reloads, Sink, Survived, systemd};
+use crate::can::{Bus, Event, Frame, Reception, SendError};
+use crate::{Estimates, Faults, Sample};
 
 /// Something that frames come from and go to: a bus, or a stand-in with the same manners.
 pub trait Link {
@@ -50,20 +44,6 @@ impl Link for Bus {
     fn retune(&mut self, reception: Reception) -> io::Result<()> {
         Bus::retune(self, reception)
     }
-}
-
-/// Why the daemon did not start.
-#[derive(Debug, Error)]
-pub enum ServiceError {
-    /// The configuration.
-    #[error(transparent)]
-    Setup(#[from] SetupError),
-    /// The interface's name.
-    #[error("{0}")]
-    Interface(String),
-    /// The interface.
-    #[error(transparent)]
-    Open(#[from] OpenError),
 }
 
 /// What a run of the daemon did.
@@ -102,81 +82,6 @@ impl<L> Service<L> {
     pub fn new(engine: Engine, input: L) -> Self {
         Self { engine, input, output: None, keeper: None, report_every_s: 0, reloads: None, health: None }
     }
-}
-
-/// Runs the service on SocketCAN until `shutdown` completes. The interface need not exist yet.
-///
-/// # Errors
-/// If the configuration cannot be used or the kernel refuses a socket; never once it runs.
-pub async fn run(
-    config: &Config,
-    interface: Option<&str>,
-    reloads: Option<Reloads>,
-    shutdown: impl Future<Output = ()>,
-) -> Result<Tally, ServiceError> {
-    let mut engine = Engine::new(config)?;
-    let name = interface.unwrap_or(&config.bus.interface);
-    let input = open(name, reception(config, engine.ids()))?;
-    let output = match config.publish.interface.as_deref() {
-        Some(other) if other != name => Some(open(other, reception(config, &[]))?),
-        _ => None,
-    };
-    tracing::info!(
-        input = name,
-        output = config.publish.interface.as_deref().unwrap_or(name),
-        identifiers = engine.ids().len(),
-        "gripd {} runs",
-        env!("CARGO_PKG_VERSION")
-    );
-    // Last: what cannot run leaves the file alone.
-    let keeper = SavedState::of_process(config)
-        .and_then(|state| Keeper::start(state, config.service.state_every_s, &mut engine));
-    let report_every_s = config.service.report_every_s;
-    // Kept until the end: then it takes its socket away.
-    let (health, _endpoint) = watched(config).unzip();
-    if config.service.lock_memory {
-        lock_memory();
-    }
-    let service = Service { engine, input, output, keeper, report_every_s, reloads, health };
-    Ok(serve(service, &mut Unobserved, shutdown).await)
-}
-
-/// The endpoint that is configured, if it can be had: nobody who watches is no reason not to run.
-fn watched(config: &Config) -> Option<(Arc<Health>, Endpoint)> {
-    let address = config.service.metrics.as_ref()?;
-    let health = Arc::new(Health::default());
-    match Endpoint::start(address, Arc::clone(&health)) {
-        Ok(endpoint) => {
-            tracing::info!("metrics at {address}");
-            Some((health, endpoint))
-        }
-        Err(error) => {
-            tracing::warn!(
-                "service.metrics: {address} cannot be opened: {error}; the service goes on without"
-            );
-            None
-        }
-    }
-}
-
-fn lock_memory() {
-    if let Err(errno) = mlockall(MlockAllFlags::MCL_CURRENT | MlockAllFlags::MCL_FUTURE) {
-        tracing::warn!(
-            "service.lock_memory: the memory cannot be locked: {errno}; allow it by LimitMEMLOCK= in the unit, or \
-             `ulimit -l`. The service goes on without"
-        );
-    }
-}
-
-fn reception(config: &Config, ids: &[CanId]) -> Reception {
-    let receive_buffer = Some(config.bus.receive_buffer_bytes).filter(|bytes| *bytes > 0);
-    Reception { ids: Some(ids.to_vec()), fd: config.bus.fd, receive_buffer }
-}
-
-fn open(name: &str, reception: Reception) -> Result<Bus, ServiceError> {
-    let interface: InterfaceName = name.parse().map_err(|e| ServiceError::Interface(format!("{e}")))?;
-    let Reception { ids, fd, receive_buffer } = reception;
-    Ok(SocketCan::open(SocketCanConfig { interface, ids, fd, receive_buffer })?.into())
 }
 
 /// The loop itself, on any link. `observer` sees every sample with its estimates, and every frame
@@ -230,13 +135,6 @@ pub async fn serve<L: Link>(
     daemon.tally
 }
 
-/// For those who only want frames on the bus.
-struct Unobserved;
-
-impl Sink for Unobserved {
-    fn publish(&mut self, _frame: &Frame) {}
-}
-
 struct Daemon {
     engine: Engine,
     /// Frames on their way out; emptied after each frame that comes in.
@@ -246,16 +144,6 @@ struct Daemon {
     /// What systemd was last told of the input.
     status: &'static str,
     health: Option<Arc<Health>>,
-}
-
-/// What was said lately, so that a bad day does not fill the log.
-#[derive(Debug, Default)]
-struct Said {
-    dropped: Throttle,
-    unsent: Throttle,
-    bus_off: Throttle,
-    bus_state: Throttle,
-    link: Quota,
 }
 
 /// Collects what the engine publishes, and shows estimates to the observer.
@@ -285,29 +173,27 @@ impl Daemon {
             Event::Frame(frame) => {
                 self.tally.received += 1;
                 self.engine.frame(&frame, &mut Collect { outbox: &mut self.outbox, observer });
+                self.said.doubts(&self.engine);
             }
             Event::Dropped(count) => {
                 self.tally.dropped += u64::from(count);
                 self.engine.report_dropped(u64::from(count));
-                if self.said.dropped.pass(Instant::now()).is_some() {
-                    let total = self.tally.dropped;
-                    tracing::warn!(count, total, "the kernel dropped frames: we are too slow");
-                }
+                self.said.dropped(count, self.tally.dropped);
             }
             Event::Error(error) => {
                 self.engine.report(Faults::BUS_ERROR);
-                self.say_error("input", error);
+                self.said.error("input", error);
             }
             Event::Up => {
                 self.set_up(true);
                 self.tell("the input interface is up");
-                self.say_link("input", event);
+                self.said.link("input", event);
             }
             Event::Down | Event::Gone => {
                 self.engine.report(Faults::BUS_DOWN);
                 self.set_up(false);
                 self.tell("waiting for the input interface");
-                self.say_link("input", event);
+                self.said.link("input", event);
             }
         }
     }
@@ -368,10 +254,10 @@ impl Daemon {
 
     fn output(&mut self, event: Event) {
         match event {
-            Event::Up | Event::Down | Event::Gone => self.say_link("output", event),
+            Event::Up | Event::Down | Event::Gone => self.said.link("output", event),
             Event::Error(error) => {
                 self.engine.report(Faults::BUS_ERROR);
-                self.say_error("output", error);
+                self.said.error("output", error);
             }
             Event::Frame(_) | Event::Dropped(_) => {}
         }
@@ -389,44 +275,11 @@ impl Daemon {
                     self.tally.unsent += 1;
                     self.engine.report(Faults::BUS_ERROR);
                     self.engine.untold();
-                    if self.said.unsent.pass(Instant::now()).is_some() {
-                        tracing::warn!(total = self.tally.unsent, "a frame was not sent: {error}");
-                    }
+                    self.said.unsent(self.tally.unsent, &error);
                 }
             }
         }
         self.outbox.clear();
-    }
-
-    /// Changes of a link, unless it does nothing but change.
-    fn say_link(&mut self, place: &str, event: Event) {
-        let allowed = self.said.link.pass(Instant::now());
-        if allowed == Allowed::No {
-            return;
-        }
-        match event {
-            Event::Up => tracing::info!("the {place} interface is up"),
-            Event::Down => tracing::warn!("the {place} interface is down; waiting for it"),
-            _ => tracing::warn!("the {place} interface does not exist; waiting for it"),
-        }
-        if allowed == Allowed::LastForNow {
-            tracing::warn!("the interfaces change all the time: no more is said of it for up to a minute");
-        }
-    }
-
-    /// Changes of the controller's state, each at its own level; single errors are for debugging only.
-    fn say_error(&mut self, place: &str, error: ErrorReport) {
-        let Some(state) = error.bus_state() else {
-            tracing::debug!("{place}: {error}");
-            return;
-        };
-        let said = if state == BusState::Off { &mut self.said.bus_off } else { &mut self.said.bus_state };
-        let Some(withheld) = said.pass(Instant::now()) else { return };
-        match state {
-            BusState::Off => tracing::error!(withheld, "{place}: {error}"),
-            BusState::Passive | BusState::Warning => tracing::warn!(withheld, "{place}: {error}"),
-            BusState::Active => tracing::info!(withheld, "{place}: {error}"),
-        }
     }
 
     fn report(&self) {

@@ -6,6 +6,7 @@
 use std::fmt;
 use std::io::{self, Read, Write};
 use std::net::{SocketAddr, TcpListener};
+use std::os::fd::AsFd;
 use std::os::unix::fs::FileTypeExt;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
@@ -13,6 +14,9 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use nix::sys::socket::setsockopt;
+use nix::sys::socket::sockopt::{ReceiveTimeout, SendTimeout};
+use nix::sys::time::{TimeVal, TimeValLike};
 use serde::Deserialize;
 
 use super::Health;
@@ -71,22 +75,12 @@ impl Endpoint {
             Address::Unix(path) => {
                 remove_abandoned(path)?;
                 let listener = UnixListener::bind(path)?;
-                thread.spawn(move || {
-                    answer_all(listener.incoming(), &health, |stream| {
-                        stream.set_read_timeout(Some(Self::PATIENCE))?;
-                        stream.set_write_timeout(Some(Self::PATIENCE))
-                    });
-                })?;
+                thread.spawn(move || answer_all(listener.incoming(), &health))?;
                 Ok(Self { name: Some(path.clone()) })
             }
             Address::Loopback(address) => {
                 let listener = TcpListener::bind(address)?;
-                thread.spawn(move || {
-                    answer_all(listener.incoming(), &health, |stream| {
-                        stream.set_read_timeout(Some(Self::PATIENCE))?;
-                        stream.set_write_timeout(Some(Self::PATIENCE))
-                    });
-                })?;
+                thread.spawn(move || answer_all(listener.incoming(), &health))?;
                 Ok(Self { name: None })
             }
         }
@@ -107,11 +101,7 @@ fn remove_abandoned(path: &Path) -> io::Result<()> {
     if is_socket && UnixStream::connect(path).is_err() { std::fs::remove_file(path) } else { Ok(()) }
 }
 
-fn answer_all<S: Read + Write>(
-    readers: impl Iterator<Item = io::Result<S>>,
-    health: &Health,
-    limit: impl Fn(&S) -> io::Result<()>,
-) {
+fn answer_all<S: Read + Write + AsFd>(readers: impl Iterator<Item = io::Result<S>>, health: &Health) {
     for reader in readers {
         let answered = reader.and_then(|mut stream| {
             limit(&stream)?;
@@ -123,6 +113,13 @@ fn answer_all<S: Read + Write>(
             thread::sleep(Duration::from_millis(10));
         }
     }
+}
+
+/// Nobody holds up the others by reading or writing slowly.
+fn limit(stream: &impl AsFd) -> io::Result<()> {
+    let patience = TimeVal::microseconds(Endpoint::PATIENCE.as_micros() as i64);
+    setsockopt(stream, ReceiveTimeout, &patience)?;
+    Ok(setsockopt(stream, SendTimeout, &patience)?)
 }
 
 fn answer(stream: &mut (impl Read + Write), health: &Health) -> io::Result<()> {

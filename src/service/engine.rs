@@ -3,7 +3,7 @@
 use super::{SetupError, saved};
 use crate::can::{CanId, Frame, FrameKind};
 use crate::dbc::Database;
-use crate::estimate::{EstimatorsConfig, Learned, Pipeline};
+use crate::estimate::{Doubt, EstimatorsConfig, Learned, Pipeline};
 use crate::estimates::State;
 use crate::model::Vehicle;
 use crate::signals::publish::Publisher;
@@ -236,6 +236,16 @@ impl Engine {
     /// What it can do at the moment.
     pub fn state(&self) -> State {
         self.pipeline.latest().state
+    }
+
+    /// Faults of the last sample and of the estimates made of it.
+    pub fn latest_faults(&self) -> Faults {
+        self.pipeline.latest().faults
+    }
+
+    /// Why the lateral filter does not believe itself at the moment.
+    pub fn doubt(&self) -> Option<Doubt> {
+        self.pipeline.doubt()
     }
 
     /// How often a fault began or was reported.

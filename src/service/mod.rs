@@ -8,6 +8,8 @@ mod endpoint;
 mod engine;
 mod health;
 mod reload;
+mod run;
+mod said;
 pub mod saved;
 mod systemd;
 mod throttle;
@@ -23,11 +25,12 @@ use crate::dbc::DbcError;
 use crate::signals::SignalsError;
 use crate::signals::publish::PublishError;
 
-pub use daemon::{Link, Service, ServiceError, Tally, run, serve};
+pub use daemon::{Link, Service, Tally, serve};
 pub use endpoint::{Address, Endpoint};
 pub use engine::{Engine, EngineCounts, Sink, Survived, sensors};
 pub use health::Health;
 pub use reload::{Fresh, Reloads};
+pub use run::{ServiceError, run};
 pub use saved::{Keeper, SavedState};
 
 /// `[service]`.

@@ -32,5 +32,6 @@ pub use describe::Description;
 pub use error::{Problem, SignalsError};
 pub use inputs::Inputs;
 pub use outputs::Outputs;
+pub use plausibility::Contradiction;
 pub use sampler::{Pushed, Sampler};
 pub use units::{UnitError, to_si};

@@ -8,7 +8,7 @@ use super::history::{At, History, Point};
 use super::inputs::{Inputs, Traits};
 use super::limits::RateCheck;
 use super::mapping::{Mapping, Reading};
-use super::plausibility::{CrossChecks, Run};
+use super::plausibility::{Contradiction, CrossChecks, Run};
 use crate::can::{CanId, Frame, FrameKind};
 use crate::{Faults, Micros, Quantity, Sample};
 
@@ -110,6 +110,11 @@ impl Sampler {
     /// Faults since the start.
     pub fn counts(&self) -> &FaultCounts {
         &self.counts
+    }
+
+    /// Which sensors contradicted each other in the last sample.
+    pub fn contradiction(&self) -> Option<Contradiction> {
+        self.cross_checks.as_ref()?.reason()
     }
 
     /// Time of the newest needed frame.

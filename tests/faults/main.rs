@@ -9,12 +9,12 @@
 
 mod car;
 mod case;
-mod content;
-mod frame;
+#[path = "../support/fault/mod.rs"]
+mod fault;
+mod flood;
 mod heard;
+mod listed;
 mod output;
 mod process;
 mod reload;
-mod sensor;
 mod service;
-mod timing;

@@ -4,7 +4,7 @@ use gripd::Faults;
 use gripd::can::Frame;
 
 use super::car;
-use super::case::{FROM, UNTIL, meanwhile};
+use super::fault::{FROM, UNTIL, meanwhile};
 use super::heard::{self, Heard};
 
 /// The drive without some of its frames while the fault lasts, through the engine.

@@ -38,13 +38,18 @@ const WORDS: [&str; 24] = [
 /// Every signal of every message, on a payload as long as the message, longer, shorter and empty.
 fn decode(database: &Database, dice: &mut Dice) {
     for message in database.messages() {
-        let mut payload = [0; 64];
-        payload.iter_mut().for_each(|byte| *byte = if dice.once_in(4) { 0xFF } else { dice.next() as u8 });
         for length in [message.length, 64, message.length / 2, 0] {
-            for signal in &message.signals {
-                round_trip(message, signal, &payload[..length.min(64)]);
-            }
+            decode_one(message, length, dice);
         }
+    }
+}
+
+/// Every signal of a message on a payload of that length.
+fn decode_one(message: &Message, length: usize, dice: &mut Dice) {
+    let mut payload = [0; 64];
+    payload.iter_mut().for_each(|byte| *byte = if dice.once_in(4) { 0xFF } else { dice.next() as u8 });
+    for signal in &message.signals {
+        round_trip(message, signal, &payload[..length.min(64)]);
     }
 }
 
@@ -98,9 +103,11 @@ fn payloads() {
     let databases = DATABASES.get_or_init(|| {
         corpus("dbc").iter().filter_map(|(_, text)| Database::parse(text, "corpus").ok()).collect()
     });
-    fuzz("payloads", 4000, Dice::next, |seed| {
+    fuzz("payloads", 20_000, Dice::next, |seed| {
         let mut dice = Dice::new("payloads", *seed, 0);
         let database = dice.of(databases);
-        decode(database, &mut dice);
+        let message = dice.of(database.messages());
+        let length = *dice.of(&[message.length, message.length, 64, message.length / 2, 0]);
+        decode_one(message, length, &mut dice);
     });
 }

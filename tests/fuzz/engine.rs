@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 use gripd::can::{CanId, Frame};
-use gripd::estimates::Estimate;
 use gripd::service::{Engine, Sink};
 use gripd::{Estimates, Sample};
 
 use super::dice::Dice;
 use super::frames::{at, traffic};
 use super::run::{Input, fuzz};
+use super::sound::sound;
 use super::{car, heard};
 
 /// Engines after 0, 5, 10 … seconds of good driving, and how many frames that were.
@@ -49,42 +49,6 @@ impl Sink for Watch {
         self.round.clear();
         self.round.push(*frame);
         heard::protected(&self.round);
-    }
-}
-
-/// Every number is one, every interval has its ends in order, and nothing is valid that is not there.
-fn sound(estimates: &Estimates) {
-    let is_number = |value: Option<f64>| value.is_none_or(f64::is_finite);
-    let is_estimate = |e: &Option<Estimate>| {
-        e.is_none_or(|e| e.value.is_finite() && e.std >= 0.0 && e.std.is_finite() && e.age_s >= 0.0)
-    };
-    let Estimates { motion, lateral_velocities: v, friction: mu, offsets, .. } = estimates;
-    let lateral = [v.zero, v.integration, v.kinematic, v.bicycle, v.joint];
-    let motions = [
-        motion.speed,
-        motion.lateral_velocity,
-        motion.sideslip,
-        motion.slip_angle_front,
-        motion.slip_angle_rear,
-    ];
-    let frictions =
-        [mu.max, mu.low, mu.high, mu.used, mu.age_s, mu.brush, mu.brush_std, mu.abs, mu.map, mu.dahl];
-    assert!(lateral.into_iter().all(is_number), "{v:?}");
-    assert!(motions.into_iter().all(is_number), "{motion:?}");
-    assert!(frictions.into_iter().all(is_number), "{mu:?}");
-    let all = estimates.slope.iter().chain(&estimates.slip_offset).chain(&estimates.cornering);
-    let more = estimates.cornering_regression.iter().chain([&estimates.cornering_ekf]);
-    let of_sensors = [&offsets.road_angle, &offsets.lateral_acceleration, &offsets.yaw_rate];
-    assert!(all.chain(more).chain(of_sensors).all(is_estimate), "{estimates:?}");
-    let ordered = |low: Option<f64>, high: Option<f64>| low.zip(high).is_none_or(|(low, high)| low <= high);
-    assert!(ordered(mu.low, mu.max) && ordered(mu.max, mu.high) && ordered(mu.low, mu.high), "{mu:?}");
-    assert!(mu.low.is_none_or(|low| low >= 0.0), "{mu:?}");
-    assert!(!mu.valid || mu.max.is_some(), "{mu:?}");
-    assert!(!motion.valid || motion.sideslip.is_some(), "{motion:?}");
-    assert!(!estimates.slope_valid || estimates.slope.iter().any(Option::is_some), "{estimates:?}");
-    assert!(!estimates.cornering_valid || estimates.cornering.iter().any(Option::is_some), "{estimates:?}");
-    for share in [estimates.excitation_long, estimates.excitation_lat] {
-        assert!((0.0..=1.0).contains(&share), "{estimates:?}");
     }
 }
 

@@ -17,7 +17,8 @@ pub fn traffic(dice: &mut Dice, drive: &[Frame]) -> Vec<Frame> {
     frames
 }
 
-fn spoil(dice: &mut Dice, frames: &mut Vec<Frame>) {
+/// One thing goes wrong somewhere in it.
+pub fn spoil(dice: &mut Dice, frames: &mut Vec<Frame>) {
     if frames.len() < 2 {
         return;
     }

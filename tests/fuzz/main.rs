@@ -33,4 +33,6 @@ mod heard;
 mod mutate;
 mod run;
 mod sampler;
+#[path = "../support/sound.rs"]
+mod sound;
 mod state;

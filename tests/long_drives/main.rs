@@ -146,3 +146,29 @@ fn esp_braking_single_wheels_passes_neither_for_friction_nor_for_stiffness() {
     assert!(seen.cornering_valid_and_wrong <= 240 && seen.slope_valid_and_wrong <= 25, "{seen:#?}");
     assert!(seen.valid_sideslip_most_off < 0.7, "{seen:#?}");
 }
+
+/// Far beyond what the data sheet allows: a sensor that breaks slowly. What the filters take for an offset is learned,
+/// what they do not is not valid. Today; nothing should be valid and wrong.
+#[test]
+fn sensors_that_drift_for_minutes_make_little_valid_and_wrong() {
+    for (channel, size, slope_wrong, cornering_wrong) in [
+        ("yaw_rate", 0.05, 0, 0),
+        ("lateral_acceleration", 1.5, 0, 600),
+        // The slopes' geometry in curves does not know of the offset: by hardly anything up to a fifth of this.
+        ("steering_wheel_angle", 0.35, 25_000, 0),
+        ("longitudinal_acceleration", 1.0, 0, 0),
+    ] {
+        for within_s in [30.0, 200.0] {
+            let seen = watch(&roads::drifting(channel, size, within_s), 60.0, f64::INFINITY);
+            seen.is_sane(33_000);
+            assert!(seen.slope_valid_and_wrong <= slope_wrong, "{channel} in {within_s} s: {seen:#?}");
+            assert!(
+                seen.cornering_valid_and_wrong <= cornering_wrong,
+                "{channel} in {within_s} s: {seen:#?}"
+            );
+            assert!(seen.valid_sideslip_most_off < 0.8, "{channel} in {within_s} s: {seen:#?}");
+            assert_eq!(seen.surface_changes, 0, "{channel} in {within_s} s: {seen:#?}");
+            nothing_of_friction(&seen);
+        }
+    }
+}

@@ -157,3 +157,14 @@ pub fn interventions(count: u32) -> Scenario {
     let inputs = holding(&[[0.0, 20.0]], 1.5) + &wavering(0.25, 1.0, seconds);
     scenario(seconds, 20.0, &inputs, &course("brake_yaw_moment", &moment))
 }
+
+/// Winding roads; from a minute on a sensor drifts to `size` within so many seconds, and stays there.
+pub fn drifting(channel: &str, size: f64, within_s: f64) -> Scenario {
+    let inputs = holding(&[[0.0, 20.0]], 1.0) + &wavering(0.25, 1.0, 400.0);
+    let effect = format!(
+        "[[effect]]\nkind = \"sensor_drift\"\nchannel = \"{channel}\"\n\
+         series = {{ t = [60.0, {}, 400.0], value = [0.0, {size}, {size}] }}\n",
+        60.0 + within_s
+    );
+    scenario(400.0, 20.0, &inputs, &effect)
+}

@@ -162,6 +162,69 @@ fn a_disk_that_is_full() {
     row("disk full", "\"what is learned cannot be saved\", once; goes on", [took]);
 }
 
+/// GIVEN nothing at all can be written, its own folder least of all, THEN it says so once, publishes, and ends as ever.
+#[test]
+fn a_root_that_is_read_only() {
+    let Some(interface) = Interface::new("gs_froot") else { return };
+    if !run("unshare", "-m mount -o remount,bind,ro /") {
+        return println!("skipped: no root of one's own can be made read-only here");
+    }
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
+    let (car, file) = keeping(folder.path());
+    // From before, to be read and not to be damaged.
+    let before = {
+        let candump = Recorder::start(interface.0);
+        let gripd = Gripd::start(car.path(), interface.0);
+        let _car = Traffic::start(interface.0, frames(simulated_drive()));
+        candump.wait_for_more(300, "publishing");
+        gripd.end(SIGTERM);
+        std::fs::read(&file).unwrap()
+    };
+    let mut read_only = Command::new("unshare");
+    // Wherever the folder is: on the root or on a disk of its own.
+    let script = "mount -o remount,bind,ro / && mount --bind \"$0\" \"$0\" && mount -o remount,bind,ro \"$0\" && \
+                  ! touch \"$0/x\" 2>/dev/null && exec \"$@\"";
+    read_only.args(["-m", "sh", "-c", script]).arg(folder.path()).arg(process::gripd());
+    let candump = Recorder::start(interface.0);
+    let begun = Instant::now();
+    let gripd = Gripd::spawn_by(read_only, car.path(), interface.0, &[]);
+    gripd.wait_for_notification("READY=1");
+    let _car = Traffic::start(interface.0, frames(simulated_drive()));
+    let took = recovers(&candump, begun, 0, Faults::all() - Faults::INCONSISTENT);
+    gripd.wait_for_log("what is learned cannot be saved");
+    candump.wait_for_more(600, "publishing without a disk");
+    let complaints = gripd.log().matches("cannot be saved").count();
+    let log = gripd.log();
+    assert_eq!(complaints, 1, "{log}");
+    gripd.end(SIGTERM);
+    assert_eq!(std::fs::read(&file).unwrap(), before);
+    row("read-only root", "\"what is learned cannot be saved\", once; goes on", [took]);
+}
+
+/// GIVEN a sensor that turns the other way THEN the log says who contradicts whom, and why the motion is not believed.
+#[test]
+fn sensors_that_contradict_each_other() {
+    let Some(interface) = Interface::new("gs_fcontra") else { return };
+    let car = edited_car(|text| {
+        text.replace(
+            "yaw_rate = { signal = \"INERTIAL.YawRate\",",
+            "yaw_rate = { signal = \"INERTIAL.YawRate\", gain = -1.0,",
+        )
+    });
+    let gripd = Gripd::start(car.path(), interface.0);
+    let _car = Traffic::start(interface.0, frames(simulated_drive()));
+    gripd.wait_for_log("sensors contradict each other: yaw_rate and ");
+    gripd.wait_for_log("move against each other (correlation -0.");
+    gripd.wait_for_log("the motion is not believed at the moment: the ");
+    let log = gripd.log();
+    let said = log.matches("contradict each other").count() + log.matches("not believed").count();
+    assert!(said < 12, "it is said too often: {log}");
+    log.lines()
+        .filter(|line| line.contains("contradict") || line.contains("believed"))
+        .for_each(|l| println!("{l}"));
+    gripd.end(SIGTERM);
+}
+
 /// GIVEN it writes all the time WHEN it is killed at any moment THEN the file is whole, and the next start goes on.
 #[test]
 fn killed_and_ended_while_it_writes() {

@@ -12,11 +12,15 @@
 
 mod faults;
 mod isolation;
+mod lateness;
 mod lifecycle;
 mod links;
+mod live_soak;
 mod metrics;
 mod process;
 mod reload;
+#[path = "../support/setting.rs"]
+mod setting;
 mod show;
 #[path = "../support/mod.rs"]
 mod support;

@@ -52,6 +52,16 @@ impl Gripd {
     }
 
     pub fn spawn(config: &Path, interface: &str, environment: &[(&str, &str)]) -> Self {
+        Self::spawn_by(Command::new(gripd()), config, interface, environment)
+    }
+
+    /// By a program that becomes it.
+    pub fn spawn_by(
+        mut program: Command,
+        config: &Path,
+        interface: &str,
+        environment: &[(&str, &str)],
+    ) -> Self {
         // In memory: in the guest, not every file system can hold a socket.
         let folder = tempfile::tempdir_in("/dev/shm").unwrap();
         let path = folder.path().join("notify");
@@ -66,7 +76,7 @@ impl Gripd {
                 told.extend(text.lines().map(|line| (Instant::now(), line.to_owned())));
             }
         });
-        let mut child = Command::new(gripd())
+        let mut child = program
             .args(["run", "-i", interface, "-c"])
             .arg(config)
             .env("NOTIFY_SOCKET", &path)
@@ -91,6 +101,11 @@ impl Gripd {
     #[track_caller]
     pub fn signal(&self, signal: Signal) {
         send_signal(&self.child, signal);
+    }
+
+    /// Its process.
+    pub fn id(&self) -> u32 {
+        self.child.id()
     }
 
     /// Everything it has said on stderr.

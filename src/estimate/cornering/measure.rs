@@ -2,8 +2,8 @@
 
 use super::sliding::Excess;
 use super::{
-    ANGLE_OFFSET, ANGLE_SCALE, AY_OFFSET, BANK, Belief, CorneringEstimator, FRONT, GRAVITY, LateralMotion,
-    Row, SPEED_SCALE, STATES, Said, VY, YAW_OFFSET,
+    ANGLE_OFFSET, ANGLE_SCALE, AY_OFFSET, Axle, BANK, Belief, CorneringEstimator, Doubt, FRONT, GRAVITY,
+    LateralMotion, Row, SPEED_SCALE, STATES, Said, VY, YAW_OFFSET,
 };
 use crate::estimate::window::{Means, Path};
 
@@ -108,7 +108,13 @@ impl CorneringEstimator {
         self.state.update(&h, residual, variance * redundancy * doubted);
         // Steered fast to and fro, sensors a few milliseconds apart disagree in ways that look like softness.
         let steady = now.acceleration.abs() > now.acceleration_spread;
-        let otherwise = if expected.nis() > Self::SURPRISING { Said::Surprise } else { Said::Nothing };
+        let mut otherwise = Said::Nothing;
+        if expected.nis() > Self::SURPRISING {
+            let deviations = expected.normalized() * force.signum();
+            let axle = if axle == FRONT { Axle::Front } else { Axle::Rear };
+            self.surprised_by = Doubt::Surprise { axle, deviations };
+            otherwise = Said::Surprise;
+        }
         if !(is_rolling && steady && settled && force.abs() * GRAVITY >= Self::INFORMATIVE) {
             return otherwise;
         }

@@ -8,6 +8,8 @@ mod motion;
 mod stuck;
 mod wheels;
 
+use std::fmt;
+
 use crate::{Faults, Micros, Quantity, Sample};
 
 /// Below this speed wheel speeds and yaw rates of many cars are not what they seem, m/s.
@@ -15,13 +17,51 @@ const SLOW: f64 = 3.0;
 /// Any passenger car's track width; only orders of magnitude are compared with it, m.
 const TRACK: f64 = 1.5;
 
+/// Which sensors contradict each other, and by what.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Contradiction {
+    /// A sensor does not move although others show that it must.
+    Stuck {
+        /// Which.
+        quantity: Quantity,
+        /// Where it stands, SI.
+        value: f64,
+    },
+    /// A wheel turns as none can beside the other three.
+    Wheel {
+        /// Its speed.
+        quantity: Quantity,
+    },
+    /// Two witnesses of the car's turning move against each other.
+    Motion {
+        /// Who they are.
+        between: [&'static str; 2],
+        /// Of their movements; 1 where they agree.
+        correlation: f64,
+    },
+}
+
+impl fmt::Display for Contradiction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stuck { quantity, value } => {
+                write!(f, "{} stands still at {value:.4}, and the others move", quantity.name())
+            }
+            Self::Wheel { quantity } => write!(f, "{} contradicts the other three", quantity.name()),
+            Self::Motion { between: [one, other], correlation } => {
+                write!(f, "{one} and {other} move against each other (correlation {correlation:.2})")
+            }
+        }
+    }
+}
+
 /// Since when a quantity has had the very same value, and in how many frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Run {
     pub(super) since: Micros,
     pub(super) until: Micros,
     pub(super) frames: u32,
-    value: f64,
+    pub(super) value: f64,
 }
 
 impl Run {
@@ -61,6 +101,11 @@ impl CrossChecks {
 
     pub(super) fn forget(&mut self) {
         *self = Self::new(self.wheel_radius_m);
+    }
+
+    /// What the last check found, the first of it.
+    pub(super) fn reason(&self) -> Option<Contradiction> {
+        self.stuck.reason().or_else(|| self.wheels.reason()).or_else(|| self.motion.reason())
     }
 
     /// Checks a sample. Values that are certainly wrong are taken out of it.

@@ -1,6 +1,6 @@
 //! Yaw rate, wheel speeds, lateral acceleration and steering against each other.
 
-use super::Kinematics;
+use super::{Contradiction, Kinematics};
 use crate::{Faults, Quantity, Sample};
 
 /// Reversing turns all signs about; it is slower than this, m/s.
@@ -37,6 +37,9 @@ struct Moments {
     square: f64,
 }
 
+/// What the witnesses are called.
+const NAMES: [&str; 4] = ["yaw_rate", "wheel speeds", "lateral_acceleration", "steering_wheel_angle"];
+
 /// Which are compared. Steering is compared with both sensors, and believed to lie only if both say so.
 const PAIRS: [(usize, usize); 5] = [(0, 1), (0, 2), (1, 2), (0, 3), (2, 3)];
 
@@ -45,10 +48,24 @@ impl MotionCheck {
         if let Some(values) = witnesses(sample, wheels) {
             self.update(values, sample.elapsed_s.min(0.1));
         }
-        let [yaw_wheels, yaw_lateral, wheels_lateral, yaw_steering, lateral_steering] = self.contradicting_s;
-        let kinematic = yaw_wheels.max(yaw_lateral).max(wheels_lateral) > KINEMATIC_S;
-        let steering = yaw_steering.min(lateral_steering) > STEERING_S;
-        if kinematic || steering { Faults::MOTION_MISMATCH } else { Faults::empty() }
+        if self.contradicting().is_some() { Faults::MOTION_MISMATCH } else { Faults::empty() }
+    }
+
+    /// The pair that has contradicted each other for longest, if that is long enough.
+    fn contradicting(&self) -> Option<usize> {
+        let [.., yaw_steering, lateral_steering] = self.contradicting_s;
+        let kinematic = (0..3).max_by(|a, b| self.contradicting_s[*a].total_cmp(&self.contradicting_s[*b]));
+        kinematic
+            .filter(|pair| self.contradicting_s[*pair] > KINEMATIC_S)
+            .or((yaw_steering.min(lateral_steering) > STEERING_S).then_some(3))
+    }
+
+    /// Who contradicts whom, and how much.
+    pub(super) fn reason(&self) -> Option<Contradiction> {
+        let pair = self.contradicting()?;
+        let (a, b) = PAIRS[pair];
+        let size = (self.witnesses[a].square * self.witnesses[b].square).sqrt();
+        Some(Contradiction::Motion { between: [NAMES[a], NAMES[b]], correlation: self.products[pair] / size })
     }
 
     fn update(&mut self, values: [f64; 4], elapsed_s: f64) {

@@ -1,6 +1,6 @@
 //! A sensor that does not move although others show that it must.
 
-use super::{Kinematics, Run, SLOW};
+use super::{Contradiction, Kinematics, Run, SLOW};
 use crate::{Faults, Quantity, Sample, Wheel};
 
 /// Fewer equal values than these are no evidence, however slow the message.
@@ -52,6 +52,13 @@ impl Span {
 }
 
 impl StuckCheck {
+    /// The sensor that stands still, if one does.
+    pub(super) fn reason(&self) -> Option<Contradiction> {
+        let stuck = |quantity: &Quantity| self.watched[*quantity as usize].distrust_s > 0.0;
+        let quantity = Quantity::ALL.into_iter().find(stuck)?;
+        Some(Contradiction::Stuck { quantity, value: self.watched[quantity as usize].run.value })
+    }
+
     pub(super) fn check(
         &mut self,
         sample: &mut Sample,

@@ -1,6 +1,6 @@
 //! One wheel against the other three.
 
-use super::{SLOW, TRACK};
+use super::{Contradiction, SLOW, TRACK};
 use crate::{Faults, Quantity, Sample, Wheel};
 
 /// A difference beyond any curve, tire radius (an emergency spare included) or normal slip: so much of
@@ -39,6 +39,11 @@ pub(super) struct WheelCheck {
 }
 
 impl WheelCheck {
+    /// The wheel that is not believed, if there is one.
+    pub(super) fn reason(&self) -> Option<Contradiction> {
+        self.excluded.map(|(wheel, _)| Contradiction::Wheel { quantity: Quantity::wheel_speed(wheel) })
+    }
+
     pub(super) fn check(&mut self, sample: &mut Sample, wheel_radius_m: f64) -> Faults {
         let elapsed_s = sample.elapsed_s.min(0.1);
         if let Some((wheel, agreed_s)) = self.excluded {

@@ -1,0 +1,108 @@
+//! The daemon on SocketCAN: what is opened and read before its loop begins.
+
+use std::future::Future;
+use std::sync::Arc;
+
+use nix::sys::mman::{MlockAllFlags, mlockall};
+use thiserror::Error;
+
+use super::{Endpoint, Engine, Health, Keeper, Reloads, SavedState, Service, SetupError, Sink, Tally, serve};
+use crate::Config;
+use crate::can::{Bus, CanId, Frame, InterfaceName, OpenError, Reception, SocketCan, SocketCanConfig};
+
+/// Why the daemon did not start.
+#[derive(Debug, Error)]
+pub enum ServiceError {
+    /// The configuration.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The interface's name.
+    #[error("{0}")]
+    Interface(String),
+    /// The interface.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+}
+
+/// Runs the service on SocketCAN until `shutdown` completes. The interface need not exist yet.
+///
+/// # Errors
+/// If the configuration cannot be used or the kernel refuses a socket; never once it runs.
+pub async fn run(
+    config: &Config,
+    interface: Option<&str>,
+    reloads: Option<Reloads>,
+    shutdown: impl Future<Output = ()>,
+) -> Result<Tally, ServiceError> {
+    let mut engine = Engine::new(config)?;
+    let name = interface.unwrap_or(&config.bus.interface);
+    let input = open(name, reception(config, engine.ids()))?;
+    let output = match config.publish.interface.as_deref() {
+        Some(other) if other != name => Some(open(other, reception(config, &[]))?),
+        _ => None,
+    };
+    tracing::info!(
+        input = name,
+        output = config.publish.interface.as_deref().unwrap_or(name),
+        identifiers = engine.ids().len(),
+        "gripd {} runs",
+        env!("CARGO_PKG_VERSION")
+    );
+    // Last: what cannot run leaves the file alone.
+    let keeper = SavedState::of_process(config)
+        .and_then(|state| Keeper::start(state, config.service.state_every_s, &mut engine));
+    let report_every_s = config.service.report_every_s;
+    // Kept until the end: then it takes its socket away.
+    let (health, _endpoint) = watched(config).unzip();
+    if config.service.lock_memory {
+        lock_memory();
+    }
+    let service = Service { engine, input, output, keeper, report_every_s, reloads, health };
+    Ok(serve(service, &mut Unobserved, shutdown).await)
+}
+
+/// The endpoint that is configured, if it can be had: nobody who watches is no reason not to run.
+fn watched(config: &Config) -> Option<(Arc<Health>, Endpoint)> {
+    let address = config.service.metrics.as_ref()?;
+    let health = Arc::new(Health::default());
+    match Endpoint::start(address, Arc::clone(&health)) {
+        Ok(endpoint) => {
+            tracing::info!("metrics at {address}");
+            Some((health, endpoint))
+        }
+        Err(error) => {
+            tracing::warn!(
+                "service.metrics: {address} cannot be opened: {error}; the service goes on without"
+            );
+            None
+        }
+    }
+}
+
+fn lock_memory() {
+    if let Err(errno) = mlockall(MlockAllFlags::MCL_CURRENT | MlockAllFlags::MCL_FUTURE) {
+        tracing::warn!(
+            "service.lock_memory: the memory cannot be locked: {errno}; allow it by LimitMEMLOCK= in the unit, or \
+             `ulimit -l`. The service goes on without"
+        );
+    }
+}
+
+/// What a socket is to receive for these identifiers.
+pub(super) fn reception(config: &Config, ids: &[CanId]) -> Reception {
+    let receive_buffer = Some(config.bus.receive_buffer_bytes).filter(|bytes| *bytes > 0);
+    Reception { ids: Some(ids.to_vec()), fd: config.bus.fd, receive_buffer }
+}
+
+fn open(name: &str, reception: Reception) -> Result<Bus, ServiceError> {
+    let interface: InterfaceName = name.parse().map_err(|e| ServiceError::Interface(format!("{e}")))?;
+    let Reception { ids, fd, receive_buffer } = reception;
+    Ok(SocketCan::open(SocketCanConfig { interface, ids, fd, receive_buffer })?.into())
+}
+
+/// For those who only want frames on the bus.
+struct Unobserved;
+
+impl Sink for Unobserved {
+    fn publish(&mut self, _frame: &Frame) {}
+}

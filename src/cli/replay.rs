@@ -13,7 +13,8 @@ use super::player::Player;
 use super::progress::Progress;
 use super::tables::{EstimatesTable, SamplesTable};
 use crate::can::Frame;
-use crate::can::candump::{LogError, Reader, Writer};
+use crate::can::candump::Writer;
+use crate::can::recording::{LogError, Reader};
 use crate::service::saved::Refusal;
 use crate::service::{Engine, SavedState, Sink};
 use crate::{Config, Estimates, Sample};
@@ -24,7 +25,8 @@ pub struct Replay {
     /// Configuration of the car.
     #[arg(short, long)]
     config: PathBuf,
-    /// Recordings (candump -L; plain, gzip or zstd; `-` is the standard input), one after the other.
+    /// Recordings (candump, Vector ASC or BLF, ASAM MF4, Peak TRC, python-can CSV; gzip or zstd around them; `-`
+    /// is the standard input), one after the other.
     #[arg(required = true)]
     logs: Vec<PathBuf>,
     /// Write the published frames as candump lines (`-`: standard output).
@@ -274,23 +276,10 @@ impl Totals {
         self.skipped_lines += stats.skipped_lines;
         self.dropped += stats.dropped;
         self.time_backwards += stats.time_backwards;
-        let name = reader.name();
         if stats.frames == 0 && stats.skipped_lines > 0 {
-            self.broken
-                .push(format!("{name}: no line is a candump line; is it a recording of `candump -L`?"));
+            self.broken.push(super::recordings::nothing_in(reader));
         }
-        for skipped in stats.first_skipped.iter().take(3) {
-            tracing::warn!("{name}:{}: {}; the line is skipped", skipped.line, skipped.reason);
-        }
-        if stats.skipped_lines > 3 {
-            tracing::warn!("{name}: {} lines skipped in all", stats.skipped_lines);
-        }
-        if let Some(line) = stats.first_backwards {
-            tracing::warn!("{name}:{line}: time runs backwards ({} times)", stats.time_backwards);
-        }
-        if stats.dropped > 0 {
-            tracing::warn!("{name}: the recorder dropped {} frames", stats.dropped);
-        }
+        super::recordings::warn(reader);
     }
 
     fn stats(&self, engine: &Engine, started: Instant) -> Stats {

@@ -11,7 +11,7 @@ use super::Failure;
 use super::output::{Output, outputs_are_no_inputs, write_json};
 use super::player::Player;
 use super::progress::Progress;
-use super::tables::{EstimatesTable, SamplesTable};
+use super::tables::{EstimatesTable, SamplesTable, TableFormat};
 use crate::can::Frame;
 use crate::can::candump::Writer;
 use crate::can::recording::{LogError, Reader};
@@ -35,11 +35,11 @@ pub struct Replay {
     /// Write the recordings' own frames to --out, too.
     #[arg(long, requires = "out")]
     all: bool,
-    /// Write the estimates as CSV, a row for each sample.
-    #[arg(long, value_name = "CSV")]
+    /// Write the estimates, a row for each sample: as Parquet where the name ends in `.parquet`, else as CSV.
+    #[arg(long, value_name = "TABLE")]
     estimates: Option<PathBuf>,
-    /// Write the decoded signals as CSV, as the estimators see them.
-    #[arg(long, value_name = "CSV")]
+    /// Write the decoded signals as the estimators see them, likewise.
+    #[arg(long, value_name = "TABLE")]
     samples: Option<PathBuf>,
     /// Write counts and speed as JSON.
     #[arg(long, value_name = "JSON")]
@@ -188,10 +188,14 @@ impl Results {
         let estimates = command
             .estimates
             .as_ref()
-            .map(|path| EstimatesTable::new(Output::create(path)?).map_err(Failure::work));
+            .map(|path| {
+                let output = Output::create(path)?;
+                EstimatesTable::new(output, TableFormat::of(path)).map_err(Failure::work)
+            });
         let samples = command.samples.as_ref().map(|path| {
             let quantities = config.signals.quantities.keys().copied().collect();
-            SamplesTable::new(Output::create(path)?, quantities).map_err(Failure::work)
+            let output = Output::create(path)?;
+            SamplesTable::new(output, TableFormat::of(path), quantities).map_err(Failure::work)
         });
         Ok(Self {
             out: out.transpose().map_err(Failure::work)?,

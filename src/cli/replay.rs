@@ -185,13 +185,10 @@ impl Results {
     fn create(command: &Replay, config: &Config) -> Result<Self, Failure> {
         let interface = config.publish.interface.as_deref().unwrap_or(&config.bus.interface);
         let out = command.out.as_ref().map(|path| Writer::create(path, interface));
-        let estimates = command
-            .estimates
-            .as_ref()
-            .map(|path| {
-                let output = Output::create(path)?;
-                EstimatesTable::new(output, TableFormat::of(path)).map_err(Failure::work)
-            });
+        let estimates = command.estimates.as_ref().map(|path| {
+            let output = Output::create(path)?;
+            EstimatesTable::new(output, TableFormat::of(path)).map_err(Failure::work)
+        });
         let samples = command.samples.as_ref().map(|path| {
             let quantities = config.signals.quantities.keys().copied().collect();
             let output = Output::create(path)?;

@@ -50,6 +50,9 @@ pub enum Damage {
     /// A `DROPCOUNT` line without its number.
     #[error("a DROPCOUNT line without a number")]
     BadDropCount,
+    /// Another format: the last line has no end, so that nobody knows whether it is whole.
+    #[error("the last line has no line end: the file was cut off")]
+    NoEnd,
     /// Another format: the line is of no kind that the format has.
     #[error("this is no line of this format")]
     UnknownLine,

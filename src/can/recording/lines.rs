@@ -50,6 +50,7 @@ impl<G: Grammar> Source for TextReader<G> {
                 Ok(Next::Line) => {
                     self.stats.lines += 1;
                     match self.grammar.line(self.lines.line.trim_ascii()) {
+                        Ok(Entry::Frame(..)) if self.lines.ended => self.stats.skipped(Damage::NoEnd),
                         Ok(Entry::Frame(channel, frame)) => {
                             self.interface.set(channel);
                             self.stats.frame(frame.time);

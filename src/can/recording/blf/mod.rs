@@ -206,7 +206,7 @@ impl Reader {
                     self.stats.lines += 1;
                     self.stats.skipped(Damage::NoObject);
                 }
-                if bytes.starts_with(SIGNATURE) {
+                if bytes.windows(SIGNATURE.len()).any(|bytes| bytes == SIGNATURE) {
                     let began = self.taken - bytes.len() as u64;
                     return Err(self.cut_off("the header of an object", began));
                 }

@@ -80,6 +80,13 @@ fn damage_costs_what_is_damaged() {
     // An object too short for its type.
     let short = read(file(&[container(&[object(1, 0, &[1; 7]), whole(1)].concat(), 2)]));
     assert_eq!((damage(&short), short.lines.len()), (Damage::ShortObject, 1));
+    // A time beyond any clock.
+    let late = read(file(&[container(&[object(1, u64::MAX, &[0; 16]), whole(1)].concat(), 2)]));
+    assert_eq!((late.lines.len(), late.stats.skipped_lines), (2, 0), "292 years are no damage");
+    let mut late = object(1, u64::MAX, &[0; 16]);
+    late[16] = 1;
+    let late = read(file(&[container(&[late, whole(1)].concat(), 2)]));
+    assert_eq!((damage(&late), late.lines.len()), (Damage::BadTime, 1));
     // An object that claims to go on beyond all others.
     let mut greedy = whole(0);
     greedy[8..12].copy_from_slice(&1_000_000_u32.to_le_bytes());
@@ -122,8 +129,11 @@ fn a_file_that_is_cut_off_gives_what_is_whole_and_says_so() {
         }
     }
     // Packed, the packing tells.
-    let mut packed = zstd::encode_all(bytes.as_slice(), 3).unwrap();
-    assert_eq!(read(packed.clone()).lines.len(), 300);
+    let packed = zstd::encode_all(bytes.as_slice(), 3).unwrap();
+    assert_eq!(read(packed).lines.len(), 300);
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::none());
+    std::io::Write::write_all(&mut encoder, &bytes).unwrap();
+    let mut packed = encoder.finish().unwrap();
     packed.truncate(packed.len() / 2);
     let cut = drain(Reader::from_read(Box::new(Cursor::new(packed)), "x").unwrap());
     assert!(matches!(cut.error, Some(LogError::Truncated { .. })), "{:?}", cut.error);

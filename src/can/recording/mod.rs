@@ -69,9 +69,15 @@ fn identifier(number: u32, extended: bool) -> Result<CanId, Damage> {
     id.ok_or(Damage::BadNumber)
 }
 
+/// A time that a clock can show: until the year 33658, as in candump logs.
+fn clock_time(time: Micros) -> Result<Micros, Damage> {
+    const END: u64 = 1_000_000_000_000 * Micros::PER_SECOND.unsigned_abs();
+    if time.0.unsigned_abs() < END { Ok(time) } else { Err(Damage::BadTime) }
+}
+
 /// A frame of what was read, its length as that of its data.
 fn data_frame(time: Micros, id: CanId, kind: FrameKind, data: &[u8]) -> Result<Frame, Damage> {
-    Frame::new(time, id, kind, data).map_err(|error| match error {
+    Frame::new(clock_time(time)?, id, kind, data).map_err(|error| match error {
         FrameError::NotAnFdLength(_) => Damage::NotAnFdLength,
         FrameError::TooLongForClassic(_) => Damage::TooLong,
     })
@@ -79,7 +85,7 @@ fn data_frame(time: Micros, id: CanId, kind: FrameKind, data: &[u8]) -> Result<F
 
 /// A remote request; a length code above 8 means 8.
 fn remote_frame(time: Micros, id: CanId, length: usize) -> Result<Frame, Damage> {
-    Frame::remote(time, id, length.min(8)).map_err(|_| Damage::BadLength)
+    Frame::remote(clock_time(time)?, id, length.min(8)).map_err(|_| Damage::BadLength)
 }
 
 /// An error frame of which no more is known.

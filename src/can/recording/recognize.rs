@@ -152,7 +152,9 @@ fn of_line(line: &[u8]) -> Option<Format> {
     }
     // `     1)      1841.3  Rx         0001  8  00 …`
     let digits = line.iter().take_while(|byte| byte.is_ascii_digit()).count();
-    (digits > 0 && line.get(digits) == Some(&b')')).then_some(Format::Trc)
+    let rest = line[digits..].strip_prefix(b")").unwrap_or_default().trim_ascii_start();
+    // A candump line that has lost its beginning goes on with a name.
+    (digits > 0 && rest.first().is_some_and(u8::is_ascii_digit)).then_some(Format::Trc)
 }
 
 #[cfg(test)]
@@ -170,6 +172,7 @@ mod tests {
         };
         assert_eq!(of(b"\n (1.0) can0 123#", Some(Format::Csv)), Format::Candump);
         assert_eq!(of(b"# comment\n(1.0) can0 123#", None), Format::Candump);
+        assert_eq!(of(b"000584) can0 123#00\n(1.0) can0 123#00\n", None), Format::Candump);
         assert_eq!(of(b"LOGG", None), Format::Blf);
         assert_eq!(of(b"UnFinMF 4.10", None), Format::Mf4);
         assert_eq!(of(b"date Thu Oct 09 08:53:20 2025\r\nbase hex", None), Format::Asc);

@@ -35,7 +35,7 @@ impl Mf4 {
     }
 
     pub fn block(&mut self, id: &[u8; 2], links: &[u64], data: &[u8]) -> u64 {
-        while self.bytes.len() % 8 != 0 {
+        while !self.bytes.len().is_multiple_of(8) {
             self.bytes.push(0);
         }
         let at = self.bytes.len() as u64;
@@ -96,8 +96,7 @@ impl Mf4 {
     /// Compressed data, transposed in records of so many bytes if that is not zero.
     pub fn compressed(&mut self, id: &[u8; 2], data: &[u8], columns: usize) -> u64 {
         let mut turned = data.to_vec();
-        if columns > 0 {
-            let rows = data.len() / columns;
+        if let Some(rows) = data.len().checked_div(columns) {
             for row in 0..rows {
                 for column in 0..columns {
                     turned[column * rows + row] = data[row * columns + column];

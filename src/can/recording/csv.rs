@@ -7,7 +7,6 @@ use super::{Damage, data_frame, error_frame, identifier, number, remote_frame};
 use crate::can::FrameKind;
 
 /// The grammar; no line depends on another.
-#[derive(Default)]
 pub struct Csv;
 
 impl Grammar for Csv {

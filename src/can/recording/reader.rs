@@ -21,7 +21,7 @@ pub struct Reader {
 
 /// candump logs, which are most and largest, are read without a detour.
 enum Kind {
-    Candump(candump::Reader),
+    Candump(Box<candump::Reader>),
     Other(Box<dyn Source>),
 }
 
@@ -67,10 +67,12 @@ impl Reader {
         let (source, format) =
             recognize(source, hint).map_err(|error| LogError::of_read(&name, compression, 0, error))?;
         let source = match format {
-            Format::Candump => Kind::Candump(candump::Reader::of_unpacked(source, name, compression)),
+            Format::Candump => {
+                Kind::Candump(Box::new(candump::Reader::of_unpacked(source, name, compression)))
+            }
             Format::Asc => text(source, name, compression, asc::Asc::default()),
             Format::Trc => text(source, name, compression, trc::Trc::default()),
-            Format::Csv => text(source, name, compression, csv::Csv::default()),
+            Format::Csv => text(source, name, compression, csv::Csv),
             Format::Blf => Kind::Other(Box::new(blf::Reader::new(source, name, compression)?)),
             Format::Mf4 => return Err(LogError::NeedsFile { name, format: "an ASAM MF4 recording" }),
         };

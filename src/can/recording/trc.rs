@@ -170,7 +170,7 @@ fn start_time(text: &[u8]) -> Option<Micros> {
     let days: f64 = std::str::from_utf8(text).ok()?.parse().ok()?;
     // The product of the whole number would need more digits than there are.
     let (whole, rest) = (days.trunc() - DAYS_UNTIL_1970, days.fract());
-    if !(whole.abs() < 1e7) {
+    if whole.is_nan() || whole.abs() >= 1e7 {
         return None;
     }
     Some(Micros((whole * DAY_US) as i64 + (rest * DAY_US).round() as i64))

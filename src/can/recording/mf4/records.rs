@@ -306,7 +306,7 @@ impl Sorted {
         let clock = self.group.clock.ok_or(Damage::BadTime)?;
         let seconds = clock.offset + clock.factor * clock.field.real(record).ok_or(Damage::ShortObject)?;
         // Until the year 33658, as candump logs.
-        if !(seconds.abs() < 1e12) {
+        if seconds.is_nan() || seconds.abs() >= 1e12 {
             return Err(Damage::BadTime);
         }
         // Whole seconds apart, so that the product has all the digits there are.

@@ -7,6 +7,7 @@ mod frame;
 mod interface;
 mod memory;
 mod raw_socket;
+pub mod recording;
 mod socketcan;
 mod wire;
 

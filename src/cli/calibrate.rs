@@ -11,7 +11,7 @@ use super::Failure;
 use super::output::{outputs_are_no_inputs, write_json};
 use super::progress::Progress;
 use crate::can::Frame;
-use crate::can::candump::Reader;
+use crate::can::recording::Reader;
 use crate::estimate::mapping::{Braking, Calibration, MappingConfig, MappingFit, MappingKind, PairFinder};
 use crate::service::{Engine, Sink};
 use crate::{Config, Estimates, Quantity, Sample, Sensors};
@@ -24,7 +24,8 @@ pub struct Calibrate {
     /// Configuration of the car.
     #[arg(short, long)]
     config: PathBuf,
-    /// Recordings (candump -L; plain, gzip or zstd; `-` is the standard input).
+    /// Recordings (candump, Vector ASC or BLF, ASAM MF4, Peak TRC, python-can CSV; gzip or zstd around them; `-`
+    /// is the standard input).
     #[arg(required = true)]
     logs: Vec<PathBuf>,
     /// Write brakings, pairs, fits and the verdict as JSON.

@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod check;
+mod convert;
 mod demo;
 mod demo_car;
 mod explain;
@@ -10,6 +11,7 @@ mod log;
 mod output;
 mod player;
 mod progress;
+mod recordings;
 mod replay;
 pub mod reproduce;
 mod run;
@@ -27,7 +29,7 @@ use tracing_subscriber::EnvFilter;
 
 use self::log::Log;
 use crate::Config;
-use crate::can::candump::LogError;
+use crate::can::recording::LogError;
 use crate::config::ConfigError;
 use crate::service::SetupError;
 
@@ -118,6 +120,8 @@ enum Command {
     Calibrate(calibrate::Calibrate),
     /// Check a configuration, and on recordings the measurement chain.
     Check(check::Check),
+    /// Turn a recording of any format into a candump log.
+    Convert(convert::Convert),
 }
 
 /// Parses the arguments and runs the subcommand. Diagnostics go to stderr, results to stdout.
@@ -135,6 +139,7 @@ pub fn main() -> ExitCode {
         Command::Reproduce(command) => command.run(),
         Command::Calibrate(command) => command.run(),
         Command::Check(command) => command.run(),
+        Command::Convert(command) => command.run(),
     };
     if let Some(log) = log {
         log.flush();

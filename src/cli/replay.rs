@@ -11,9 +11,10 @@ use super::Failure;
 use super::output::{Output, outputs_are_no_inputs, write_json};
 use super::player::Player;
 use super::progress::Progress;
-use super::tables::{EstimatesTable, SamplesTable};
+use super::tables::{EstimatesTable, SamplesTable, TableFormat};
 use crate::can::Frame;
-use crate::can::candump::{LogError, Reader, Writer};
+use crate::can::candump::Writer;
+use crate::can::recording::{LogError, Reader};
 use crate::service::saved::Refusal;
 use crate::service::{Engine, SavedState, Sink};
 use crate::{Config, Estimates, Sample};
@@ -24,7 +25,8 @@ pub struct Replay {
     /// Configuration of the car.
     #[arg(short, long)]
     config: PathBuf,
-    /// Recordings (candump -L; plain, gzip or zstd; `-` is the standard input), one after the other.
+    /// Recordings (candump, Vector ASC or BLF, ASAM MF4, Peak TRC, python-can CSV; gzip or zstd around them; `-`
+    /// is the standard input), one after the other.
     #[arg(required = true)]
     logs: Vec<PathBuf>,
     /// Write the published frames as candump lines (`-`: standard output).
@@ -33,11 +35,11 @@ pub struct Replay {
     /// Write the recordings' own frames to --out, too.
     #[arg(long, requires = "out")]
     all: bool,
-    /// Write the estimates as CSV, a row for each sample.
-    #[arg(long, value_name = "CSV")]
+    /// Write the estimates, a row for each sample: as Parquet where the name ends in `.parquet`, else as CSV.
+    #[arg(long, value_name = "TABLE")]
     estimates: Option<PathBuf>,
-    /// Write the decoded signals as CSV, as the estimators see them.
-    #[arg(long, value_name = "CSV")]
+    /// Write the decoded signals as the estimators see them, likewise.
+    #[arg(long, value_name = "TABLE")]
     samples: Option<PathBuf>,
     /// Write counts and speed as JSON.
     #[arg(long, value_name = "JSON")]
@@ -183,13 +185,14 @@ impl Results {
     fn create(command: &Replay, config: &Config) -> Result<Self, Failure> {
         let interface = config.publish.interface.as_deref().unwrap_or(&config.bus.interface);
         let out = command.out.as_ref().map(|path| Writer::create(path, interface));
-        let estimates = command
-            .estimates
-            .as_ref()
-            .map(|path| EstimatesTable::new(Output::create(path)?).map_err(Failure::work));
+        let estimates = command.estimates.as_ref().map(|path| {
+            let output = Output::create(path)?;
+            EstimatesTable::new(output, TableFormat::of(path)).map_err(Failure::work)
+        });
         let samples = command.samples.as_ref().map(|path| {
             let quantities = config.signals.quantities.keys().copied().collect();
-            SamplesTable::new(Output::create(path)?, quantities).map_err(Failure::work)
+            let output = Output::create(path)?;
+            SamplesTable::new(output, TableFormat::of(path), quantities).map_err(Failure::work)
         });
         Ok(Self {
             out: out.transpose().map_err(Failure::work)?,
@@ -274,23 +277,10 @@ impl Totals {
         self.skipped_lines += stats.skipped_lines;
         self.dropped += stats.dropped;
         self.time_backwards += stats.time_backwards;
-        let name = reader.name();
         if stats.frames == 0 && stats.skipped_lines > 0 {
-            self.broken
-                .push(format!("{name}: no line is a candump line; is it a recording of `candump -L`?"));
+            self.broken.push(super::recordings::nothing_in(reader));
         }
-        for skipped in stats.first_skipped.iter().take(3) {
-            tracing::warn!("{name}:{}: {}; the line is skipped", skipped.line, skipped.reason);
-        }
-        if stats.skipped_lines > 3 {
-            tracing::warn!("{name}: {} lines skipped in all", stats.skipped_lines);
-        }
-        if let Some(line) = stats.first_backwards {
-            tracing::warn!("{name}:{line}: time runs backwards ({} times)", stats.time_backwards);
-        }
-        if stats.dropped > 0 {
-            tracing::warn!("{name}: the recorder dropped {} frames", stats.dropped);
-        }
+        super::recordings::warn(reader);
     }
 
     fn stats(&self, engine: &Engine, started: Instant) -> Stats {

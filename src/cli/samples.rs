@@ -5,7 +5,7 @@ use std::path::Path;
 use super::Failure;
 use super::progress::Progress;
 use crate::can::Frame;
-use crate::can::candump::Reader;
+use crate::can::recording::Reader;
 use crate::signals::{Inputs, Pushed, Sampler};
 use crate::{Config, Sample};
 

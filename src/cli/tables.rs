@@ -1,77 +1,173 @@
-//! `--estimates` and `--samples`: one row per sample, SI units, empty where not available.
+//! `--estimates` and `--samples`: one row per sample, SI units, empty where not available. CSV, or Parquet where the
+//! file's name ends so.
 //!
 //! The slopes are normalized by the static load of their wheel.
 
+mod csv;
+mod parquet;
+
 use std::io::{self, Write};
+use std::path::Path;
 
+use self::csv::Csv;
+use self::parquet::Parquet;
 use crate::estimates::Estimate;
-use crate::{Estimates, Quantity, Sample, Wheel};
+use crate::{Estimates, Micros, Quantity, Sample, Wheel};
 
-/// Writes rows of numbers, empty where there is none.
-pub struct Table<W> {
-    output: W,
-    row: String,
+/// A column.
+pub struct Column {
+    name: String,
+    /// SI; `1` for pure numbers, nothing for words and flags.
+    unit: &'static str,
+    kind: Kind,
 }
 
-impl<W: Write> Table<W> {
-    fn new(mut output: W, columns: &[String]) -> io::Result<Self> {
-        writeln!(output, "{}", columns.join(","))?;
-        Ok(Self { output, row: String::new() })
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Numbers, or none.
+    Real,
+    /// Whole numbers.
+    Count,
+    /// Yes or no.
+    Flag,
+    /// One of a few words.
+    Word,
+}
+
+impl Column {
+    fn new(name: impl Into<String>, unit: &'static str, kind: Kind) -> Self {
+        Self { name: name.into(), unit, kind }
     }
 
-    fn time(&mut self, sample: &Sample) {
-        use std::fmt::Write;
-        self.row.clear();
-        // Writing to a string cannot fail.
-        let _ = write!(self.row, "{}", sample.time);
+    fn real(name: impl Into<String>, unit: &'static str) -> Self {
+        Self::new(name, unit, Kind::Real)
+    }
+}
+
+/// How a table is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TableFormat {
+    /// Comma-separated values.
+    Csv,
+    /// Apache Parquet.
+    Parquet,
+}
+
+impl TableFormat {
+    /// By the extension of a file's name.
+    pub fn of(path: &Path) -> Self {
+        let is_parquet = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
+        if is_parquet { Self::Parquet } else { Self::Csv }
+    }
+}
+
+/// Takes rows, value by value.
+enum Table<W: Write + Send> {
+    Csv(Csv<W>),
+    Parquet(Box<Parquet<W>>),
+}
+
+impl<W: Write + Send> Table<W> {
+    fn new(output: W, format: TableFormat, title: &str, columns: &[Column]) -> io::Result<Self> {
+        Ok(match format {
+            TableFormat::Csv => Self::Csv(Csv::new(output, columns)?),
+            TableFormat::Parquet => Self::Parquet(Box::new(Parquet::new(output, title, columns)?)),
+        })
+    }
+
+    /// Begins a row.
+    fn time(&mut self, time: Micros) {
+        match self {
+            Self::Csv(table) => table.time(time),
+            Self::Parquet(table) => table.time(time),
+        }
     }
 
     fn number(&mut self, value: Option<f64>) {
-        use std::fmt::Write;
-        self.row.push(',');
-        if let Some(value) = value.filter(|value| value.is_finite()) {
-            let _ = write!(self.row, "{value}");
+        let value = value.filter(|value| value.is_finite());
+        match self {
+            Self::Csv(table) => table.number(value),
+            Self::Parquet(table) => table.number(value),
+        }
+    }
+
+    fn count(&mut self, value: u32) {
+        match self {
+            Self::Csv(table) => table.count(value),
+            Self::Parquet(table) => table.count(value),
         }
     }
 
     fn flag(&mut self, value: bool) {
-        self.row.push_str(if value { ",1" } else { ",0" });
+        match self {
+            Self::Csv(table) => table.flag(value),
+            Self::Parquet(table) => table.flag(value),
+        }
     }
 
+    fn word(&mut self, word: &'static str) {
+        match self {
+            Self::Csv(table) => table.word(word),
+            Self::Parquet(table) => table.word(word),
+        }
+    }
+
+    /// Ends a row.
     fn end(&mut self) -> io::Result<()> {
-        self.row.push('\n');
-        self.output.write_all(self.row.as_bytes())
+        match self {
+            Self::Csv(table) => table.end(),
+            Self::Parquet(table) => table.end(),
+        }
     }
 
-    /// The output, flushed.
-    pub fn into_inner(mut self) -> io::Result<W> {
-        self.output.flush()?;
-        Ok(self.output)
+    /// The output, with everything in it.
+    fn into_inner(self) -> io::Result<W> {
+        match self {
+            Self::Csv(table) => table.into_inner(),
+            Self::Parquet(table) => table.into_inner(),
+        }
     }
 }
 
 /// The `--estimates` table.
-pub struct EstimatesTable<W>(Table<W>);
+pub struct EstimatesTable<W: Write + Send>(Table<W>);
 
-impl<W: Write> EstimatesTable<W> {
+impl<W: Write + Send> EstimatesTable<W> {
     /// Writes the header.
-    pub fn new(output: W) -> io::Result<Self> {
-        Table::new(output, &Self::columns()).map(Self)
+    pub fn new(output: W, format: TableFormat) -> io::Result<Self> {
+        Table::new(output, format, "estimates", &Self::columns()).map(Self)
     }
 
-    fn columns() -> Vec<String> {
-        let mut columns: Vec<String> = vec!["t".into(), "speed".into()];
+    fn columns() -> Vec<Column> {
+        let mut columns = vec![Column::real("t", "s"), Column::real("speed", "m/s")];
         for prefix in ["slope_{}", "slope_{}_std", "slip_offset_{}"] {
-            columns.extend(Wheel::ALL.map(|wheel| prefix.replace("{}", wheel.name())));
+            columns.extend(Wheel::ALL.map(|wheel| Column::real(prefix.replace("{}", wheel.name()), "1")));
         }
-        let rest = "lateral_velocity sideslip slip_angle_front slip_angle_rear vy_zero vy_integration \
-            vy_kinematic vy_bicycle vy_joint cornering_front cornering_front_std cornering_rear \
-            cornering_rear_std cornering_regression_front cornering_regression_rear cornering_ekf \
-            cornering_ekf_std mu_max mu_max_low mu_max_high mu_used mu_source mu_brush mu_dahl mu_abs mu_map \
-            slope_valid cornering_valid mu_valid motion_valid surface_changes faults \
-            slope_age cornering_age mu_age excitation_long excitation_lat road_angle_offset \
-            lateral_acceleration_offset yaw_rate_offset mu_map_low mu_map_high mu_brush_std";
-        columns.extend(rest.split_whitespace().map(str::to_owned));
+        for (names, unit, kind) in [
+            ("lateral_velocity", "m/s", Kind::Real),
+            ("sideslip slip_angle_front slip_angle_rear", "rad", Kind::Real),
+            ("vy_zero vy_integration vy_kinematic vy_bicycle vy_joint", "m/s", Kind::Real),
+            (
+                "cornering_front cornering_front_std cornering_rear cornering_rear_std \
+                 cornering_regression_front cornering_regression_rear cornering_ekf cornering_ekf_std",
+                "1/rad",
+                Kind::Real,
+            ),
+            ("mu_max mu_max_low mu_max_high mu_used", "1", Kind::Real),
+            ("mu_source", "", Kind::Word),
+            ("mu_brush mu_dahl mu_abs mu_map", "1", Kind::Real),
+            ("slope_valid cornering_valid mu_valid motion_valid", "", Kind::Flag),
+            ("surface_changes faults", "1", Kind::Count),
+            ("slope_age cornering_age mu_age", "s", Kind::Real),
+            ("excitation_long excitation_lat", "1", Kind::Real),
+            ("road_angle_offset", "rad", Kind::Real),
+            ("lateral_acceleration_offset", "m/s²", Kind::Real),
+            ("yaw_rate_offset", "rad/s", Kind::Real),
+            ("mu_map_low mu_map_high mu_brush_std", "1", Kind::Real),
+        ] {
+            columns.extend(names.split_whitespace().map(|name| Column::new(name, unit, kind)));
+        }
         columns
     }
 
@@ -81,7 +177,7 @@ impl<W: Write> EstimatesTable<W> {
         let std = |estimate: Option<Estimate>| estimate.map(|e| e.std);
         let age = |estimate: Option<Estimate>| estimate.map(|e| e.age_s);
         let table = &mut self.0;
-        table.time(sample);
+        table.time(sample.time);
         table.number(now.motion.speed);
         now.slope.iter().for_each(|slope| table.number(value(*slope)));
         now.slope.iter().for_each(|slope| table.number(std(*slope)));
@@ -114,16 +210,15 @@ impl<W: Write> EstimatesTable<W> {
         ] {
             table.number(number);
         }
-        table.row.push(',');
-        table.row.push_str(friction.source.name());
+        table.word(friction.source.name());
         for number in [friction.brush, friction.dahl, friction.abs, friction.map] {
             table.number(number);
         }
         for flag in [now.slope_valid, now.cornering_valid, friction.valid, now.motion.valid] {
             table.flag(flag);
         }
-        table.number(Some(f64::from(now.surface_changes)));
-        table.number(Some(f64::from(now.faults.bits())));
+        table.count(now.surface_changes);
+        table.count(now.faults.bits().into());
         let slope_age = now.slope.iter().flatten().map(|slope| slope.age_s).reduce(f64::max);
         for number in [
             slope_age,
@@ -143,36 +238,36 @@ impl<W: Write> EstimatesTable<W> {
         table.end()
     }
 
-    /// The output, flushed.
+    /// The output, with everything in it.
     pub fn into_inner(self) -> io::Result<W> {
         self.0.into_inner()
     }
 }
 
 /// The `--samples` table: the quantities that are configured.
-pub struct SamplesTable<W> {
+pub struct SamplesTable<W: Write + Send> {
     table: Table<W>,
     quantities: Vec<Quantity>,
 }
 
-impl<W: Write> SamplesTable<W> {
+impl<W: Write + Send> SamplesTable<W> {
     /// Writes the header.
-    pub fn new(output: W, quantities: Vec<Quantity>) -> io::Result<Self> {
-        let mut columns = vec!["t".to_owned()];
-        columns.extend(quantities.iter().map(|quantity| quantity.name().to_owned()));
-        Ok(Self { table: Table::new(output, &columns)?, quantities })
+    pub fn new(output: W, format: TableFormat, quantities: Vec<Quantity>) -> io::Result<Self> {
+        let mut columns = vec![Column::real("t", "s")];
+        columns.extend(quantities.iter().map(|quantity| Column::real(quantity.name(), quantity.unit())));
+        Ok(Self { table: Table::new(output, format, "samples", &columns)?, quantities })
     }
 
     /// Writes a sample.
     pub fn row(&mut self, sample: &Sample) -> io::Result<()> {
-        self.table.time(sample);
+        self.table.time(sample.time);
         for quantity in &self.quantities {
             self.table.number(sample.get(*quantity));
         }
         self.table.end()
     }
 
-    /// The output, flushed.
+    /// The output, with everything in it.
     pub fn into_inner(self) -> io::Result<W> {
         self.table.into_inner()
     }
@@ -185,7 +280,7 @@ mod tests {
 
     #[test]
     fn every_row_has_as_many_fields_as_the_header() {
-        let mut table = EstimatesTable::new(Vec::new()).unwrap();
+        let mut table = EstimatesTable::new(Vec::new(), TableFormat::Csv).unwrap();
         table.row(&Sample::empty(Micros(20_000), 0.01), &Estimates::default()).unwrap();
         let text = String::from_utf8(table.into_inner().unwrap()).unwrap();
         let fields: Vec<usize> = text.lines().map(|line| line.split(',').count()).collect();

@@ -31,6 +31,7 @@ mod frames;
 #[allow(dead_code, reason = "the tests of faults use the rest")]
 mod heard;
 mod mutate;
+mod recordings;
 mod run;
 mod sampler;
 #[path = "../support/sound.rs"]

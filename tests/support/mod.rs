@@ -9,6 +9,8 @@ use std::process::Command;
 
 /// The implementations to compare with, pinned.
 const REQUIREMENTS: [&str; 2] = ["cantools==45.1.0", "autosar-e2e==1.0.0"];
+/// Those that write recordings and read tables.
+const PEERS: [&str; 3] = ["python-can==4.6.1", "asammdf==8.8.28", "polars==2.1.0"];
 
 /// A file or folder of the shared data; `None`, with a printed message, where it is not there.
 pub fn shared(path: &str) -> Option<PathBuf> {
@@ -30,19 +32,28 @@ pub fn data(name: &str) -> PathBuf {
 /// A Python that has the reference implementations, in a virtual environment below `target`;
 /// `None`, with a printed message, where it cannot be had.
 pub fn python() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reference-venv");
+    environment("reference-venv", &REQUIREMENTS)
+}
+
+/// Another one that has python-can with MF4, and polars.
+pub fn peers() -> Option<PathBuf> {
+    environment("peers-venv", &PEERS)
+}
+
+fn environment(name: &str, requirements: &[&str]) -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let python = folder.join("bin/python");
     // Several tests may come here at once.
     let lock = File::create(folder.with_extension("lock")).unwrap();
     lock.lock().unwrap();
-    let ready = folder.join(format!("ready-{}", REQUIREMENTS.join("-")));
+    let ready = folder.join(format!("ready-{}", requirements.join("-")));
     if ready.exists() {
         return Some(python);
     }
     let made = run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder))
-        && run(Command::new(&python).args(["-m", "pip", "install", "--quiet"]).args(REQUIREMENTS));
+        && run(Command::new(&python).args(["-m", "pip", "install", "--quiet"]).args(requirements));
     if !made {
-        eprintln!("skipped: no Python with {}", REQUIREMENTS.join(" and "));
+        eprintln!("skipped: no Python with {}", requirements.join(" and "));
         return None;
     }
     File::create(ready).unwrap();

@@ -3,9 +3,8 @@
 //! Works on bytes, allocates nothing and looks at each byte about once: a recording is read at the
 //! speed of the disk.
 
-use thiserror::Error;
-
 use crate::Micros;
+use crate::can::recording::Damage;
 use crate::can::wire::{ERROR, EXTENDED, REMOTE, fd_kind};
 use crate::can::{CanId, Frame, FrameError, FrameKind};
 
@@ -25,56 +24,6 @@ pub(super) enum Line<'a> {
     Dropped(u64),
     /// Blank, or a comment.
     Blank,
-}
-
-/// Why a line could not be understood.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-pub enum Damage {
-    /// It does not begin with a stamp.
-    #[error("no time stamp `(seconds.fraction)` at the start; record with `candump -L` or `-l`")]
-    NoStamp,
-    /// The stamp is no number of seconds.
-    #[error("the time stamp is not `(seconds.fraction)`; record with `candump -L` or `-l`")]
-    BadStamp,
-    /// The line ends before the frame.
-    #[error("the line ends before interface and frame")]
-    Incomplete,
-    /// The frame has no `#`, as in candump's screen output.
-    #[error("no `identifier#data`; record with `candump -L` or `-l`, not as shown on the screen")]
-    NoFrame,
-    /// The identifier is not hexadecimal or has the wrong number of digits.
-    #[error("the identifier is not of 3 (standard) or 8 (extended) hexadecimal digits")]
-    BadId,
-    /// The identifier is too large for its kind.
-    #[error("the identifier is above 7FF (3 digits) or 1FFFFFFF (8 digits)")]
-    IdTooLarge,
-    /// The data are not pairs of hexadecimal digits.
-    #[error("the data are not pairs of hexadecimal digits")]
-    BadData,
-    /// More bytes than the kind of frame carries.
-    #[error("more than 8 (classic) or 64 (FD) bytes of data")]
-    TooLong,
-    /// FD cannot carry that many bytes.
-    #[error("no FD frame has that many bytes (0–8, 12, 16, 20, 24, 32, 48, 64)")]
-    NotAnFdLength,
-    /// The FD flags are missing or not hexadecimal.
-    #[error("no hexadecimal flags digit after `##`")]
-    BadFlags,
-    /// A remote request with something else than a length of 0 to 8.
-    #[error("the length of a remote request is not a digit from 0 to 8")]
-    BadRemote,
-    /// Something follows the frame that is no direction.
-    #[error("unexpected text after the frame (only ` T` or ` R` may follow)")]
-    Trailing,
-    /// The interface name is not text.
-    #[error("the interface name is not text")]
-    BadInterface,
-    /// No end of line within the reader's buffer.
-    #[error("the line is longer than {} bytes", super::reader::LONGEST_LINE)]
-    LongLine,
-    /// A `DROPCOUNT` line without its number.
-    #[error("a DROPCOUNT line without a number")]
-    BadDropCount,
 }
 
 /// Value of each hexadecimal digit, else [`NO_DIGIT`].

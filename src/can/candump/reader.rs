@@ -4,19 +4,16 @@ use std::fs::File;
 use std::io::{self, BufRead, Read};
 use std::path::Path;
 
-use super::compression::{Compression, Content, unpack};
 use super::line::{self, Line};
-use super::{Damage, LogError, LogStats};
+use super::{Compression, Damage, LogError, LogStats};
 use crate::can::Frame;
+use crate::can::recording::{Content, LONGEST_LINE, unpack};
 
 /// Bytes read at a time.
-const BUFFER: usize = 1 << 18;
+const BUFFER: usize = LONGEST_LINE;
 
-/// A line that is longer than this is damaged. The longest line of the grammar, a CAN XL frame of
-/// 2,048 bytes, has about 6 KiB.
-pub(super) const LONGEST_LINE: usize = BUFFER;
-
-/// Reads frames from a candump log: a file, gzip or zstd, or anything else that can be read.
+/// Reads frames from a candump log: a file, gzip or zstd, or anything else that can be read. (Recordings of any
+/// format: [`recording::Reader`](crate::can::recording::Reader).)
 ///
 /// Damaged lines are skipped and counted ([`LogStats`]); only a failing or broken source is an error.
 /// Memory does not depend on the length of the log or of its lines, and nothing is allocated per line.
@@ -72,20 +69,31 @@ impl Reader {
             Err(source) => return Err(LogError::Read { name, line: 0, source }),
         };
         match content {
+            Content::Blf => Err(LogError::OtherFormat { name, format: "a Vector BLF recording" }),
+            Content::Mf4 => Err(LogError::OtherFormat { name, format: "an ASAM MDF recording" }),
             Content::Other(format) => Err(LogError::OtherFormat { name, format }),
-            Content::Log(compression) => Ok(Self {
-                name,
-                source,
-                compression,
-                buffer: vec![0; BUFFER].into_boxed_slice(),
-                start: 0,
-                searched: 0,
-                end: 0,
-                state: State::More,
-                in_long_line: false,
-                interface: String::new(),
-                stats: LogStats::default(),
-            }),
+            Content::Log(compression) => Ok(Self::of_unpacked(source, name, compression)),
+        }
+    }
+
+    /// Reads what is known to be a candump log and no longer packed.
+    pub(in crate::can) fn of_unpacked(
+        source: Box<dyn Read + Send>,
+        name: String,
+        compression: Compression,
+    ) -> Self {
+        Self {
+            name,
+            source,
+            compression,
+            buffer: vec![0; BUFFER].into_boxed_slice(),
+            start: 0,
+            searched: 0,
+            end: 0,
+            state: State::More,
+            in_long_line: false,
+            interface: String::new(),
+            stats: LogStats::default(),
         }
     }
 
@@ -209,16 +217,9 @@ impl Reader {
 
     /// Says what a failed read means.
     fn failure(&self, source: io::Error) -> LogError {
-        let (name, compression) = (self.name.clone(), self.compression);
         // The lines still in the buffer will be delivered before the error.
         let waiting = self.buffer[self.start..self.end].iter().filter(|byte| **byte == b'\n').count();
-        let line = self.stats.lines + waiting as u64;
-        match (compression, source.kind(), source.raw_os_error()) {
-            // An error with a number comes from the operating system, not from the decompressor.
-            (Compression::None, ..) | (_, _, Some(_)) => LogError::Read { name, line, source },
-            (_, io::ErrorKind::UnexpectedEof, _) => LogError::Truncated { name, compression, line },
-            _ => LogError::Corrupt { name, compression, line, source },
-        }
+        LogError::of_read(&self.name, self.compression, self.stats.lines + waiting as u64, source)
     }
 }
 

@@ -15,7 +15,7 @@ use self::recording::{Recorder, RecordingReport};
 use super::Failure;
 use super::output::write_json;
 use super::progress::Progress;
-use crate::can::candump::Reader;
+use crate::can::recording::Reader;
 use crate::explain::chain::{self, ChainReport};
 use crate::service::sensors;
 use crate::signals::{Inputs, Sampler, SamplerConfig, SignalsConfig};
@@ -27,7 +27,8 @@ pub struct Check {
     /// Configuration of the car.
     #[arg(short, long)]
     config: PathBuf,
-    /// Recordings (candump -L; plain, gzip or zstd; `-` is the standard input), one after the other.
+    /// Recordings (candump, Vector ASC or BLF, ASAM MF4, Peak TRC, python-can CSV; gzip or zstd around them; `-`
+    /// is the standard input), one after the other.
     logs: Vec<PathBuf>,
     /// Write everything as JSON (`-`: to the standard output, instead of the text).
     #[arg(long, value_name = "JSON")]
@@ -79,7 +80,10 @@ fn failure(recordings: &RecordingReport) -> Result<(), Failure> {
     let mut reasons: Vec<String> = recordings.files.iter().filter_map(|file| file.broken.clone()).collect();
     let empty = recordings.files.iter().filter(|file| file.frames == 0 && file.broken.is_none());
     reasons.extend(empty.map(|file| {
-        format!("{}: no frame in it ({} lines skipped); is it a candump log?", file.file, file.skipped_lines)
+        format!(
+            "{}: no frame in it ({} lines skipped); is it a CAN recording?",
+            file.file, file.skipped_lines
+        )
     }));
     for channel in recordings.quantities.iter().filter(|channel| channel.min.is_none()) {
         let required = Quantity::ALL.iter().any(|q| q.name() == channel.quantity && q.is_required());

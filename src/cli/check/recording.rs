@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::can::candump::Reader;
+use crate::can::recording::Reader;
 use crate::can::{CanId, Frame};
 use crate::signals::{Inputs, Pushed, Sampler};
 use crate::{Faults, Micros, Quantity};
@@ -44,11 +44,13 @@ pub struct RecordingReport {
 pub struct FileReport {
     /// Its name.
     pub file: String,
+    /// Its format.
+    pub format: String,
     /// First to last frame, s.
     pub seconds: f64,
     /// Frames.
     pub frames: u64,
-    /// Lines that could not be understood.
+    /// Lines (of BLF objects, of MF4 records) that could not be understood.
     pub skipped_lines: u64,
     /// The first of them, `line: reason`.
     pub first_skipped: Vec<String>,
@@ -202,6 +204,7 @@ impl Recorder {
         let skipped = stats.first_skipped.iter().take(5);
         self.report.files.push(FileReport {
             file: reader.name().to_owned(),
+            format: reader.format().to_string(),
             seconds: stats.seconds(),
             frames: stats.frames,
             skipped_lines: stats.skipped_lines,

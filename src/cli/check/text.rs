@@ -114,8 +114,15 @@ fn recording(out: &mut impl Write, report: &RecordingReport) -> io::Result<()> {
     for file in &report.files {
         writeln!(
             out,
-            "recording {}: {:.1} s, {} frames, {} lines skipped, {} times backwards, {} dropped by the recorder",
-            file.file, file.seconds, file.frames, file.skipped_lines, file.time_backwards, file.dropped
+            "recording {} ({}): {:.1} s, {} frames, {} lines skipped, {} times backwards, {} dropped by the \
+             recorder",
+            file.file,
+            file.format,
+            file.seconds,
+            file.frames,
+            file.skipped_lines,
+            file.time_backwards,
+            file.dropped
         )?;
         for line in &file.first_skipped {
             writeln!(out, "  line {line}")?;

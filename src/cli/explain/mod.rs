@@ -28,7 +28,7 @@ pub struct Explain {
     /// called missing.
     #[arg(short, long)]
     config: PathBuf,
-    /// Recordings of one car (candump -L; plain, gzip or zstd; `-` is the standard input). Every third 20 s
+    /// Recordings of one car, in any format that `gripd convert` reads (`-` is the standard input). Every third 20 s
     /// of them are kept for the proof.
     #[arg(required = true)]
     logs: Vec<PathBuf>,

@@ -25,7 +25,7 @@ pub struct Identify {
     /// Configuration of the car. What its [vehicle] table calls uncertain is identified.
     #[arg(short, long)]
     config: PathBuf,
-    /// Recordings of one car (candump -L; plain, gzip or zstd; `-` is the standard input), used together.
+    /// Recordings of one car, in any format that `gripd convert` reads (`-` is the standard input), used together.
     #[arg(required = true)]
     logs: Vec<PathBuf>,
     /// Write everything as JSON (`-`: to the standard output, instead of the text).

@@ -29,17 +29,19 @@ impl fmt::Display for Compression {
 
 /// What the first bytes of a file tell.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Content {
+pub(in crate::can) enum Content {
     /// Text, perhaps packed.
     Log(Compression),
+    /// A Vector BLF file.
+    Blf,
+    /// An ASAM MDF file.
+    Mf4,
     /// Something else that people hand to a log reader.
     Other(&'static str),
 }
 
 /// First bytes by which other formats are known.
-const OTHERS: [(&[u8], &str); 8] = [
-    (b"LOGG", "a Vector BLF recording"),
-    (b"MDF ", "an ASAM MDF recording"),
+const OTHERS: [(&[u8], &str); 6] = [
     (b"\x0A\x0D\x0D\x0A", "a pcapng capture"),
     (b"\xD4\xC3\xB2\xA1", "a pcap capture"),
     (b"\xFD7zXZ", "xz-compressed data"),
@@ -47,6 +49,11 @@ const OTHERS: [(&[u8], &str); 8] = [
     (b"PK\x03\x04", "a zip archive"),
     (b"\xFF\xFE", "UTF-16 text"),
 ];
+
+/// Begins a Vector BLF file.
+pub(super) const BLF: &[u8] = b"LOGG";
+/// Begins an ASAM MDF file, finished or not.
+pub(super) const MF4: [&[u8]; 2] = [b"MDF ", b"UnFin"];
 
 /// What some editors put in front of a text; not part of its first line.
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
@@ -58,6 +65,12 @@ const MAGIC: usize = 6;
 fn recognize(head: &[u8]) -> Content {
     if let Some((_, format)) = OTHERS.iter().find(|(magic, _)| head.starts_with(magic)) {
         return Content::Other(format);
+    }
+    if head.starts_with(BLF) {
+        return Content::Blf;
+    }
+    if MF4.iter().any(|magic| head.starts_with(magic)) {
+        return Content::Mf4;
     }
     Content::Log(match head {
         [0x1F, 0x8B, ..] => Compression::Gzip,
@@ -71,7 +84,9 @@ fn recognize(head: &[u8]) -> Content {
 ///
 /// # Errors
 /// If not even the first bytes can be read.
-pub(super) fn unpack(mut source: Box<dyn Read + Send>) -> io::Result<(Box<dyn Read + Send>, Content)> {
+pub(in crate::can) fn unpack(
+    mut source: Box<dyn Read + Send>,
+) -> io::Result<(Box<dyn Read + Send>, Content)> {
     let mut head = Vec::with_capacity(MAGIC);
     source.by_ref().take(MAGIC as u64).read_to_end(&mut head)?;
     let content = recognize(&head);
@@ -101,6 +116,6 @@ mod tests {
         assert_eq!(recognize(b"\x28\xB5\x2F\xFD\x00"), Content::Log(Compression::Zstd));
         assert_eq!(recognize(b"(1.0) "), Content::Log(Compression::None));
         assert_eq!(recognize(b""), Content::Log(Compression::None));
-        assert_eq!(recognize(b"LOGG\x90"), Content::Other("a Vector BLF recording"));
+        assert_eq!(recognize(b"LOGG\x90"), Content::Blf);
     }
 }

@@ -3,7 +3,7 @@
 use super::Damage;
 use crate::Micros;
 
-/// A line that could not be understood.
+/// A line that could not be understood. Of BLF and MF4 recordings, which have no lines, an object or a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SkippedLine {
     /// Its number, from 1.
@@ -21,12 +21,16 @@ pub struct LogStats {
     pub frames: u64,
     /// Damaged lines, which were skipped.
     pub skipped_lines: u64,
+    /// How many for each reason.
+    pub reasons: Vec<(Damage, u64)>,
     /// The first [`LogStats::KEPT`] of them.
     pub first_skipped: Vec<SkippedLine>,
     /// Empty lines and comments.
     pub blank_lines: u64,
     /// CAN XL frames: understood, but not delivered.
     pub xl_frames: u64,
+    /// What else is understood and no frame: statistics, markers, the state of the hardware, other buses.
+    pub others: u64,
     /// Frames that the recorder itself lost, as its `DROPCOUNT` lines say.
     pub dropped: u64,
     /// How often a frame was older than the one before it.
@@ -53,7 +57,7 @@ impl LogStats {
 
     /// Counts a frame.
     #[inline]
-    pub(super) fn frame(&mut self, time: Micros) {
+    pub(in crate::can) fn frame(&mut self, time: Micros) {
         self.frames += 1;
         match self.last_time {
             None => self.first_time = Some(time),
@@ -68,8 +72,12 @@ impl LogStats {
 
     /// Counts the current line as damaged.
     #[cold]
-    pub(super) fn skipped(&mut self, reason: Damage) {
+    pub(in crate::can) fn skipped(&mut self, reason: Damage) {
         self.skipped_lines += 1;
+        match self.reasons.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, count)) => *count += 1,
+            None => self.reasons.push((reason, 1)),
+        }
         if self.first_skipped.len() < Self::KEPT {
             self.first_skipped.push(SkippedLine { line: self.lines, reason });
         }

@@ -1,0 +1,40 @@
+//! What there is to say of a recording that was read.
+
+use crate::can::recording::{Format, Reader};
+
+/// Warns of what was damaged, lost or out of order.
+pub fn warn(reader: &Reader) {
+    let (name, stats, part) = (reader.name(), reader.stats(), reader.format().part());
+    for skipped in stats.first_skipped.iter().take(3) {
+        match part {
+            "line" => {
+                tracing::warn!("{name}:{}: {}; the line is skipped", skipped.line, skipped.reason);
+            }
+            _ => tracing::warn!("{name}: {part} {}: {}; it is skipped", skipped.line, skipped.reason),
+        }
+    }
+    if stats.skipped_lines > 3 {
+        tracing::warn!("{name}: {} {part}s skipped in all", stats.skipped_lines);
+    }
+    if let Some(line) = stats.first_backwards {
+        match part {
+            "line" => tracing::warn!("{name}:{line}: time runs backwards ({} times)", stats.time_backwards),
+            _ => {
+                tracing::warn!("{name}: {part} {line}: time runs backwards ({} times)", stats.time_backwards)
+            }
+        }
+    }
+    if stats.dropped > 0 {
+        tracing::warn!("{name}: the recorder dropped {} frames", stats.dropped);
+    }
+}
+
+/// Nothing but damage was found.
+pub fn nothing_in(reader: &Reader) -> String {
+    let (name, format) = (reader.name(), reader.format());
+    if format == Format::Candump {
+        // What nothing else fits is taken for this.
+        return format!("{name}: no line is a candump line; is it a recording of `candump -L`?");
+    }
+    format!("{name}: nothing in this {format} recording is a frame; was it written by {format}'s own tools?")
+}

@@ -165,6 +165,7 @@ impl<W: Write + Send> EstimatesTable<W> {
             ("lateral_acceleration_offset", "m/s²", Kind::Real),
             ("yaw_rate_offset", "rad/s", Kind::Real),
             ("mu_map_low mu_map_high mu_brush_std", "1", Kind::Real),
+            ("roughness roughness_std", "m/s", Kind::Real),
         ] {
             columns.extend(names.split_whitespace().map(|name| Column::new(name, unit, kind)));
         }
@@ -232,6 +233,8 @@ impl<W: Write + Send> EstimatesTable<W> {
             friction.map_interval.map(|(low, _)| low),
             friction.map_interval.map(|(_, high)| high),
             friction.brush_std,
+            value(now.roughness),
+            std(now.roughness),
         ] {
             table.number(number);
         }

@@ -27,8 +27,8 @@ pub(super) struct Equation {
     pub bend_variance: f64,
     /// Noise by the data sheets, rad².
     pub promised: f64,
-    /// The car turns as one that drives round a bend. Where it turns more, it may be a single brake that does it, and
-    /// the force is none of this axle's.
+    /// The car turns as one that drives round a bend, forwards. Where it turns more, it may be a single brake that does
+    /// it, and the force is none of this axle's; backwards, with wheel speeds that have no sign, it turns the other way.
     pub is_cornering: bool,
 }
 
@@ -164,7 +164,8 @@ impl CorneringEstimator {
             straight,
             bend_variance: straight * straight * bend_variance,
             promised: self.promised_variance(axle, x[axle], turning, lever / speed, now),
-            is_cornering: turned.abs() < Self::STEADY * now.acceleration.abs(),
+            is_cornering: turned.abs() < Self::STEADY * now.acceleration.abs()
+                && now.yaw_rate * now.acceleration > 0.0,
         }
     }
 

@@ -184,9 +184,7 @@ impl Pipeline {
         self.brush.age(now.elapsed_s);
         let (offsets, slopes) = (self.slope.offsets(), self.slope.slopes());
         self.saturation.step(now, &self.traction, &offsets, &slopes, &self.config.slope);
-        if let Some(mut block) = self.blocks.step(now) {
-            // What the steering's sensor is off by bends every straight road.
-            block.road_angle -= self.cornering.offsets().road_angle.map_or(0.0, |offset| offset.value);
+        if let Some(block) = self.blocks.step(now) {
             self.block_acceleration = Some(block.acceleration);
             let points = self.traction.points(&block);
             // Slips of a spinning wheel are no points of a straight line.

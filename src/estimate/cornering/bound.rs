@@ -25,11 +25,11 @@ impl CorneringEstimator {
         let [front, rear] = [FRONT, REAR].map(|axle| self.equation(axle, now, belief));
         let noise = |of: &Equation| self.axles[of.axle - FRONT].noise.variance(of.promised);
         let mut narrowest = None;
-        for (own, its, other) in [(&front, &rear, REAR), (&rear, &front, FRONT)] {
-            let mut row = own.motion - its.motion;
-            row[other] += its.force;
-            row[AY_OFFSET] -= self.state.mean[other] / GRAVITY;
+        for (own, its) in [(&front, &rear), (&rear, &front)] {
             let alone = self.bound_by(own, own.angle, &own.motion, noise(own), belief);
+            let mut row = own.motion - its.motion;
+            row[its.axle] += its.force;
+            row[AY_OFFSET] -= self.state.mean[its.axle] / GRAVITY;
             let steered = own.angle - its.angle + its.straight;
             let beside = self.bound_by(own, steered, &row, noise(own) + noise(its), belief);
             for limit in [alone, beside] {

@@ -5,8 +5,8 @@
 //! and then further off than the filter believes (a banked curve begins); under the second it may be anything above.
 //! Both are weighed by Bayes's rule. How likely sliding is beforehand, the belief over the friction says.
 //!
-//! While an axle slides, its equation says nothing of motion and stiffness. But it tells the friction: more than is
-//! in use by a little only.
+//! While an axle slides, its equation says nothing of motion and stiffness. What it says of the friction is told in
+//! [`bound`](super::bound).
 
 use super::bend::Bend;
 
@@ -20,7 +20,7 @@ pub struct LateralLimit {
     pub low: f64,
     /// More than this the slip angle would have fetched from the road.
     pub high: f64,
-    /// The filter agreed with its sensors until then.
+    /// The filter agrees with its sensors, and the car does not spin.
     pub is_sure: bool,
 }
 

@@ -117,6 +117,10 @@ impl WheelSaturation {
         self.points[self.count] = point;
         self.count += 1;
         let seen = &self.points[..self.count];
+        // Of most drives this is all there is to do.
+        if seen.iter().all(|point| point.slip < Self::LEAST.0) {
+            return None;
+        }
         (Self::FEWEST..=self.count).rev().find_map(|length| Self::limit(&seen[self.count - length..], slope))
     }
 

@@ -30,6 +30,12 @@ pub(super) fn decimal(text: [u8; 8]) -> Option<i64> {
     Some((fours as u32 as i64) * 10_000 + (fours >> 32) as i64)
 }
 
+/// One hexadecimal digit.
+#[inline]
+pub(super) fn digit(character: u8) -> Option<u32> {
+    (character as char).to_digit(16)
+}
+
 /// Eight hexadecimal digits: four bytes, the first digit being the upper half of the first of them.
 #[inline]
 pub(super) fn hexadecimal(text: [u8; 8]) -> Option<[u8; 4]> {

@@ -126,15 +126,21 @@ impl Reader {
     /// and the error comes once: after it there is only `None`.
     pub fn next_frame(&mut self) -> Result<Option<Frame>, LogError> {
         loop {
+            // Between two lines, most of the time.
+            if self.searched == self.start
+                && !self.in_long_line
+                && let Some(usual) = usual::parse(&self.buffer[self.start..self.end])
+                && follow(&mut self.interface, usual.interface)
+            {
+                self.start += usual.length;
+                self.searched = self.start;
+                self.stats.lines += 1;
+                self.stats.frame(usual.frame.time);
+                return Ok(Some(usual.frame));
+            }
             let Some(text) = self.next_line()? else { return Ok(None) };
             self.stats.lines += 1;
             let line = &self.buffer[text.0..text.1];
-            if let Some((interface, frame)) = usual::parse(line)
-                && follow(&mut self.interface, interface)
-            {
-                self.stats.frame(frame.time);
-                return Ok(Some(frame));
-            }
             match line::parse(line) {
                 Ok(Line::Frame { interface, frame }) => {
                     if !follow(&mut self.interface, interface) {

@@ -4,27 +4,36 @@
 //! It is read a word at a time, not a character at a time. What it is not sure of it leaves to [`line`](super::line),
 //! which knows the whole grammar and says what is wrong.
 
-use super::digits::{decimal, first, hexadecimal};
+use super::digits::{decimal, digit, first, hexadecimal};
 use crate::Micros;
 use crate::can::{CanId, Frame, FrameKind};
 
-/// Stamp and data of a usual line, and the name of its interface.
+/// What a usual line says, and where it ends.
+pub(super) struct Usual<'a> {
+    pub interface: &'a [u8],
+    pub frame: Frame,
+    /// Bytes of the line, its newline among them.
+    pub length: usize,
+}
+
+/// Reads the line that `text` begins with. Whole words are looked at, so a little more than the line must be there.
 #[inline]
-pub(super) fn parse(line: &[u8]) -> Option<(&[u8], Frame)> {
-    let (time, rest) = stamp(line.strip_prefix(b"(")?)?;
+pub(super) fn parse(text: &[u8]) -> Option<Usual<'_>> {
+    let (time, rest) = stamp(text.strip_prefix(b"(")?)?;
     let rest = rest.strip_prefix(b" ")?;
     // Names of interfaces are shorter than eight characters, but for some.
     let space = match first(*rest.first_chunk()?, b' ') {
-        8 => rest.iter().position(|byte| *byte == b' ')?,
+        8 => rest.iter().position(|byte| *byte == b' ' || *byte == b'\n')?,
         space => space,
     };
-    let (interface, rest) = (&rest[..space], &rest[space + 1..]);
-    let (id, digits) = identifier(rest)?;
-    let (bytes, length) = data(line, digits)?;
+    let (interface, rest) = rest.split_at(space);
+    let (id, digits) = identifier(rest.strip_prefix(b" ")?)?;
+    let (bytes, count) = data(digits)?;
     let mut payload = [0; 64];
     payload[..8].copy_from_slice(&bytes);
-    let frame = Frame::from_payload(time, id, FrameKind::Data, payload, length).ok()?;
-    (space > 0).then_some((interface, frame))
+    let frame = Frame::from_payload(time, id, FrameKind::Data, payload, count / 2).ok()?;
+    let length = text.len() - digits.len() + count + 1;
+    (space > 0 && !interface.contains(&b'\n')).then_some(Usual { interface, frame, length })
 }
 
 /// `1760000000.000584)`: seconds of up to twelve digits and whole microseconds.
@@ -55,8 +64,8 @@ pub(super) fn stamp(text: &[u8]) -> Option<(Micros, &[u8])> {
 fn identifier(text: &[u8]) -> Option<(CanId, &[u8])> {
     match text {
         [a, b, c, b'#', digits @ ..] => {
-            let number = hexadecimal([b'0', b'0', b'0', b'0', b'0', *a, *b, *c])?;
-            Some((CanId::standard(u32::from_be_bytes(number))?, digits))
+            let number = digit(*a)? << 8 | digit(*b)? << 4 | digit(*c)?;
+            Some((CanId::standard(number)?, digits))
         }
         _ => {
             let (number, rest) = text.split_first_chunk::<8>()?;
@@ -66,26 +75,31 @@ fn identifier(text: &[u8]) -> Option<(CanId, &[u8])> {
     }
 }
 
-/// Up to eight bytes, whose digits are the end of the line, and how many they are.
+/// Up to eight bytes, and how many digits there are of them before the newline.
 #[inline]
-fn data(line: &[u8], digits: &[u8]) -> Option<([u8; 8], usize)> {
-    let count = digits.len();
-    if count > 16 || !count.is_multiple_of(2) {
+fn data(text: &[u8]) -> Option<([u8; 8], usize)> {
+    let [low, high] = *text.first_chunk::<16>()?.as_chunks::<8>().0 else { return None };
+    let count = match (first(low, b'\n'), first(high, b'\n')) {
+        (8, 8) if text.get(16) == Some(&b'\n') => 16,
+        (8, 8) => return None,
+        (8, further) => 8 + further,
+        (count, _) => count,
+    };
+    if !count.is_multiple_of(2) {
         return None;
     }
-    // The line's last 16 characters, those before the digits shifted out, zeros for those that there are not.
-    let last = u128::from_le_bytes(*line.last_chunk::<16>()?);
-    let zeros = u128::from_le_bytes([b'0'; 16]);
-    let text = match 8 * count {
-        128 => last,
-        0 => zeros,
-        bits => last >> (128 - bits) | zeros << bits,
+    // Zeros from the newline on.
+    let zeros = u64::from_le_bytes([b'0'; 8]);
+    let up_to = |word: [u8; 8], digits: usize| match digits {
+        8.. => word,
+        digits => {
+            let kept = (1 << (8 * digits)) - 1;
+            (u64::from_le_bytes(word) & kept | zeros & !kept).to_le_bytes()
+        }
     };
-    let first = hexadecimal((text as u64).to_le_bytes())?;
-    let second = hexadecimal(((text >> 64) as u64).to_le_bytes())?;
-    let [a, b, c, d] = first;
-    let [e, f, g, h] = second;
-    Some(([a, b, c, d, e, f, g, h], count / 2))
+    let [a, b, c, d] = hexadecimal(up_to(low, count))?;
+    let [e, f, g, h] = hexadecimal(up_to(high, count.saturating_sub(8)))?;
+    Some(([a, b, c, d, e, f, g, h], count))
 }
 
 #[cfg(test)]
@@ -116,18 +130,22 @@ mod tests {
                     ] {
                         for end in ["", " ", "\r", " R"] {
                             let line = format!("({stamp}) {interface} {id}#{data}{end}");
-                            let Some((name, frame)) = parse(line.as_bytes()) else { continue };
+                            let text = format!("{line}\n{line}\n");
+                            let Some(Usual { interface: name, frame, length }) = parse(text.as_bytes())
+                            else {
+                                continue;
+                            };
                             usual += 1;
                             let whole = Line::Frame { interface: name, frame };
                             assert_eq!(line::parse(line.as_bytes()), Ok(whole), "{line}");
-                            assert_eq!(name, interface.as_bytes());
+                            assert_eq!((name, length), (interface.as_bytes(), line.len() + 1));
                         }
                     }
                 }
             }
         }
-        // The shortest lines are left to the grammar; five stamps, three interfaces, six lengths, four identifiers (F00 is above 7FF).
-        assert_eq!(usual, 5 * (3 * 6 * 4 - 2));
+        // Five stamps, three interfaces, six lengths, four identifiers (F00 is above 7FF).
+        assert_eq!(usual, 5 * 3 * 6 * 4);
     }
 
     proptest! {
@@ -142,12 +160,15 @@ mod tests {
                 let place = place.index(line.len());
                 match how {
                     0 => line[place] = byte,
-                    1 => line[place] = b"0123456789abcdefABCDEF#. )(R"[usize::from(byte) % 28],
+                    1 => line[place] = b"0123456789abcdefABCDEF#. )(R\n"[usize::from(byte) % 29],
                     _ => line.truncate(place.max(1)),
                 }
             }
-            if let Some((interface, frame)) = parse(&line) {
-                prop_assert_eq!(line::parse(&line), Ok(Line::Frame { interface, frame }));
+            let text = [line.as_slice(), b"\n(1760000000.000584) can0 123#0011223344556677\n"].concat();
+            if let Some(Usual { interface, frame, length }) = parse(&text) {
+                let read = &text[..length - 1];
+                prop_assert!(text[length - 1] == b'\n' && !read.contains(&b'\n'));
+                prop_assert_eq!(line::parse(read), Ok(Line::Frame { interface, frame }));
             }
         }
     }

@@ -9,6 +9,17 @@ const FRAMES: u32 = 20;
 /// when the sensor is seen to move again, s.
 const DISTRUST_S: f64 = 0.1;
 
+/// What others are witnesses of: the turning of the car and of its wheels.
+const WATCHED: [Quantity; 7] = [
+    Quantity::WheelSpeedFl,
+    Quantity::WheelSpeedFr,
+    Quantity::WheelSpeedRl,
+    Quantity::WheelSpeedRr,
+    Quantity::YawRate,
+    Quantity::LateralAcceleration,
+    Quantity::SteeringWheelAngle,
+];
+
 /// A coarse sensor shows the very same value for long on a straight road, so a constant value alone
 /// says nothing: the witnesses must have moved far more than any sensor's step meanwhile.
 #[derive(Clone, Copy, Debug, Default)]
@@ -55,7 +66,7 @@ impl StuckCheck {
     /// The sensor that stands still, if one does.
     pub(super) fn reason(&self) -> Option<Contradiction> {
         let stuck = |quantity: &Quantity| self.watched[*quantity as usize].distrust_s > 0.0;
-        let quantity = Quantity::ALL.into_iter().find(stuck)?;
+        let quantity = WATCHED.into_iter().find(stuck)?;
         Some(Contradiction::Stuck { quantity, value: self.watched[quantity as usize].run.value })
     }
 
@@ -68,7 +79,7 @@ impl StuckCheck {
         let mut faults = Faults::empty();
         let speeds = sample.wheel_speeds();
         let moving = wheels.speed.is_some_and(|speed| speed > SLOW);
-        for quantity in Quantity::ALL {
+        for quantity in WATCHED {
             let run = runs[quantity as usize];
             let watch = &mut self.watched[quantity as usize];
             if watch.run.since != run.since {

@@ -19,6 +19,7 @@ mod run;
 mod samples;
 mod simulate;
 mod tables;
+mod view;
 mod watched;
 
 use std::fmt;
@@ -126,6 +127,8 @@ enum Command {
     Convert(convert::Convert),
     /// Watch a bus or a recording in the terminal: inputs, estimates, faults, frame rates.
     Monitor(monitor::Monitor),
+    /// Watch a bus or a recording on a local web page with live plots.
+    View(view::View),
 }
 
 /// Parses the arguments and runs the subcommand. Diagnostics go to stderr, results to stdout.
@@ -145,6 +148,7 @@ pub fn main() -> ExitCode {
         Command::Check(command) => command.run(),
         Command::Convert(command) => command.run(),
         Command::Monitor(command) => command.run(),
+        Command::View(command) => command.run(),
     };
     if let Some(log) = log {
         log.flush();

@@ -54,7 +54,7 @@ function makePlots() {
   const has = (name) => meta.inputs.includes(name);
   const list = [
     new Plot({
-      title: "Friction between tires and road", height: 250, range: [0, 1.2], decimals: 2,
+      title: "Friction between tires and road", height: 250, range: [0, 1.2], step: 0.2, decimals: 2,
       note: "Shaded is what the friction may be. While little of it is used, nothing tells how much there is: only that it is at least what was used.",
       series: [
         { kind: "band", name: "available: this or any more", color: "muted", loose: true, band: friction(true) },

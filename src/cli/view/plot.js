@@ -5,7 +5,7 @@ const LEFT = 46;
 const RIGHT = 10;
 const TOP = 8;
 const AXIS = 24;
-const ROW = 18;
+const ROW = 32;
 // Between rows further apart than this there was nothing, s.
 const PAUSE = 1.0;
 
@@ -40,8 +40,9 @@ export function numberText(value, decimals) {
 
 export class Plot {
   // `series`: { kind: "line" | "band", name, color, ... }; `get` functions take a row.
-  constructor({ title, note, unit, height, range, least, decimals, series, spans }) {
-    Object.assign(this, { title, unit, range, least, decimals, series, spans });
+  // `range` and `step` fix the scale: what is outside is drawn at its end. `least`: the smallest span it shows.
+  constructor({ title, note, height, range, step, least, decimals, series, spans }) {
+    Object.assign(this, { range, step, least, decimals, series, spans });
     this.figure = document.createElement("figure");
     const heading = document.createElement("h2");
     heading.textContent = title;
@@ -97,8 +98,7 @@ export class Plot {
     const g = this.canvas.getContext("2d");
     g.setTransform(scale, 0, 0, scale, 0, 0);
     g.clearRect(0, 0, box.width, height);
-    const x0 = this.spans ? Math.min(170, box.width * 0.34) : LEFT;
-    const area = { left: x0, right: box.width - RIGHT, top: TOP, bottom: height - AXIS };
+    const area = { left: LEFT, right: box.width - RIGHT, top: TOP, bottom: height - AXIS };
     const x = (t) => area.left + ((t - from) / (to - from)) * (area.right - area.left);
     g.font = "12px system-ui, sans-serif";
     this.timeAxis(g, area, x, from, to);
@@ -141,11 +141,11 @@ export class Plot {
 
   // From where to where the values reach, rounded outwards.
   extent(rows, from, to) {
-    let [low, high] = this.range ?? [Infinity, -Infinity];
+    if (this.range) return { low: this.range[0], high: this.range[1], step: this.step };
+    let [low, high] = [Infinity, -Infinity];
     for (const row of rows) {
       if (row[0] < from || row[0] > to) continue;
       for (const item of this.series) {
-        if (item.kind === "band" && item.loose) continue;
         for (const value of item.kind === "band" ? item.band(row) ?? [] : [item.get(row)]) {
           if (value === null || !Number.isFinite(value)) continue;
           low = Math.min(low, value);
@@ -155,7 +155,7 @@ export class Plot {
     }
     if (!(low <= high)) [low, high] = [0, this.least ?? 1];
     const missing = (this.least ?? 0) - (high - low);
-    if (missing > 0 && !this.range) [low, high] = [low - missing / 2, high + missing / 2];
+    if (missing > 0) [low, high] = [low - missing / 2, high + missing / 2];
     const step = niceStep(Math.max(high - low, 1e-9) / 4);
     return { low: Math.floor(low / step + 1e-6) * step, high: Math.ceil(high / step - 1e-6) * step, step };
   }
@@ -182,10 +182,9 @@ export class Plot {
     g.beginPath();
     g.rect(area.left, 0, area.right - area.left, area.bottom + 1);
     g.clip();
-    for (const item of this.series) {
-      if (item.kind === "band") drawBand(g, seen, item, x, y, high);
-      else drawLine(g, seen, item, x, y);
-    }
+    // Lines over bands: no interval is to hide another one's value.
+    for (const item of this.series) if (item.kind === "band") drawBand(g, seen, item, x, y, high);
+    for (const item of this.series) if (item.kind === "line") drawLine(g, seen, item, x, y);
     g.restore();
   }
 
@@ -195,18 +194,18 @@ export class Plot {
     if (lanes.length === 0) {
       g.fillStyle = colors.muted;
       g.textAlign = "left";
-      g.fillText("none in this time", 0, area.top + ROW / 2);
+      g.fillText("none in this time", area.left, area.top + ROW / 2);
     }
     lanes.forEach((lane, place) => {
       const top = area.top + place * ROW;
       g.fillStyle = colors.ink;
       g.textAlign = "left";
-      g.fillText(lane.name, 0, top + ROW / 2, area.left - 8);
+      g.fillText(lane.name, area.left, top + 8);
       for (const [start, end, color] of lane.spans) {
         const [a, b] = [Math.max(start, from), Math.min(end, to)];
         if (b < a) continue;
         g.fillStyle = colors[color ?? lane.color];
-        g.fillRect(x(a), top + 3, Math.max(2, x(b) - x(a)), ROW - 6);
+        g.fillRect(x(a), top + 17, Math.max(2, x(b) - x(a)), 10);
       }
     });
   }

@@ -117,7 +117,10 @@ impl Watch {
             at.is_some_and(|at| self.now - at <= Self::FAULT_STAYS)
         };
         let mut faults: Faults = Faults::all().iter().filter(lately).collect();
-        faults.set(Faults::BUS_DOWN, self.link.is_some_and(|link| link != Link::Up));
+        // This one we see for ourselves, as long as it lasts.
+        if self.link.is_some_and(|link| link != Link::Up) {
+            faults |= Faults::BUS_DOWN;
+        }
         faults
     }
 

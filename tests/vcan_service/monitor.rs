@@ -26,7 +26,7 @@ fn what_a_running_gripd_publishes_is_shown_and_nothing_is_sent() {
     for words in [
         "gs_watch: up",
         "as a gripd on this bus publishes them",
-        "Published messages: checksums and counters right",
+        "Published messages: all frames sound",
         "State and faults: running",
     ] {
         assert!(text.contains(words), "no `{words}`");

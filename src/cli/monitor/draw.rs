@@ -112,16 +112,21 @@ fn column(frame: &mut Frame, teller: &Teller, area: Rect, sections: impl Fn(&Tel
     frame.render_widget(Paragraph::new(lines), area);
 }
 
-/// `── Friction ─────────── valid ─`
+/// `─ Friction ─────────── valid ─`
 fn heading(teller: &Teller, section: &Section, width: usize) -> Line<'static> {
     let mut spans = vec![
         teller.look.text(Tone::Quiet, "─ "),
-        teller.look.text(Tone::Title, section.title.clone()),
+        teller.look.text(Tone::Title, section.title),
         Span::raw(" "),
     ];
     let mark = section.mark.as_ref().map(|(tone, text)| teller.look.text(*tone, text.clone()));
-    let taken: usize = spans.iter().map(Span::width).sum();
+    let mut taken: usize = spans.iter().map(Span::width).sum();
     let end = mark.as_ref().map_or(0, |mark| mark.width() + 3);
+    let detail = teller.look.text(Tone::Quiet, section.detail);
+    if !section.detail.is_empty() && taken + detail.width() + 2 + end <= width {
+        taken += detail.width() + 1;
+        spans.extend([detail, Span::raw(" ")]);
+    }
     spans.push(teller.look.text(Tone::Quiet, "─".repeat(width.saturating_sub(taken + end))));
     if let Some(mark) = mark {
         spans.extend([Span::raw(" "), mark, teller.look.text(Tone::Quiet, " ─")]);

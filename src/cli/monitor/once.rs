@@ -85,9 +85,10 @@ pub fn text(teller: &Teller) -> String {
         teller.traffic(),
         teller.published(true),
     ];
-    for Section { title, mark, lines } in sections {
+    for Section { title, detail, mark, lines } in sections {
         let mark = mark.map_or(String::new(), |(_, mark)| format!(": {mark}"));
-        text += &format!("\n{title}{mark}\n");
+        let detail = if detail.is_empty() { String::new() } else { format!(" ({detail})") };
+        text += &format!("\n{title}{detail}{mark}\n");
         for line in &lines {
             text += "  ";
             text += &plain(line);

@@ -81,7 +81,10 @@ mod tests {
     fn after_a_panic_the_terminal_is_as_it_was() {
         let program = std::env::current_exe().unwrap();
         let falls = "cli::monitor::screen::tests::panics_with_the_screen_taken";
-        let line = format!("stty -g; {} --ignored --exact --nocapture {falls}; stty -g", program.display());
+        let line = format!(
+            "stty rows 24 cols 80; stty -g; {} --ignored --exact --nocapture {falls}; stty -g",
+            program.display()
+        );
         let output = Command::new("script").args(["-qec", &line, "/dev/null"]).stdin(Stdio::null()).output();
         let Ok(output) = output else { return println!("skipped: there is no script(1) here") };
         let text = String::from_utf8_lossy(&output.stdout).into_owned();

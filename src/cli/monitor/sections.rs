@@ -14,7 +14,9 @@ use crate::{Micros, Wheel};
 /// A heading and lines.
 pub struct Section {
     /// The heading.
-    pub title: String,
+    pub title: &'static str,
+    /// What more to say of it where there is room: a unit, above all.
+    pub detail: &'static str,
     /// A word on it, at its end.
     pub mark: Option<(Tone, String)>,
     /// The lines.
@@ -69,7 +71,7 @@ impl Teller<'_> {
             self.look.text(tone, scale.letters(self.width.saturating_sub(6))),
             self.look.text(Tone::Quiet, format!(" {}", Scale::END)),
         ]);
-        Section { title: "Friction".into(), mark, lines: vec![available, from, used, bar] }
+        Section { title: "Friction", detail: "95 % interval", mark, lines: vec![available, from, used, bar] }
     }
 
     /// Slip slopes of the driven wheels.
@@ -85,7 +87,7 @@ impl Teller<'_> {
             self.estimate(&wheel.name().to_uppercase(), value, round.slope_std, 1, tone, column)
         };
         let lines = self.driven.iter().map(line).collect();
-        Section { title: "Slip slope (95 %)".into(), mark, lines }
+        Section { title: "Slip slope", detail: "95 % interval", mark, lines }
     }
 
     /// Cornering stiffness of both axles.
@@ -98,7 +100,7 @@ impl Teller<'_> {
         };
         let axles = [("front", "cornering_front"), ("rear", "cornering_rear")];
         let lines = axles.into_iter().enumerate().map(line).collect();
-        Section { title: "Cornering stiffness, 1/rad (95 %)".into(), mark, lines }
+        Section { title: "Cornering stiffness", detail: "1/rad, 95 %", mark, lines }
     }
 
     /// Sideslip and speed.
@@ -119,7 +121,7 @@ impl Teller<'_> {
             line("sideslip", round.sideslip.to_degrees(), 2, "°", "sideslip", tone),
             line("speed", round.speed * 3.6, 1, "km/h", "speed", speed_tone),
         ];
-        Section { title: "Motion".into(), mark, lines }
+        Section { title: "Motion", detail: "", mark, lines }
     }
 
     /// State and faults in words.
@@ -146,20 +148,16 @@ impl Teller<'_> {
         if faults.is_empty() {
             lines.push(Line::from(self.look.text(Tone::Quiet, "no faults")));
         }
-        let percent = |share: f64| number(100.0 * share, 0);
         if round.excitation[0].is_finite() {
-            lines.push(Line::from(self.look.text(
-                Tone::Quiet,
-                format!(
-                    "excitation {} % along, {} % across; {} surface change{}",
-                    percent(round.excitation[0]),
-                    percent(round.excitation[1]),
-                    round.surface_changes,
-                    if round.surface_changes == 1 { "" } else { "s" }
-                ),
-            )));
+            let [long, lat] = round.excitation.map(|share| number(100.0 * share, 0));
+            for text in [
+                format!("excitation {long} % along, {lat} % across"),
+                format!("surface changes {}", round.surface_changes),
+            ] {
+                lines.push(Line::from(self.look.text(Tone::Quiet, text)));
+            }
         }
-        Section { title: "State and faults".into(), mark, lines }
+        Section { title: "State and faults", detail: "", mark, lines }
     }
 
     /// Every configured input.
@@ -192,7 +190,7 @@ impl Teller<'_> {
         };
         let rate = format!("{:.0} frames/s", self.watch.input_rate());
         let lines = self.watch.inputs().map(line).collect();
-        Section { title: "Inputs".into(), mark: Some((Tone::Quiet, rate)), lines }
+        Section { title: "Inputs", detail: "", mark: Some((Tone::Quiet, rate)), lines }
     }
 
     /// How often each needed identifier comes.
@@ -210,7 +208,7 @@ impl Teller<'_> {
             ])
         };
         let lines = self.watch.traffic().iter().map(line).collect();
-        Section { title: "Input messages".into(), mark: None, lines }
+        Section { title: "Input messages", detail: "", mark: None, lines }
     }
 
     /// The published messages: in one line, or each.
@@ -221,7 +219,7 @@ impl Teller<'_> {
             (Told::ByOwn, 0) => None,
             (Told::Never, _) => Some((Tone::Doubtful, "none so far".to_owned())),
             (Told::Silent, _) => Some((Tone::Bad, "stale".to_owned())),
-            (_, 0) => Some((Tone::Good, "checksums and counters right".to_owned())),
+            (_, 0) => Some((Tone::Good, "all frames sound".to_owned())),
             _ => Some((Tone::Bad, format!("errors: CRC {crc}, counter {counter}, shape {shape}"))),
         };
         let title = match self.watch.told() {
@@ -258,7 +256,7 @@ impl Teller<'_> {
                 self.look.text(Tone::Plain, format!("{} of {messages} come, {each:.0}/s each", fresh.len())),
             )]
         };
-        Section { title: title.into(), mark, lines }
+        Section { title, detail: "", mark, lines }
     }
 
     /// What stands above everything: where from, whose estimates, and what is wrong with that.
@@ -273,7 +271,7 @@ impl Teller<'_> {
             Told::ByBus => (Tone::Plain, "estimates as a gripd on this bus publishes them"),
             Told::Silent => (Tone::Bad, "the gripd on this bus has fallen silent: what is shown is old"),
             Told::Never => {
-                (Tone::Doubtful, "no gripd publishes on this bus (e: estimate here, sending nothing)")
+                (Tone::Doubtful, "no gripd publishes on this bus (e: estimate here; nothing is sent)")
             }
             Told::ByOwn => (Tone::Plain, "estimates made here, from the inputs; nothing is sent"),
         };
@@ -282,9 +280,10 @@ impl Teller<'_> {
             self.look.text(Tone::Plain, self.name.to_owned()),
             self.look.text(link.0, link.1),
         ];
-        if let Some(silence) = self.watch.silence().filter(|silence| *silence > Micros(1_000_000)) {
-            first.push(self.look.text(Tone::Bad, format!("  nothing comes since {}", age_words(silence))));
-        } else if self.watch.silence().is_some() {
+        let is_up = !matches!(self.watch.link(), Some(Link::Down | Link::Gone));
+        if let Some(silence) = self.watch.silence().filter(|silence| is_up && *silence > Micros(1_000_000)) {
+            first.push(self.look.text(Tone::Bad, format!("  nothing has come for {}", age_words(silence))));
+        } else if is_up && self.watch.silence().is_some() {
             first.push(self.look.text(Tone::Quiet, format!("  {}", clock(self.watch.now()))));
         }
         if self.watch.dropped() > 0 {

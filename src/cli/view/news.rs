@@ -58,9 +58,8 @@ fn push_number(text: &mut String, value: f32) {
     let _ = write!(text, "{value:.5}");
     let digits = text.trim_end_matches('0').trim_end_matches('.').len();
     text.truncate(digits.max(start + 1));
-    if text.get(start..) == Some("-") {
-        text.truncate(start);
-        text.push('0');
+    if text.get(start..) == Some("-0") {
+        text.remove(start);
     }
 }
 

@@ -174,3 +174,46 @@ impl Body for Answer {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::hub::News;
+    use super::*;
+
+    fn tell(hub: &Hub, row: usize) {
+        hub.tell(News { rows: format!("[{row}]"), count: 1, anew: false, now: "{}".into() });
+    }
+
+    #[test]
+    fn a_browser_that_was_asleep_is_told_everything_anew() {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        runtime.block_on(async {
+            let hub = Arc::new(Hub::new("{}".into()));
+            let Answer::Events(mut events) = Answer::events(Arc::clone(&hub)) else { panic!() };
+            let mut next = async || String::from_utf8(events.recv().await.unwrap().to_vec()).unwrap();
+            assert!(next().await.starts_with("retry: "));
+            tell(&hub, 0);
+            assert!(next().await.contains("event: hello\ndata: {\"meta\":{},\"rows\":[[0]]"));
+            tell(&hub, 1);
+            assert!(next().await.contains("\"rows\":[[1]]"));
+            for row in 2..200 {
+                tell(&hub, row);
+                tokio::task::yield_now().await;
+            }
+            // Those that were on their way, then all of it; and from there on what is new.
+            let mut caught_up = String::new();
+            for _ in 0..5 {
+                caught_up = next().await;
+                if caught_up.starts_with("event: hello") {
+                    break;
+                }
+            }
+            assert!(
+                caught_up.contains("\"rows\":[[0],[1],[2],") && caught_up.contains(",[199]]"),
+                "{caught_up}"
+            );
+            tell(&hub, 200);
+            assert!(next().await.contains("\"rows\":[[200]]"));
+        });
+    }
+}

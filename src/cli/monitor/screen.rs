@@ -88,9 +88,9 @@ mod tests {
         let output = Command::new("script").args(["-qec", &line, "/dev/null"]).stdin(Stdio::null()).output();
         let Ok(output) = output else { return println!("skipped: there is no script(1) here") };
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
-        assert!(text.contains("about to fall") && text.contains("fallen on purpose"), "{text}");
+        assert!(text.contains("tottering") && text.contains("fallen on purpose"), "{text}");
         let (picture, after) = text.split_once("\x1b[?1049l").unwrap();
-        assert!(picture.contains("\x1b[?1049h") && picture.contains("about to fall"), "{text}");
+        assert!(picture.contains("\x1b[?1049h") && picture.contains("tottering"), "{text}");
         assert!(after.contains("fallen on purpose"), "what it says must be seen afterwards: {text}");
         assert!(after.contains("\x1b[?25h"), "the cursor stays hidden: {text}");
         let settings: Vec<&str> =
@@ -103,7 +103,7 @@ mod tests {
     #[ignore = "is a part of the test above, and panics"]
     fn panics_with_the_screen_taken() {
         let mut screen = Screen::take().unwrap();
-        screen.terminal.draw(|frame| frame.render_widget("about to fall", frame.area())).unwrap();
+        screen.terminal.draw(|frame| frame.render_widget("tottering", frame.area())).unwrap();
         panic!("fallen on purpose");
     }
 }

@@ -220,7 +220,7 @@ impl Teller<'_> {
             (Told::Never, _) => Some((Tone::Doubtful, "none so far".to_owned())),
             (Told::Silent, _) => Some((Tone::Bad, "stale".to_owned())),
             (_, 0) => Some((Tone::Good, "all frames sound".to_owned())),
-            _ => Some((Tone::Bad, format!("errors: CRC {crc}, counter {counter}, shape {shape}"))),
+            _ => Some((Tone::Bad, format!("errors: crc {crc} ctr {counter} shape {shape}"))),
         };
         let title = match self.watch.told() {
             Told::ByOwn => "What gripd would publish",

@@ -30,6 +30,7 @@ pub mod sample;
 pub mod service;
 pub mod signals;
 pub mod time;
+pub mod watch;
 
 pub use config::Config;
 pub use estimates::Estimates;

@@ -4,7 +4,6 @@ mod drive;
 mod findings;
 mod link;
 mod page;
-mod published;
 mod recorder;
 mod terminal;
 
@@ -77,7 +76,7 @@ impl Demo {
         let log =
             self.log.as_ref().map(|path| Writer::create(path, shown)).transpose().map_err(Failure::work)?;
         let show = if self.all { Show::Frames } else { Show::Seconds };
-        let mut recorder = Recorder::new(output, show, shown);
+        let mut recorder = Recorder::new(engine.publisher().incoming(&output), show, shown);
         let ran = run(engine, drive, interface, log, &mut recorder)?;
         let (rows, published) = recorder
             .finish()

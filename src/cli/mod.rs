@@ -8,6 +8,7 @@ mod demo_car;
 mod explain;
 mod identify;
 mod log;
+mod monitor;
 mod output;
 mod player;
 mod progress;
@@ -18,6 +19,8 @@ mod run;
 mod samples;
 mod simulate;
 mod tables;
+mod view;
+mod watched;
 
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
@@ -122,6 +125,10 @@ enum Command {
     Check(check::Check),
     /// Turn a recording of any format into a candump log.
     Convert(convert::Convert),
+    /// Watch a bus or a recording in the terminal: inputs, estimates, faults, frame rates.
+    Monitor(monitor::Monitor),
+    /// Watch a bus or a recording on a local web page with live plots.
+    View(view::View),
 }
 
 /// Parses the arguments and runs the subcommand. Diagnostics go to stderr, results to stdout.
@@ -140,6 +147,8 @@ pub fn main() -> ExitCode {
         Command::Calibrate(command) => command.run(),
         Command::Check(command) => command.run(),
         Command::Convert(command) => command.run(),
+        Command::Monitor(command) => command.run(),
+        Command::View(command) => command.run(),
     };
     if let Some(log) = log {
         log.flush();
@@ -188,8 +197,8 @@ fn set_up_logging(arguments: &Arguments) -> Option<Log> {
     match (thread.clone(), journal) {
         (Some(thread), true) => log.with_writer(thread).without_time().init(),
         (Some(thread), false) => log.with_writer(thread).init(),
-        (None, true) => log.with_writer(io::stderr).without_time().init(),
-        (None, false) => log.with_writer(io::stderr).init(),
+        (None, true) => log.with_writer(monitor::stderr).without_time().init(),
+        (None, false) => log.with_writer(monitor::stderr).init(),
     }
     thread
 }

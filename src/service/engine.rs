@@ -253,6 +253,11 @@ impl Engine {
         self.sampler.counts().get(fault) + self.reported.get(fault)
     }
 
+    /// The publisher, for those who read what it sends.
+    pub fn publisher(&self) -> &Publisher {
+        &self.publisher
+    }
+
     /// The sampler, for its fault counts.
     pub fn sampler(&self) -> &Sampler {
         &self.sampler

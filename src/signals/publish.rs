@@ -7,11 +7,13 @@
 
 mod config;
 mod fields;
+mod incoming;
 mod slot;
 
 use thiserror::Error;
 
 pub use config::{ExplicitId, IdConfig, PublishConfig};
+pub use incoming::{Incoming, Refused};
 
 use self::fields::{MESSAGES, MessageFields, Needs, Source};
 use self::slot::Slot;

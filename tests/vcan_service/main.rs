@@ -17,6 +17,7 @@ mod lifecycle;
 mod links;
 mod live_soak;
 mod metrics;
+mod monitor;
 mod process;
 mod reload;
 #[path = "../support/setting.rs"]

@@ -2,12 +2,12 @@
 
 use std::io::{self, BufWriter, Stdout, Write};
 
-use super::published::Round;
 use super::terminal;
 use crate::can::Frame;
 use crate::can::candump;
-use crate::dbc::Database;
 use crate::service::Sink;
+use crate::signals::publish::Incoming;
+use crate::watch::Round;
 use crate::{Estimates, Sample};
 
 /// What is written to the standard output.
@@ -29,7 +29,8 @@ pub struct Row {
 
 /// The observer of the demo.
 pub struct Recorder {
-    database: Database,
+    /// How its frames are read.
+    messages: Vec<Incoming>,
     show: Show,
     interface: String,
     output: BufWriter<Stdout>,
@@ -43,10 +44,10 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Reads frames with the output DBC.
-    pub fn new(database: Database, show: Show, interface: &str) -> Self {
+    /// Reads frames as these messages say.
+    pub fn new(messages: Vec<Incoming>, show: Show, interface: &str) -> Self {
         Self {
-            database,
+            messages,
             show,
             interface: interface.into(),
             output: BufWriter::new(io::stdout()),
@@ -109,8 +110,9 @@ impl Sink for Recorder {
             let bicycle = self.latest.lateral_velocities.bicycle.unwrap_or(f64::NAN);
             self.rows.push(Row { round: Round::at(time), bicycle });
         }
-        if let Some(row) = self.rows.last_mut() {
-            row.round.read(frame, &self.database);
+        let message = self.messages.iter().find(|message| message.id() == frame.id);
+        if let (Some(row), Some(message)) = (self.rows.last_mut(), message) {
+            row.round.read(message, frame);
         }
         if self.show == Show::Frames {
             let mut line = std::mem::take(&mut self.line);

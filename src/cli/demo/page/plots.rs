@@ -240,8 +240,8 @@ impl Story<'_> {
         let plot = self
             .plot("Excitation as published", "%", 0.0..120.0)
             .height(170)
-            .line("longitudinal", Color::First, self.published(|row| row.round.excitation[0]))
-            .line("lateral", Color::Second, self.published(|row| row.round.excitation[1]));
+            .line("longitudinal", Color::First, self.published(|row| 100.0 * row.round.excitation[0]))
+            .line("lateral", Color::Second, self.published(|row| 100.0 * row.round.excitation[1]));
         page.plot("Excitation: how well the forces tell the stiffness", &plot, "")?;
         let most = self.truth.iter().fold(0.1, |most: f64, row| most.max(row.steering_wheel_angle.abs()));
         let top = 1.4 * most.to_degrees();

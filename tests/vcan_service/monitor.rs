@@ -1,0 +1,60 @@
+//! Watching a bus on which gripd runs.
+
+use super::*;
+
+/// `gripd monitor --once`: its exit code, and what it printed.
+fn monitor(interface: &str, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut command = Command::new(gripd());
+    let car = demo_car();
+    command.args(["-q", "monitor", "-i", interface, "-c"]).arg(car).args(arguments);
+    let output = command.output().unwrap();
+    (output.status.code(), String::from_utf8(output.stdout).unwrap())
+}
+
+/// GIVEN a bus with a car WHEN it is watched with and without a gripd on it THEN the words are about what is there, and
+/// nothing is sent.
+#[test]
+fn what_a_running_gripd_publishes_is_shown_and_nothing_is_sent() {
+    let Some(interface) = Interface::new("gs_watch") else { return };
+    let recorder = Recorder::start(interface.0);
+    let gripd = Gripd::start(&demo_car(), interface.0);
+    let traffic = Traffic::start(interface.0, frames(simulated_drive()));
+    recorder.wait_for_more(300, "a second of published frames");
+    let (code, text) = monitor(interface.0, &["--once=2"]);
+    println!("{text}");
+    assert_eq!(code, Some(0));
+    for words in [
+        "gs_watch: up",
+        "as a gripd on this bus publishes them",
+        "Published messages: all frames sound",
+        "State and faults: running",
+    ] {
+        assert!(text.contains(words), "no `{words}`");
+    }
+    // Every message comes, and none was damaged or lost.
+    let messages: Vec<&str> = text.lines().filter(|line| line.trim_start().starts_with("GRIP_")).collect();
+    assert_eq!(messages.len(), 6);
+    assert!(
+        messages.iter().all(|line| line.contains("crc 0 ctr 0") && !line.contains("stale")),
+        "{messages:?}"
+    );
+
+    // Without it: said so; and estimated here if that is wanted, for nobody else to see.
+    let tally = gripd.end(SIGTERM);
+    let (code, text) = monitor(interface.0, &["--once=1"]);
+    assert!(code == Some(0) && text.contains("no gripd publishes on this bus"), "{text}");
+    let (code, text) = monitor(interface.0, &["--once=2", "--estimate"]);
+    assert!(code == Some(0) && text.contains("nothing is sent") && text.contains("running"), "{text}");
+    drop(traffic);
+    let of_the_car = |frame: &Frame| (0x1A0..=0x1D0).contains(&frame.id.number());
+    let all = recorder.frames();
+    assert_eq!(all.iter().filter(|frame| is_published(frame)).count(), tally.published);
+    assert!(all.iter().all(|frame| is_published(frame) || of_the_car(frame) || frame.id.number() == 0x7FF));
+
+    // A bus that is down, and one that is not there.
+    interface.set("down");
+    let (code, text) = monitor(interface.0, &["--once=1"]);
+    assert!(code == Some(1) && text.contains("the interface is down"), "{text}");
+    let (code, text) = monitor("gs_nowhere", &["--once=1"]);
+    assert!(code == Some(1) && text.contains("there is no such interface"), "{text}");
+}

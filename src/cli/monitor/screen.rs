@@ -94,7 +94,7 @@ mod tests {
         assert!(after.contains("fallen on purpose"), "what it says must be seen afterwards: {text}");
         assert!(after.contains("\x1b[?25h"), "the cursor stays hidden: {text}");
         let settings: Vec<&str> =
-            text.lines().filter(|line| line.matches(':').count() > 10).map(str::trim).collect();
+            text.lines().filter(|line| line.matches(':').count() > 25).map(str::trim).collect();
         assert_eq!(settings.len(), 2, "{text}");
         assert_eq!(settings[0], settings[1]);
     }

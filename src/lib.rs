@@ -25,6 +25,7 @@ pub mod filter;
 pub mod identify;
 pub mod model;
 pub mod new_file;
+pub mod propose;
 pub mod report;
 pub mod sample;
 pub mod service;

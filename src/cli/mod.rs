@@ -8,6 +8,7 @@ mod demo_car;
 mod explain;
 mod identify;
 mod log;
+mod map;
 mod output;
 mod player;
 mod progress;
@@ -120,6 +121,8 @@ enum Command {
     Calibrate(calibrate::Calibrate),
     /// Check a configuration, and on recordings the measurement chain.
     Check(check::Check),
+    /// Propose a configuration's signals for an unknown car, from its DBC and a recorded drive.
+    Map(map::Map),
     /// Turn a recording of any format into a candump log.
     Convert(convert::Convert),
 }
@@ -139,6 +142,7 @@ pub fn main() -> ExitCode {
         Command::Reproduce(command) => command.run(),
         Command::Calibrate(command) => command.run(),
         Command::Check(command) => command.run(),
+        Command::Map(command) => command.run(),
         Command::Convert(command) => command.run(),
     };
     if let Some(log) = log {

@@ -2,12 +2,14 @@
 
 mod calibrate;
 mod check;
+mod completions;
 mod convert;
 mod demo;
 mod demo_car;
 mod explain;
 mod identify;
 mod log;
+mod man;
 mod map;
 mod output;
 mod player;
@@ -125,6 +127,10 @@ enum Command {
     Map(map::Map),
     /// Turn a recording of any format into a candump log.
     Convert(convert::Convert),
+    /// Write what a shell needs to complete the arguments.
+    Completions(completions::Completions),
+    /// Write manual pages.
+    Man(man::Pages),
 }
 
 /// Parses the arguments and runs the subcommand. Diagnostics go to stderr, results to stdout.
@@ -144,6 +150,8 @@ pub fn main() -> ExitCode {
         Command::Check(command) => command.run(),
         Command::Map(command) => command.run(),
         Command::Convert(command) => command.run(),
+        Command::Completions(command) => command.run(),
+        Command::Man(command) => command.run(),
     };
     if let Some(log) = log {
         log.flush();

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Every test, with all the set-up they need: first those that need no CAN, then those on a real
 # vcan0 (natively where the kernel has one, else in a small virtual machine), then the systemd unit
-# (where this machine has systemd). tests/bench_replay.sh, which measures, is not among them.
+# (where this machine has systemd).
 set -eu
 cd "$(dirname "$0")/.."
 tests/setup.sh

@@ -135,9 +135,11 @@ impl Codec {
     }
 }
 
-/// Two to the `exponent`, at most 64.
-fn power_of_two(exponent: u32) -> f64 {
-    (1_u128 << exponent.min(64)) as f64
+/// Two to the `exponent`, which is 64 or less.
+const fn power_of_two(exponent: u32) -> f64 {
+    const BIAS: u64 = 1023;
+    const MANTISSA: u32 = f64::MANTISSA_DIGITS - 1;
+    f64::from_bits((BIAS + exponent as u64) << MANTISSA)
 }
 
 #[cfg(test)]

@@ -25,10 +25,13 @@ const LIKELY: f64 = 0.5;
 /// On either side of the interval there is this share of the weight, or less.
 const TAIL: f64 = 0.025;
 
-/// A weight for each friction, the largest of them 1.
+/// A weight for each friction; that of the likeliest is 1 when something was learned, and less as it is forgotten.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Belief {
     weight: [f64; CELLS],
+    /// The sum of the weights, and the largest.
+    sum: f64,
+    most: f64,
 }
 
 /// What a use of friction says.
@@ -44,69 +47,70 @@ pub enum Use {
 
 impl Belief {
     /// Any friction is as likely as any other.
-    pub const UNKNOWN: Self = Self { weight: [1.0; CELLS] };
+    pub const UNKNOWN: Self = Self { weight: [1.0; CELLS], sum: CELLS as f64, most: 1.0 };
 
     /// In this time the road became another one with this probability.
     pub fn forget(&mut self, probability: f64) {
-        let all: f64 = self.weight.iter().sum();
-        let share = probability * all / CELLS as f64;
+        // The mean goes to the mean: what all have on average stays.
+        let (kept, share) = (1.0 - probability, probability * self.sum / CELLS as f64);
         for weight in &mut self.weight {
-            *weight += share - probability * *weight;
+            *weight = kept * *weight + share;
         }
+        self.most = kept * self.most + share;
     }
 
-    /// Each friction keeps at most the weight that the evidence leaves it; what was ruled out, if asked for, goes
-    /// evenly, as far as the evidence allows, to where there is `room` for it. True if the evidence contradicted
-    /// what was believed.
-    fn learn(&mut self, possible: impl Fn(f64) -> f64, room: Option<&dyn Fn(f64) -> bool>) -> bool {
+    /// Each friction keeps at most the weight that the evidence leaves it. True if the evidence contradicted what
+    /// was believed.
+    fn learn(&mut self, possible: impl Fn(f64) -> f64) -> bool {
         let evidence: [f64; CELLS] = std::array::from_fn(|cell| possible(middle(cell)));
-        let (mut ruled_out, mut most) = (0.0, 0.0f64);
         let mut left = self.weight;
         for (weight, possible) in left.iter_mut().zip(evidence) {
-            ruled_out += (*weight - possible).max(0.0);
             *weight = weight.min(possible);
-            most = most.max(*weight);
         }
-        if most < CONTRADICTED {
-            self.weight = evidence;
-            self.normalize();
-            return true;
-        }
-        if let Some(is_room) = room {
-            let evidence: [f64; CELLS] =
-                std::array::from_fn(|cell| if is_room(middle(cell)) { evidence[cell] } else { 0.0 });
-            let share = ruled_out / evidence.iter().sum::<f64>().max(1.0);
-            for (weight, possible) in left.iter_mut().zip(evidence) {
-                *weight += share * possible;
-            }
-        }
-        self.weight = left;
+        let is_contradicted = largest(&left) < CONTRADICTED;
+        self.weight = if is_contradicted { evidence } else { left };
         self.normalize();
-        false
+        is_contradicted
     }
 
     /// Makes the largest weight 1.
     fn normalize(&mut self) {
-        let most = self.weight.iter().copied().fold(1e-9, f64::max);
+        let factor = 1.0 / largest(&self.weight).max(1e-9);
         for weight in &mut self.weight {
-            *weight /= most;
+            *weight *= factor;
         }
+        (self.sum, self.most) = (total(&self.weight), 1.0);
     }
 
-    /// At least this much is in use, give or take half a cell. What is ruled out below that goes between it and
-    /// what was known to be there: if the road got worse since, what is in use now may be all of it.
+    /// At least this much is in use, give or take half a cell. What is ruled out below that goes evenly between it
+    /// and what was known to be there: if the road got worse since, what is in use now may be all of it.
     pub fn learn_used(&mut self, used: f64) -> Use {
         // More than any road has is all of it.
         let used = used.min(middle(CELLS - 1));
-        let known = self.interval().0;
-        let possible = |mu: f64| ((mu - used) / CELL + 0.5).clamp(0.0, 1.0);
-        if self.learn(possible, Some(&|mu| known < used + CELL || mu < known)) {
-            Use::Another
-        } else if used > known {
-            Use::More
-        } else {
-            Use::Known
+        let known = self.low();
+        // The first cell of which a part is possible.
+        let place = ((used - LOWEST) / CELL).max(0.0);
+        let first = place as usize;
+        let part = 1.0 - place.fract();
+        let ruled_out = total(&self.weight[..first]) + (self.weight[first] - part).max(0.0);
+        self.weight[..first].fill(0.0);
+        self.weight[first] = self.weight[first].min(part);
+        if largest(&self.weight[first..]) < CONTRADICTED {
+            self.weight[first..].fill(1.0);
+            self.weight[first] = part;
+            self.normalize();
+            return Use::Another;
         }
+        let end = if known < used + CELL { CELLS } else { cells_below(known) };
+        if let Some((at_first, further)) = self.weight[first..end.max(first)].split_first_mut() {
+            let share = ruled_out / (part + further.len() as f64).max(1.0);
+            *at_first += share * part;
+            for weight in further {
+                *weight += share;
+            }
+        }
+        self.normalize();
+        if used > known { Use::More } else { Use::Known }
     }
 
     /// This was measured, with standard deviations downwards and upwards. True if it contradicted what was believed.
@@ -118,51 +122,103 @@ impl Belief {
             let std = if other < mu { down } else { up };
             (-0.5 * ((other - mu) / std).powi(2)).exp()
         };
-        self.learn(possible, None)
+        self.learn(possible)
     }
 
     /// It is between these, give or take. True if that contradicted what was believed.
     pub fn learn_between(&mut self, (low, high): (f64, f64), std: f64) -> bool {
         let possible = |mu: f64| (-0.5 * ((low - mu).max(mu - high).max(0.0) / std).powi(2)).exp();
-        self.learn(possible, None)
+        self.learn(possible)
     }
 
     /// How likely the friction is at most this.
     pub fn at_most(&self, mu: f64) -> f64 {
-        let (mut below, mut all) = (0.0, 0.0);
-        for (cell, weight) in self.weight.into_iter().enumerate() {
+        let mut below = 0.0;
+        for (cell, weight) in self.weight.iter().enumerate() {
             below += weight * ((mu - middle(cell)) / CELL + 0.5).clamp(0.0, 1.0);
-            all += weight;
         }
-        below / all
+        below / self.sum
     }
 
-    /// Mean and variance of something that depends on the friction; `of` says its weight beside the belief's, and
-    /// its value. `None` if nothing has weight.
-    pub fn expect(&self, of: impl Fn(f64) -> (f64, f64)) -> Option<(f64, f64)> {
-        let (mut sum, mut first, mut second) = (0.0, 0.0, 0.0);
-        for (cell, believed) in self.weight.into_iter().enumerate() {
-            let (weight, value) = of(middle(cell));
+    /// Means and variances of what depends on the friction; `of` says its weight beside the belief's, and the values.
+    /// `None` if nothing has weight.
+    pub fn expect<const K: usize>(&self, of: impl Fn(f64) -> (f64, [f64; K])) -> Option<[(f64, f64); K]> {
+        let (mut sum, mut first, mut second) = (0.0, [0.0; K], [0.0; K]);
+        for (cell, believed) in self.weight.iter().enumerate() {
+            let (weight, values) = of(middle(cell));
             let weight = weight * believed;
             sum += weight;
-            first += weight * value;
-            second += weight * value * value;
+            for k in 0..K {
+                first[k] += weight * values[k];
+                second[k] += weight * values[k] * values[k];
+            }
         }
-        (sum > 1e-6).then(|| (first / sum, (second / sum - (first / sum).powi(2)).max(0.0)))
+        let moments = |k: usize| {
+            let mean = first[k] / sum;
+            (mean, (second[k] / sum - mean * mean).max(0.0))
+        };
+        (sum > 1e-6).then(|| std::array::from_fn(moments))
     }
 
     /// The 95 % interval.
     pub fn interval(&self) -> (f64, f64) {
-        let (mut sum, mut most) = (0.0, 0.0f64);
-        for weight in self.weight {
-            sum += weight;
-            most = most.max(weight);
-        }
-        let (tail, likely) = (TAIL * sum, LIKELY * most);
-        let low = LOWEST + CELL * end(self.weight.into_iter(), tail, likely);
-        let high = HIGHEST - CELL * end(self.weight.into_iter().rev(), tail, likely);
-        (low, high)
+        let last = self.weight.iter().rposition(|weight| *weight >= self.likely());
+        let high = last.map_or(0.0, |cell| {
+            let (inside, beyond) = self.weight.split_at(cell + 1);
+            self.end(inside[cell], beyond, beyond.iter().rev())
+        });
+        (self.low(), HIGHEST - CELL * high)
     }
+
+    /// Its lower end.
+    fn low(&self) -> f64 {
+        let first = self.weight.iter().position(|weight| *weight >= self.likely());
+        let low = first.map_or(0.0, |cell| {
+            let (beyond, inside) = self.weight.split_at(cell);
+            self.end(inside[0], beyond, beyond.iter())
+        });
+        LOWEST + CELL * low
+    }
+
+    fn likely(&self) -> f64 {
+        LIKELY * self.most
+    }
+
+    /// How many cells from the outermost one the interval begins: at the first likely weight, or before that, where
+    /// more than a tail's weight is `beyond` it (`inwards`: from the outermost cell on).
+    fn end<'a>(
+        &self,
+        weight: f64,
+        beyond: &[f64],
+        inwards: impl DoubleEndedIterator<Item = &'a f64> + Clone,
+    ) -> f64 {
+        let tail = TAIL * self.sum;
+        let cell = beyond.len() as f64;
+        // Weights go in straight lines from the middle of one cell to that of the next.
+        let before = inwards.clone().next_back().copied().unwrap_or(0.0);
+        let by_likelihood = cell - 0.5 + (self.likely() - before) / (weight - before);
+        let sum = total(beyond);
+        let by_weight = if sum + weight <= tail {
+            f64::INFINITY
+        } else if sum <= tail {
+            cell + (tail - sum) / weight
+        } else {
+            filled(inwards, tail)
+        };
+        by_weight.min(by_likelihood).max(0.0)
+    }
+}
+
+/// After how many of these weights there is as much as this.
+fn filled<'a>(weights: impl Iterator<Item = &'a f64>, enough: f64) -> f64 {
+    let mut sum = 0.0;
+    for (cell, weight) in weights.enumerate() {
+        if sum + weight > enough {
+            return cell as f64 + (enough - sum) / weight;
+        }
+        sum += weight;
+    }
+    f64::INFINITY
 }
 
 /// The friction in the middle of a cell.
@@ -170,23 +226,36 @@ fn middle(cell: usize) -> f64 {
     LOWEST + CELL * (cell as f64 + 0.5)
 }
 
-/// How many cells from the first one the interval begins: where weights become likely, or before that, where more
-/// than a tail's weight is before it.
-fn end(weights: impl Iterator<Item = f64>, tail: f64, likely: f64) -> f64 {
-    let (mut sum, mut before, mut by_weight) = (0.0, 0.0, f64::INFINITY);
-    for (cell, weight) in weights.enumerate() {
-        let cell = cell as f64;
-        if sum <= tail && sum + weight > tail {
-            by_weight = cell + (tail - sum) / weight;
+/// Cells whose middles are below this friction.
+fn cells_below(mu: f64) -> usize {
+    (((mu - LOWEST) / CELL - 0.5).ceil().max(0.0) as usize).min(CELLS)
+}
+
+/// Numbers taken side by side: one after the other each would wait for the one before.
+const ABREAST: usize = 8;
+
+/// Their sum.
+fn total(weights: &[f64]) -> f64 {
+    let (rows, rest) = weights.as_chunks::<ABREAST>();
+    let mut sums = [0.0; ABREAST];
+    for row in rows {
+        for (sum, weight) in sums.iter_mut().zip(row) {
+            *sum += weight;
         }
-        if weight >= likely {
-            // Weights go in straight lines from the middle of one cell to that of the next.
-            let by_likelihood = cell - 0.5 + (likely - before) / (weight - before);
-            return by_weight.min(by_likelihood).max(0.0);
-        }
-        (sum, before) = (sum + weight, weight);
     }
-    0.0
+    sums.iter().chain(rest).sum()
+}
+
+/// The largest of them, zero or more.
+fn largest(weights: &[f64]) -> f64 {
+    let (rows, rest) = weights.as_chunks::<ABREAST>();
+    let mut most = [0.0; ABREAST];
+    for row in rows {
+        for (most, weight) in most.iter_mut().zip(row) {
+            *most = if weight > most { *weight } else { *most };
+        }
+    }
+    most.iter().chain(rest).fold(0.0, |most, weight| f64::max(most, *weight))
 }
 
 #[cfg(test)]

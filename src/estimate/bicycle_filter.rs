@@ -1,10 +1,10 @@
 //! Method 3 of thesis 5.2.2: a Kalman filter on the bicycle model, its stiffnesses given.
 
-use nalgebra::{Matrix2, Vector2, vector};
+use nalgebra::{Matrix2, Vector2};
 
 use super::Car;
 use crate::filter::Gaussian;
-use crate::filter::discretize::zero_order_hold;
+use crate::filter::discretize::zero_order_hold_plane;
 use crate::model::Bicycle;
 use crate::{Quantity, Sensors};
 
@@ -43,12 +43,12 @@ impl BicycleFilter {
     pub fn step(&mut self, speed: f64, r: f64, ay: f64, angle: f64, elapsed_s: f64) -> f64 {
         let state = self.state.get_or_insert_with(|| Gaussian::new([self.model.b * r, r], Self::INITIAL_STD));
         let (dynamics, input) = self.model.dynamics(speed);
-        let (transition, integral) = zero_order_hold(&dynamics, elapsed_s);
+        let (transition, integral) = zero_order_hold_plane(&dynamics, elapsed_s);
         let noise = Vector2::from(Self::PROCESS_NOISE).map(|q| q * q * elapsed_s);
         state.predict(&transition, &Matrix2::from_diagonal(&noise));
         state.mean += integral * input * angle;
         let residual = r - state.mean[1];
-        state.update(&vector![0.0, 1.0], residual, self.yaw_noise * self.yaw_noise);
+        state.update_component(1, residual, self.yaw_noise * self.yaw_noise);
         let (h, d) = self.model.lateral_acceleration(speed);
         let residual = ay - h.dot(&state.mean) - d * angle;
         state.update(&h, residual, self.acceleration_noise * self.acceleration_noise);

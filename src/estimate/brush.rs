@@ -30,6 +30,8 @@ pub struct BrushEstimator {
     above: f64,
     /// Seconds since the last point of the curve.
     age_s: f64,
+    /// What it says of the friction; worked out when the curve changes, not at each sample.
+    told: Option<BrushFriction>,
 }
 
 /// What the regression says of the friction.
@@ -75,6 +77,7 @@ impl BrushEstimator {
             raised: None,
             above: 0.0,
             age_s: f64::INFINITY,
+            told: None,
         };
         estimator.start();
         estimator
@@ -121,11 +124,11 @@ impl BrushEstimator {
     pub fn step(&mut self, slip: f64, slip_std: f64, mu: f64, mu_std: f64, elapsed_s: f64) {
         // (8.5), noise of the force allowed for.
         if self.config.calibrate
-            && let Some(friction) = self.friction()
+            && let Some(friction) = self.told
             && mu.abs() - mu_std > friction.mu
         {
             self.calibrate(mu.abs(), mu_std.hypot(friction.std));
-            self.raised = self.friction().map(|friction| friction.std);
+            self.raised = self.told.map(|friction| friction.std);
         }
         let theta = self.theta();
         self.walk(&theta, elapsed_s);
@@ -135,6 +138,7 @@ impl BrushEstimator {
         if !self.filter.is_sound() || self.theta()[0].is_nan() || self.theta()[0] <= 0.0 {
             self.start();
         }
+        self.told = self.curve_friction();
     }
 
     fn walk(&mut self, theta: &Vector3<f64>, elapsed_s: f64) {
@@ -171,7 +175,7 @@ impl BrushEstimator {
         }
         self.informed = true;
         self.age_s = 0.0;
-        if let Some((raised, friction)) = self.raised.zip(self.friction())
+        if let Some((raised, friction)) = self.raised.zip(self.curve_friction())
             && friction.std < Self::TELLS_MORE * raised
         {
             self.raised = None;
@@ -202,6 +206,7 @@ impl BrushEstimator {
             self.filter.mean = calibrated;
             self.filter.covariance = jacobian * covariance * jacobian.transpose();
         }
+        self.told = self.curve_friction();
     }
 
     /// The surface changed: slope and curvature may be anything near.
@@ -216,10 +221,15 @@ impl BrushEstimator {
             }
         }
         self.cusum.reset();
+        self.told = self.curve_friction();
     }
 
     /// The friction, once measured; `None` if the regression's curvature is no friction's.
     pub fn friction(&self) -> Option<BrushFriction> {
+        self.told.map(|told| BrushFriction { age_s: self.age_s, ..told })
+    }
+
+    fn curve_friction(&self) -> Option<BrushFriction> {
         let theta = self.theta();
         if !self.informed || theta.min() <= 0.0 {
             return None;

@@ -88,6 +88,8 @@ pub struct CorneringEstimator {
     limit: Option<LateralLimit>,
     yaw_acceleration: YawAcceleration,
     minimum_speed: f64,
+    /// What no data take away of a stiffness's deviation, relative.
+    systematic_std: [f64; 2],
     standstill: Standstill,
     /// For how long the car has been fast enough, s.
     driving_s: f64,
@@ -211,6 +213,7 @@ impl CorneringEstimator {
             limit: None,
             yaw_acceleration: YawAcceleration::default(),
             minimum_speed,
+            systematic_std: car.cornering_scale_std.map(|std| Self::MODEL_STD.hypot(std)),
             standstill: Standstill::default(),
             driving_s: 0.0,
             surprise: 0,
@@ -296,18 +299,14 @@ impl CorneringEstimator {
         [FRONT, REAR].map(|i| {
             let compliance = self.state.mean[i];
             let relative = self.state.std(i) / compliance;
-            let relative = relative.hypot(self.systematic_std(i));
+            let systematic = self.systematic_std[i - FRONT];
+            let relative = (relative * relative + systematic * systematic).sqrt();
             (self.informed && relative < Self::UNKNOWN).then(|| Estimate {
                 value: 1.0 / compliance,
                 std: relative / compliance,
                 age_s: self.age_s,
             })
         })
-    }
-
-    /// What no data take away of a stiffness's deviation, relative.
-    fn systematic_std(&self, axle: usize) -> f64 {
-        Self::MODEL_STD.hypot(self.car.cornering_scale_std[axle - FRONT])
     }
 
     /// Offsets of the sensors, with the same age as the motion's information.
@@ -323,11 +322,11 @@ impl CorneringEstimator {
         }
     }
 
-    /// Both stiffnesses are known well, and lately, and the filter agrees with itself.
-    pub fn is_valid(&self) -> bool {
+    /// Both of these stiffnesses, which are its own, are known well, and lately, and the filter agrees with itself.
+    pub fn are_valid(&self, stiffness: &[Option<Estimate>; 2]) -> bool {
         let config = &self.config;
         self.is_consistent()
-            && self.stiffness().iter().all(|stiffness| {
+            && stiffness.iter().all(|stiffness| {
                 stiffness.is_some_and(|c| {
                     c.std <= config.valid_relative_std * c.value && c.age_s <= config.valid_age_s
                 })
@@ -370,10 +369,8 @@ impl CorneringEstimator {
     /// Standing still, the yaw rate sensor shows its offset.
     fn watch_standstill(&mut self, now: &Kinematics) {
         if let Some((yaw_rate, samples)) = self.standstill.step(now) {
-            let mut h = Row::zeros();
-            h[YAW_OFFSET] = 1.0;
             let variance = Self::REPEATED * self.noise.yaw_rate.powi(2) / samples;
-            self.state.update(&h, yaw_rate - self.state.mean[YAW_OFFSET], variance);
+            self.state.update_component(YAW_OFFSET, yaw_rate - self.state.mean[YAW_OFFSET], variance);
         }
     }
 

@@ -17,10 +17,10 @@
 //! 4 of 5). What tells σ₀, and a μ that is not used, are transients in which z builds up.
 //! `mu_dahl` is therefore published as a column for comparison, and never as mu_max.
 
-use nalgebra::{SMatrix, SVector, vector};
+use nalgebra::{Matrix3, SMatrix, SVector, vector};
 
 use super::{Car, Kinematics};
-use crate::filter::discretize::zero_order_hold;
+use crate::filter::discretize::{zero_order_hold, zero_order_hold_space};
 use crate::filter::{Gaussian, Observability};
 use crate::model::{DrivenAxle, GRAVITY};
 use crate::{Quantity, Sensors, Wheel};
@@ -213,9 +213,7 @@ impl DahlEkf {
         }
         self.predict(torque, elapsed_s);
         for (state, measured, noise) in [(V, speed, self.noise[0]), (OMEGA, omega, self.noise[1])] {
-            let mut h = State::zeros();
-            h[state] = 1.0;
-            self.filter.update(&h, measured - self.filter.mean[state], noise);
+            self.filter.update_component(state, measured - self.filter.mean[state], noise);
         }
         for (state, (low, high)) in [SIGMA, MU].into_iter().zip(Self::LIMITS) {
             self.filter.mean[state] = self.filter.mean[state].clamp(low, high);
@@ -225,8 +223,23 @@ impl DahlEkf {
     /// Discretized linearization (2.17–2.22): linearized at the mean, then stepped exactly.
     fn predict(&mut self, torque: f64, elapsed_s: f64) {
         let x = self.filter.mean;
-        let (transition, integral) = zero_order_hold(&self.wheel.jacobian(&x), elapsed_s);
-        self.filter.mean = x + integral * self.wheel.rate(&x, torque);
+        let jacobian = self.wheel.jacobian(&x);
+        // In metres z is some thousand times smaller than what it acts on; in this unit it is of one size with ω,
+        // and the exponential needs fewer doublings.
+        let unit = (self.wheel.inertia / (self.wheel.load * x[SIGMA])).sqrt();
+        let mut motion = jacobian.fixed_view::<3, 3>(0, 0).into_owned();
+        scale(&mut motion, 1.0 / unit);
+        let (mut turned, mut integral) = zero_order_hold_space(&motion, elapsed_s);
+        scale(&mut turned, unit);
+        scale(&mut integral, unit);
+        // σ₀ and μ stay: they only act on the motion, as inputs that are held do.
+        let mut transition = Jacobian::identity();
+        transition.fixed_view_mut::<3, 3>(0, 0).copy_from(&turned);
+        transition.fixed_view_mut::<3, 2>(0, 3).copy_from(&(integral * jacobian.fixed_view::<3, 2>(0, 3)));
+        let moved = integral * self.wheel.rate(&x, torque).fixed_rows::<3>(0);
+        for (mean, moved) in self.filter.mean.iter_mut().zip(&moved) {
+            *mean += moved;
+        }
         let noise = SVector::from(Self::WALK).map(|walk| walk * walk * elapsed_s);
         self.filter.predict_covariance(&transition, &Jacobian::from_diagonal(&noise));
     }
@@ -239,6 +252,14 @@ impl DahlEkf {
     /// σ₀ of (8.7d), stiffness / load, 1/m.
     pub fn stiffness(&self) -> Option<f64> {
         self.started.then(|| self.filter.mean[SIGMA]).filter(|sigma| sigma.is_finite())
+    }
+}
+
+/// The first of three states in a unit that is smaller by this factor.
+fn scale(matrix: &mut Matrix3<f64>, factor: f64) {
+    for i in 1..3 {
+        matrix[(0, i)] *= factor;
+        matrix[(i, 0)] /= factor;
     }
 }
 

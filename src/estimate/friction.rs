@@ -171,7 +171,7 @@ impl FrictionMonitor {
         for (value, target) in smoothed.iter_mut().zip(target) {
             *value += weight * (target - *value);
         }
-        Some(smoothed[0].hypot(smoothed[1]))
+        Some((smoothed[0] * smoothed[0] + smoothed[1] * smoothed[1]).sqrt())
     }
 
     fn learn_used(&mut self, used: f64) {

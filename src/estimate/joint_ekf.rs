@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3, matrix, vector};
 use super::{Car, Cornering, JointEkfConfig, Kinematics};
 use crate::estimates::Estimate;
 use crate::filter::Gaussian;
-use crate::filter::discretize::zero_order_hold;
+use crate::filter::discretize::zero_order_hold_plane;
 use crate::model::{Bicycle, GRAVITY};
 use crate::{Quantity, Sensors};
 
@@ -68,7 +68,7 @@ impl JointEkf {
         }
         self.predict(speed, angle, now.elapsed_s);
         let residual = r - self.state.mean[1];
-        self.state.update(&vector![0.0, 1.0, 0.0], residual, self.yaw_variance);
+        self.state.update_component(1, residual, self.yaw_variance);
         let (predicted, h) = self.lateral_acceleration(speed, angle);
         self.state.update(&h, ay - predicted, self.acceleration_variance);
         self.state.mean[2] = self.state.mean[2].clamp(Self::SLOPE_LIMITS.0, Self::SLOPE_LIMITS.1);
@@ -107,20 +107,20 @@ impl JointEkf {
     /// Discretized linearization (thesis 2.17–2.22).
     fn predict(&mut self, speed: f64, angle: f64, elapsed_s: f64) {
         let stiffness = self.state.mean[2];
-        let bicycle = self.bicycle(stiffness);
-        let (dynamics, input) = bicycle.dynamics(speed);
-        let rates = dynamics * self.state.mean.fixed_rows::<2>(0) + input * angle;
-        // Every force is proportional to C_y: its derivative is the force per stiffness.
-        let (unit_dynamics, unit_input) = self.bicycle(1.0).dynamics(speed);
+        let (dynamics, input) = self.bicycle(stiffness).dynamics(speed);
         let motion = vector![self.state.mean[0], self.state.mean[1]];
+        let rates = dynamics * motion + input * angle;
+        // Every force is proportional to C_y: its derivative is the force per stiffness.
         let inertial = vector![-speed * motion[1], 0.0];
-        let by_stiffness = unit_dynamics * motion + unit_input * angle - inertial;
-        let jacobian = matrix![
-            dynamics[(0, 0)], dynamics[(0, 1)], by_stiffness[0];
-            dynamics[(1, 0)], dynamics[(1, 1)], by_stiffness[1];
-            0.0, 0.0, 0.0];
-        let (transition, integral) = zero_order_hold(&jacobian, elapsed_s);
-        self.state.mean += integral * vector![rates[0], rates[1], 0.0];
+        // C_y stays: it only acts on the motion, as an input that is held does.
+        let (turned, integral) = zero_order_hold_plane(&dynamics, elapsed_s);
+        let by_stiffness = integral * (rates - inertial) / stiffness;
+        let transition = matrix![
+            turned.m11, turned.m12, by_stiffness[0];
+            turned.m21, turned.m22, by_stiffness[1];
+            0.0, 0.0, 1.0];
+        let moved = motion + integral * rates;
+        (self.state.mean[0], self.state.mean[1]) = (moved[0], moved[1]);
         let noise = Vector3::new(
             self.config.lateral_noise,
             self.config.yaw_noise,

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, vector};
 
 use crate::filter::Gaussian;
-use crate::filter::discretize::zero_order_hold;
+use crate::filter::discretize::zero_order_hold_plane;
 use crate::{Quantity, Sensors};
 
 /// Kinematic observer: x = (v_x, v_y), v̇_x = r v_y + a_x, v̇_y = −r v_x + a_y, and v_x measured.
@@ -42,12 +42,12 @@ impl KinematicObserver {
     pub fn step(&mut self, speed: f64, r: f64, acceleration: [f64; 2], elapsed_s: f64) -> f64 {
         let state = self.state.get_or_insert_with(|| Gaussian::new([speed, 0.0], Self::INITIAL_STD));
         // A rotation by r T: exact for any r, zero included.
-        let (transition, integral) = zero_order_hold(&Matrix2::new(0.0, r, -r, 0.0), elapsed_s);
+        let (transition, integral) = zero_order_hold_plane(&Matrix2::new(0.0, r, -r, 0.0), elapsed_s);
         let noise = self.acceleration_noise * elapsed_s;
         state.predict(&transition, &Matrix2::from_diagonal_element(noise * noise));
         state.mean += integral * vector![acceleration[0], acceleration[1]];
         let residual = speed - state.mean[0];
-        state.update(&vector![1.0, 0.0], residual, self.speed_noise * self.speed_noise);
+        state.update_component(0, residual, self.speed_noise * self.speed_noise);
         state.mean[1]
     }
 }

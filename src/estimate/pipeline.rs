@@ -182,8 +182,8 @@ impl Pipeline {
         self.slope.age(now.elapsed_s);
         self.roughness.age(now.elapsed_s);
         self.brush.age(now.elapsed_s);
-        let (offsets, slopes) = (self.slope.offsets(), self.slope.slopes());
-        self.saturation.step(now, &self.traction, &offsets, &slopes, &self.config.slope);
+        let (offsets, slopes) = (&self.latest.slip_offset, &self.latest.slope);
+        self.saturation.step(now, &self.traction, offsets, slopes, &self.config.slope);
         if let Some(block) = self.blocks.step(now) {
             self.block_acceleration = Some(block.acceleration);
             let points = self.traction.points(&block);
@@ -200,7 +200,7 @@ impl Pipeline {
         self.latest.roughness = self.roughness.estimate();
         self.latest.slope = self.slope.slopes();
         self.latest.slip_offset = self.slope.offsets();
-        self.latest.slope_valid = now.speed.is_some() && self.slope.is_valid();
+        self.latest.slope_valid = now.speed.is_some() && self.slope.are_valid(&self.latest.slope);
     }
 
     /// The brush regression on the mean of the driven wheels, where these agree: one that is braked on its own, or
@@ -255,7 +255,7 @@ impl Pipeline {
         self.latest.lateral_velocities = velocities;
         self.latest.cornering = self.cornering.stiffness();
         self.latest.offsets = self.cornering.offsets();
-        self.latest.cornering_valid = self.cornering.is_valid();
+        self.latest.cornering_valid = self.cornering.are_valid(&self.latest.cornering);
         self.latest.cornering_regression = self.lateral_slope.slopes();
         self.latest.cornering_ekf = self.joint_ekf.stiffness();
     }

@@ -119,7 +119,8 @@ impl SlopeEstimator {
     pub fn slopes(&self) -> [Option<Estimate>; 4] {
         self.wheels.each_ref().map(|wheel| {
             let slope = wheel.as_ref().and_then(WheelSlope::slope)?;
-            Some(Estimate { std: slope.std.hypot(self.force_scale_std * slope.value), ..slope })
+            let of_force = self.force_scale_std * slope.value;
+            Some(Estimate { std: (slope.std * slope.std + of_force * of_force).sqrt(), ..slope })
         })
     }
 
@@ -128,9 +129,8 @@ impl SlopeEstimator {
         self.wheels.each_ref().map(|wheel| wheel.as_ref().and_then(WheelSlope::offset))
     }
 
-    /// Every driven wheel's slope is known well, and lately.
-    pub fn is_valid(&self) -> bool {
-        let slopes = self.slopes();
+    /// Every driven wheel's slope, of these that it has ([`slopes`](Self::slopes)), is known well, and lately.
+    pub fn are_valid(&self, slopes: &[Option<Estimate>; 4]) -> bool {
         let mut driven = self.wheels.iter().zip(slopes).filter(|(wheel, _)| wheel.is_some()).peekable();
         driven.peek().is_some()
             && driven.all(|(_, slope)| {

@@ -1,6 +1,8 @@
 //! Exact zero-order-hold discretization (methods.md §6; thesis 2.3).
 
-use nalgebra::SMatrix;
+use nalgebra::{Matrix2, Matrix3, SMatrix};
+
+use super::small::times;
 
 /// Discretizes ẋ = A x + B u, u held over `step` seconds: gives F = exp(A T) and Γ = ∫ exp(A t) dt,
 /// so that x⁺ = F x + Γ B u; with a nonlinear f and A its Jacobian, x⁺ = x + Γ f(x).
@@ -11,30 +13,103 @@ pub fn zero_order_hold<const N: usize>(
     a: &SMatrix<f64, N, N>,
     step: f64,
 ) -> (SMatrix<f64, N, N>, SMatrix<f64, N, N>) {
+    let norm = (0..N).map(|i| a.row(i).iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
+    let (step, doublings) = halved(step, norm, 0.25);
     let scaled = a * step;
-    let doublings = doublings(&scaled);
-    let fraction = 0.5_f64.powi(doublings);
-    let (scaled, step) = (scaled * fraction, step * fraction);
     let mut term = SMatrix::<f64, N, N>::identity();
     let mut transition = term;
     let mut integral = term;
-    for k in 1..=10 {
-        term = term * scaled / f64::from(k);
+    for k in 1..=TERMS {
+        term = times(&term, &scaled) * (1.0 / k as f64);
         transition += term;
-        integral += term / f64::from(k + 1);
+        integral += term * (1.0 / (k + 1) as f64);
     }
     integral *= step;
     for _ in 0..doublings {
-        integral += transition * integral;
-        transition *= transition;
+        integral += times(&transition, &integral);
+        transition = times(&transition, &transition);
     }
     (transition, integral)
 }
 
-/// Halvings that bring the norm below 1/4, where ten terms of the series leave less than 1e-14.
-fn doublings<const N: usize>(a: &SMatrix<f64, N, N>) -> i32 {
-    let norm = (0..N).map(|i| a.row(i).iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
-    if norm > 0.25 { (norm / 0.25).log2().ceil().min(200.0) as i32 } else { 0 }
+/// The same for two states: by Cayley and Hamilton, every power of A is a multiple of A and one of the identity,
+/// and so are both results.
+pub fn zero_order_hold_plane(a: &Matrix2<f64>, step: f64) -> (Matrix2<f64>, Matrix2<f64>) {
+    let determinant = |a: &Matrix2<f64>| a.m11 * a.m22 - a.m12 * a.m21;
+    // No eigenvalue is larger, and the powers grow with these alone.
+    let half = 0.5 * a.trace().abs();
+    let (step, doublings) = halved(step, half + (half * half + determinant(a).abs()).sqrt(), 0.25);
+    let scaled = a * step;
+    let (trace, determinant) = (scaled.trace(), determinant(&scaled));
+    // Aᵏ/k!, F and Γ/T, each as its multiples of the identity and of A.
+    let mut term = [1.0, 0.0];
+    let (mut transition, mut integral) = (term, term);
+    for k in 1..=TERMS {
+        let share = 1.0 / k as f64;
+        term = [-determinant * term[1] * share, (term[0] + trace * term[1]) * share];
+        for i in 0..2 {
+            transition[i] += term[i];
+            integral[i] += term[i] * (1.0 / (k + 1) as f64);
+        }
+    }
+    let product = |a: [f64; 2], b: [f64; 2]| {
+        let square = a[1] * b[1];
+        [a[0] * b[0] - determinant * square, a[0] * b[1] + a[1] * b[0] + trace * square]
+    };
+    for _ in 0..doublings {
+        let further = product(transition, integral);
+        integral = [integral[0] + further[0], integral[1] + further[1]];
+        transition = product(transition, transition);
+    }
+    let matrix = |[identity, of_a]: [f64; 2]| scaled * of_a + Matrix2::identity() * identity;
+    (matrix(transition), matrix(integral) * step)
+}
+
+/// The same for three states, likewise: every power of A is made of A², A and the identity.
+pub fn zero_order_hold_space(a: &Matrix3<f64>, step: f64) -> (Matrix3<f64>, Matrix3<f64>) {
+    // Terms are cheap here, and doublings are not: below a norm of one, eighteen leave less than 1e-16.
+    const TERMS: usize = 18;
+    let norm = (0..3).map(|i| a[(i, 0)].abs() + a[(i, 1)].abs() + a[(i, 2)].abs()).fold(0.0, f64::max);
+    let (step, doublings) = halved(step, norm, 1.0);
+    let scaled = a * step;
+    let square = times(&scaled, &scaled);
+    let (trace, determinant) = (scaled.trace(), scaled.determinant());
+    let minors = 0.5 * (trace * trace - square.trace());
+    // Aᵏ/k!, F and Γ/T, each as its multiples of the identity, of A and of A².
+    let mut term = [1.0, 0.0, 0.0];
+    let (mut transition, mut integral) = (term, term);
+    for k in 1..=TERMS {
+        let share = 1.0 / k as f64;
+        let [of_identity, of_a, of_square] = term;
+        term = [determinant * of_square, of_identity - minors * of_square, of_a + trace * of_square]
+            .map(|factor| share * factor);
+        for i in 0..3 {
+            transition[i] += term[i];
+            integral[i] += term[i] * (1.0 / (k + 1) as f64);
+        }
+    }
+    let matrix = |[identity, of_a, of_square]: [f64; 3]| {
+        square * of_square + scaled * of_a + Matrix3::from_diagonal_element(identity)
+    };
+    let (mut transition, mut integral) = (matrix(transition), matrix(integral) * step);
+    for _ in 0..doublings {
+        integral += times(&transition, &integral);
+        transition = times(&transition, &transition);
+    }
+    (transition, integral)
+}
+
+/// Terms of the series: below a norm of 1/4 they leave less than 1e-14.
+const TERMS: usize = 10;
+
+/// The step halved until the norm of what happens in it is at most so much, and how often that was.
+fn halved(mut step: f64, norm: f64, most: f64) -> (f64, u32) {
+    let mut halvings = 0;
+    while norm * step.abs() > most && halvings < 200 {
+        step *= 0.5;
+        halvings += 1;
+    }
+    (step, halvings)
 }
 
 /// Matrix exponential of `a`.
@@ -71,6 +146,38 @@ mod tests {
         );
         assert!((augmented.fixed_view::<2, 2>(0, 0) - transition).norm() < 1e-13);
         assert!((augmented.fixed_view::<2, 2>(0, 2) - integral).norm() < 1e-13);
+    }
+
+    #[test]
+    fn two_states_have_a_way_of_their_own_to_the_same_results() {
+        let rotation = matrix![0.0, 0.8; -0.8, 0.0];
+        let stiff = matrix![-300.0, 20.0; 1.0, -0.01];
+        let shear = matrix![0.0, 1.0; 0.0, 0.0];
+        for a in [rotation, stiff, shear, Matrix2::zeros(), matrix![-5.0, -20.0; 3.0, -6.0]] {
+            for step in [1e-3, 0.01, 0.3] {
+                let (f, gamma) = zero_order_hold(&a, step);
+                let plane = zero_order_hold_plane(&a, step);
+                assert!(
+                    (f - plane.0).norm() < 1e-12 && (gamma - plane.1).norm() < 1e-12 * step,
+                    "{a} {step}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn and_so_have_three() {
+        let stiff = matrix![-30.0, -1.0, 0.3; 250.0, -0.2, 0.0; -90.0, 0.0, 0.0];
+        let jordan = matrix![0.0, 1.0, 0.0; 0.0, 0.0, 1.0; 0.0, 0.0, 0.0];
+        for a in [stiff, jordan, Matrix3::zeros(), matrix![-3.0, 1.0, 0.2; 0.5, -40.0, 7.0; 0.1, 0.0, -1.0]] {
+            for step in [1e-3, 0.01, 0.3] {
+                let (f, gamma) = zero_order_hold(&a, step);
+                let space = zero_order_hold_space(&a, step);
+                let size = f.norm().max(1.0);
+                assert!((f - space.0).norm() < 1e-12 * size, "{a} {step}");
+                assert!((gamma - space.1).norm() < 1e-12 * step * size, "{a} {step}");
+            }
+        }
     }
 
     #[test]

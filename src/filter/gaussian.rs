@@ -2,6 +2,8 @@
 
 use nalgebra::{SMatrix, SVector};
 
+use super::small::{dot, product};
+
 /// What a measurement said against the prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Innovation {
@@ -69,8 +71,17 @@ impl<const N: usize> Gaussian<N> {
 
     /// The covariance's part of a time update whose mean was propagated by a nonlinear model.
     pub fn predict_covariance(&mut self, transition: &SMatrix<f64, N, N>, noise: &SMatrix<f64, N, N>) {
-        self.covariance = transition * self.covariance * transition.transpose() + noise;
-        self.symmetrize();
+        let (f, q) = (&transition.data.0, &noise.data.0);
+        let fp = self.covariance.data.0.map(|column| product(f, &column));
+        for j in 0..N {
+            let mut column = q[j];
+            for (fp, f) in fp.iter().zip(f) {
+                for i in j..N {
+                    column[i] += fp[i] * f[j];
+                }
+            }
+            self.set_column(j, &column);
+        }
     }
 
     /// Adds to the variance of component `i`: the time update of a random walk.
@@ -81,26 +92,67 @@ impl<const N: usize> Gaussian<N> {
 
     /// What a measurement with sensitivity `h` and noise `variance` would be compared with.
     pub fn innovation(&self, h: &SVector<f64, N>, residual: f64, variance: f64) -> Innovation {
-        Innovation { residual, variance: h.dot(&(self.covariance * h)) + variance }
+        let ph = product(&self.covariance.data.0, &h.data.0[0]);
+        Innovation { residual, variance: h.dot(&ph.into()) + variance }
     }
 
     /// Measurement update with one scalar: `residual` = measured − predicted, `h` its sensitivity to
     /// the state, `variance` its noise. A measurement that is not finite, or one without noise and
     /// without uncertainty to reduce, changes nothing.
     pub fn update(&mut self, h: &SVector<f64, N>, residual: f64, variance: f64) -> Innovation {
-        let ph = self.covariance * h;
-        let innovation = Innovation { residual, variance: h.dot(&ph) + variance };
+        let h = h.data.0[0];
+        self.correct(residual, variance, |vector| dot(vector, &h), |matrix| product(matrix, &h))
+    }
+
+    /// The same where component `i` itself is measured.
+    #[inline]
+    pub fn update_component(&mut self, i: usize, residual: f64, variance: f64) -> Innovation {
+        self.correct(residual, variance, |vector| vector[i], |matrix| matrix[i])
+    }
+
+    /// The update; the sensitivity h is known by its products with a vector and with a symmetric matrix.
+    #[inline]
+    fn correct(
+        &mut self,
+        residual: f64,
+        variance: f64,
+        h_dot: impl Fn(&[f64; N]) -> f64,
+        times_h: impl Fn(&[[f64; N]; N]) -> [f64; N],
+    ) -> Innovation {
+        let ph = times_h(&self.covariance.data.0);
+        let innovation = Innovation { residual, variance: h_dot(&ph) + variance };
         if !(residual.is_finite() && innovation.variance.is_finite() && innovation.variance > 0.0) {
             return innovation;
         }
-        let gain = ph / innovation.variance;
-        self.mean += gain * residual;
+        let gain = ph.map(|ph| ph / innovation.variance);
+        for (mean, gain) in self.mean.iter_mut().zip(gain) {
+            *mean += gain * residual;
+        }
         // Joseph: (I − k hᵀ) P (I − k hᵀ)ᵀ + r k kᵀ, as two rank-one steps.
-        let left = self.covariance - gain * ph.transpose();
-        let left_h = left * h;
-        self.covariance = left - left_h * gain.transpose() + gain * gain.transpose() * variance;
-        self.symmetrize();
+        for j in 0..N {
+            let mut column = self.covariance.data.0[j];
+            for i in j..N {
+                column[i] -= gain[i] * ph[j];
+            }
+            self.set_column(j, &column);
+        }
+        let left_h = times_h(&self.covariance.data.0);
+        for j in 0..N {
+            let mut column = self.covariance.data.0[j];
+            for i in j..N {
+                column[i] += gain[j] * (variance * gain[i] - left_h[i]);
+            }
+            self.set_column(j, &column);
+        }
         innovation
+    }
+
+    /// Sets column `j` from its diagonal on, and the same row with it.
+    #[inline]
+    fn set_column(&mut self, j: usize, column: &[f64; N]) {
+        for i in j..N {
+            (self.covariance.data.0[j][i], self.covariance.data.0[i][j]) = (column[i], column[i]);
+        }
     }
 
     /// All numbers are finite and no variance is negative.
@@ -108,16 +160,6 @@ impl<const N: usize> Gaussian<N> {
         self.mean.iter().all(|x| x.is_finite())
             && self.covariance.iter().all(|x| x.is_finite())
             && (0..N).all(|i| self.covariance[(i, i)] >= 0.0)
-    }
-
-    fn symmetrize(&mut self) {
-        for i in 0..N {
-            for j in 0..i {
-                let mean = 0.5 * (self.covariance[(i, j)] + self.covariance[(j, i)]);
-                self.covariance[(i, j)] = mean;
-                self.covariance[(j, i)] = mean;
-            }
-        }
     }
 }
 

@@ -6,6 +6,7 @@ pub mod discretize;
 pub mod gaussian;
 pub mod noise;
 pub mod observability;
+mod small;
 pub mod student;
 pub mod whiteness;
 

@@ -12,6 +12,9 @@ const REQUIREMENTS: [&str; 2] = ["cantools==45.1.0", "autosar-e2e==1.0.0"];
 /// Those that write recordings and read tables.
 const PEERS: [&str; 3] = ["python-can==4.6.1", "asammdf==8.8.28", "polars==2.1.0"];
 
+/// Those that decode.
+const DECODERS: [&str; 2] = ["cantools==45.1.0", "opendbc==0.3.1"];
+
 /// A file or folder of the shared data; `None`, with a printed message, where it is not there.
 pub fn shared(path: &str) -> Option<PathBuf> {
     let root = std::env::var_os("GRIPD_SHARED")
@@ -38,6 +41,11 @@ pub fn python() -> Option<PathBuf> {
 /// Another one that has python-can with MF4, and polars.
 pub fn peers() -> Option<PathBuf> {
     environment("peers-venv", &PEERS)
+}
+
+/// Another one for comparing speeds.
+pub fn decoders() -> Option<PathBuf> {
+    environment("decoders-venv", &DECODERS)
 }
 
 fn environment(name: &str, requirements: &[&str]) -> Option<PathBuf> {

@@ -3,6 +3,7 @@
 //! Works on bytes, allocates nothing and looks at each byte about once: a recording is read at the
 //! speed of the disk.
 
+use super::usual;
 use crate::Micros;
 use crate::can::recording::Damage;
 use crate::can::wire::{ERROR, EXTENDED, REMOTE, fd_kind};
@@ -118,34 +119,10 @@ fn number(text: &[u8]) -> (i64, usize) {
     (value, count)
 }
 
-/// Eight decimal digits at once: neighbours become pairs, pairs fours, fours the number.
-#[inline]
-fn eight_digits(text: [u8; 8]) -> Option<i64> {
-    let digits = u64::from_le_bytes(text) ^ 0x3030_3030_3030_3030;
-    // A byte above 9 shows in its upper half, now or after adding 6.
-    if (digits | digits.wrapping_add(0x0606_0606_0606_0606)) & 0xF0F0_F0F0_F0F0_F0F0 != 0 {
-        return None;
-    }
-    let pairs = (digits * 10 + (digits >> 8)) & 0x00FF_00FF_00FF_00FF;
-    let fours = (pairs * 100 + (pairs >> 16)) & 0x0000_FFFF_0000_FFFF;
-    Some((fours as u32 as i64) * 10_000 + (fours >> 32) as i64)
-}
-
-/// The stamp of nearly every recording, `1760000000.000584)`: without its point it is a number of 16
-/// digits, and that is the time in microseconds.
-#[inline]
-fn usual_stamp(text: &[u8]) -> Option<(Micros, &[u8])> {
-    let (stamp, rest) = text.split_first_chunk::<18>()?;
-    let [a, b, c, d, e, f, g, h, i, j, b'.', k, l, m, n, o, p, b')'] = *stamp else { return None };
-    let high = eight_digits([a, b, c, d, e, f, g, h])?;
-    let low = eight_digits([i, j, k, l, m, n, o, p])?;
-    Some((Micros(high * 100_000_000 + low), rest))
-}
-
 /// `seconds.fraction)`, cut to whole microseconds as candump itself does; what follows it.
 #[inline]
 fn parse_stamp(text: &[u8]) -> Result<(Micros, &[u8]), Damage> {
-    usual_stamp(text).map_or_else(|| any_stamp(text), Ok)
+    usual::stamp(text).map_or_else(|| any_stamp(text), Ok)
 }
 
 /// Seconds and fraction of any length.

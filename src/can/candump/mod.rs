@@ -8,8 +8,10 @@
 //!
 //! The grammar is that of can-utils' `lib.h`; nothing here was taken from its code.
 
+mod digits;
 mod line;
 mod reader;
+mod usual;
 mod writer;
 
 pub use super::recording::{Compression, Damage, LogError, LogStats, SkippedLine};

@@ -1,11 +1,13 @@
 //! Reads a log of any size in constant memory.
 
 use std::fs::File;
-use std::io::{self, BufRead, Read};
+use std::io::{self, Read};
 use std::path::Path;
 
+use memchr::memchr;
+
 use super::line::{self, Line};
-use super::{Compression, Damage, LogError, LogStats};
+use super::{Compression, Damage, LogError, LogStats, usual};
 use crate::can::Frame;
 use crate::can::recording::{Content, LONGEST_LINE, unpack};
 
@@ -126,15 +128,18 @@ impl Reader {
         loop {
             let Some(text) = self.next_line()? else { return Ok(None) };
             self.stats.lines += 1;
-            match line::parse(&self.buffer[text.0..text.1]) {
+            let line = &self.buffer[text.0..text.1];
+            if let Some((interface, frame)) = usual::parse(line)
+                && follow(&mut self.interface, interface)
+            {
+                self.stats.frame(frame.time);
+                return Ok(Some(frame));
+            }
+            match line::parse(line) {
                 Ok(Line::Frame { interface, frame }) => {
-                    if interface != self.interface.as_bytes() {
-                        let Ok(name) = str::from_utf8(interface) else {
-                            self.stats.skipped(Damage::BadInterface);
-                            continue;
-                        };
-                        self.interface.clear();
-                        self.interface.push_str(name);
+                    if !follow(&mut self.interface, interface) {
+                        self.stats.skipped(Damage::BadInterface);
+                        continue;
                     }
                     self.stats.frame(frame.time);
                     return Ok(Some(frame));
@@ -150,7 +155,7 @@ impl Reader {
     /// Where the next line lies in the buffer (from, to); `None` at the end.
     fn next_line(&mut self) -> Result<Option<(usize, usize)>, LogError> {
         loop {
-            if let Some(newline) = find_newline(&self.buffer[self.searched..self.end]) {
+            if let Some(newline) = memchr(b'\n', &self.buffer[self.searched..self.end]) {
                 let line = (self.start, self.searched + newline);
                 self.start = line.1 + 1;
                 self.searched = self.start;
@@ -223,12 +228,14 @@ impl Reader {
     }
 }
 
-/// The standard library's `skip_until` is the platform's memchr, many times faster than a loop.
+/// Takes over the interface's name where it changed; `false` if it is no text.
 #[inline]
-fn find_newline(bytes: &[u8]) -> Option<usize> {
-    let mut rest = bytes;
-    match rest.skip_until(b'\n') {
-        Ok(count @ 1..) if bytes[count - 1] == b'\n' => Some(count - 1),
-        _ => None,
+fn follow(name: &mut String, interface: &[u8]) -> bool {
+    if name.as_bytes() == interface {
+        return true;
     }
+    let Ok(text) = str::from_utf8(interface) else { return false };
+    name.clear();
+    name.push_str(text);
+    true
 }

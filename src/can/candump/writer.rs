@@ -6,6 +6,7 @@ use std::path::Path;
 use flate2::write::GzEncoder;
 
 use super::LogError;
+use super::digits::{to_decimal, to_hexadecimal};
 use crate::Micros;
 use crate::can::wire::{ERROR, fd_flags};
 use crate::can::{Frame, FrameKind};
@@ -164,7 +165,11 @@ pub fn write_line(text: &mut Vec<u8>, interface: &str, frame: &Frame) {
         text.push(b'#');
         write_hex(text, u32::from(flags), 1);
     }
-    for &byte in frame.data() {
+    let (fours, rest) = frame.data().as_chunks::<4>();
+    for &bytes in fours {
+        text.extend_from_slice(&to_hexadecimal(bytes));
+    }
+    for &byte in rest {
         write_hex(text, u32::from(byte), 2);
     }
     text.push(b'\n');
@@ -185,18 +190,25 @@ fn write_stamp(text: &mut Vec<u8>, time: Micros) {
         text.push(b'-');
     }
     let micros = time.0.unsigned_abs();
-    let mut places = 6;
-    let mut scale = 1_000_000;
-    while micros / scale >= 10 {
-        scale *= 10;
-        places += 1;
+    let seconds = micros / 1_000_000;
+    let fraction = to_decimal((micros % 1_000_000) as u32);
+    if seconds < 100_000_000 {
+        let digits = to_decimal(seconds as u32);
+        let zeros = digits.iter().take(7).take_while(|digit| **digit == b'0').count();
+        text.extend_from_slice(&digits[zeros..]);
+    } else {
+        // A day of this century has ten digits; whatever there are above eight goes before them.
+        write_decimal(text, seconds / 100_000_000);
+        text.extend_from_slice(&to_decimal((seconds % 100_000_000) as u32));
     }
-    while scale > 0 {
-        text.push(b'0' + (micros / scale % 10) as u8);
-        if places == 6 {
-            text.push(b'.');
-        }
-        places -= 1;
-        scale /= 10;
+    text.push(b'.');
+    text.extend_from_slice(&fraction[2..]);
+}
+
+/// A number's digits.
+fn write_decimal(text: &mut Vec<u8>, number: u64) {
+    if number >= 10 {
+        write_decimal(text, number / 10);
     }
+    text.push(b'0' + (number % 10) as u8);
 }

@@ -25,7 +25,7 @@ impl CorneringEstimator {
         for (i, stiffness) in [FRONT, REAR].into_iter().zip(learned.cornering) {
             let Some(stiffness) = stiffness else { continue };
             // Half of what makes a stiffness valid has to be news.
-            let systematic = self.systematic_std(i);
+            let systematic = self.systematic_std[i - FRONT];
             let valid = self.config.valid_relative_std.powi(2) - systematic * systematic;
             let least = (2.0 * valid).max(0.0).sqrt();
             let relative = least.max(Self::APART.0.sqrt() * stiffness.std / stiffness.value);

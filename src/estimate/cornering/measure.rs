@@ -172,26 +172,16 @@ impl CorneringEstimator {
     /// How far the axle's curve is bent where so much friction is in use: mean and variance over the frictions
     /// believed. Drivers seldom use much of what there is.
     fn expected_bend(&self, used: f64, belief: &Belief) -> (f64, f64) {
-        let at = |mu: f64| {
+        let bends = belief.expect(|mu| {
             let share = used / mu;
             let [least, most] = self.tires.at(share.min(Self::MOST_BENT));
             // The tire's own shape counts as doubt.
             (if share < 1.0 { (1.0 - share).powi(4) } else { 0.0 }, [least, most - least])
-        };
-        let mean = belief.expect(|mu| {
-            let (weight, [least, _]) = at(mu);
-            (weight, least)
         });
-        let shape = belief.expect(|mu| {
-            let (weight, [_, spread]) = at(mu);
-            (weight, spread)
-        });
-        match (mean, shape) {
-            (Some((bend, variance)), Some((spread, _))) => {
-                (bend, variance + (Self::SHAPE_STD * spread).powi(2))
-            }
+        match bends {
+            Some([(bend, variance), (spread, _)]) => (bend, variance + (Self::SHAPE_STD * spread).powi(2)),
             // More is in use than was believed to be there.
-            _ => (2.0, 4.0),
+            None => (2.0, 4.0),
         }
     }
 

@@ -1,0 +1,118 @@
+//! Eight characters at once, read and written: a machine word is eight characters side by side.
+
+/// The same byte in all eight places.
+const fn all(byte: u8) -> u64 {
+    u64::from_le_bytes([byte; 8])
+}
+
+/// The highest bit of each byte.
+const TOP: u64 = all(0x80);
+
+/// The place of the first such character; 8 if there is none.
+#[inline]
+pub(super) fn first(text: [u8; 8], character: u8) -> usize {
+    // Where it stands there is a zero now, which borrows when one is taken off.
+    let others = u64::from_le_bytes(text) ^ all(character);
+    let zeros = others.wrapping_sub(all(1)) & !others & TOP;
+    zeros.trailing_zeros() as usize / 8
+}
+
+/// Eight decimal digits: neighbours become pairs, pairs fours, fours the number.
+#[inline]
+pub(super) fn decimal(text: [u8; 8]) -> Option<i64> {
+    let digits = u64::from_le_bytes(text) ^ all(b'0');
+    // A byte above 9 shows in its upper half, now or after adding 6.
+    if (digits | digits.wrapping_add(all(6))) & all(0xF0) != 0 {
+        return None;
+    }
+    let pairs = (digits * 10 + (digits >> 8)) & 0x00FF_00FF_00FF_00FF;
+    let fours = (pairs * 100 + (pairs >> 16)) & 0x0000_FFFF_0000_FFFF;
+    Some((fours as u32 as i64) * 10_000 + (fours >> 32) as i64)
+}
+
+/// Eight hexadecimal digits: four bytes, the first digit being the upper half of the first of them.
+#[inline]
+pub(super) fn hexadecimal(text: [u8; 8]) -> Option<[u8; 4]> {
+    let text = u64::from_le_bytes(text);
+    let ascii = text & !TOP;
+    // Of a digit 0 to 9, of a letter 1 to 6; everything else is more, or zero.
+    let (digit, letter) = (ascii ^ all(b'0'), (ascii | all(0x20)) ^ all(0x60));
+    let no_digit = digit + all(0x7F - 9);
+    let no_letter = (letter + all(0x7F - 6)) | !(letter + all(0x7F));
+    if (text | no_digit & no_letter) & TOP != 0 {
+        return None;
+    }
+    let halves = (ascii & all(0x0F)) + 9 * (ascii >> 6 & all(1));
+    let bytes = (halves << 4 | halves >> 8) & 0x00FF_00FF_00FF_00FF;
+    let twos = (bytes | bytes >> 8) & 0x0000_FFFF_0000_FFFF;
+    Some(((twos | twos >> 16) as u32).to_le_bytes())
+}
+
+/// The eight decimal digits of a number below 10⁸.
+#[inline]
+pub(super) fn to_decimal(number: u32) -> [u8; 8] {
+    let (upper, lower) = (u64::from(number / 10_000), u64::from(number % 10_000));
+    // Fours to pairs to digits, the first in the lowest place; 5243/2¹⁹ and 103/2¹⁰ are a hundredth and a tenth.
+    let fours = upper | lower << 32;
+    let hundreds = (fours * 5243 >> 19) & 0x0000_007F_0000_007F;
+    let pairs = hundreds | (fours - 100 * hundreds) << 16;
+    let tens = (pairs * 103 >> 10) & 0x000F_000F_000F_000F;
+    let digits = tens | (pairs - 10 * tens) << 8;
+    (digits | all(b'0')).to_le_bytes()
+}
+
+/// Four bytes as eight hexadecimal digits, upper case.
+#[inline]
+pub(super) fn to_hexadecimal(bytes: [u8; 4]) -> [u8; 8] {
+    let bytes = u64::from(u32::from_le_bytes(bytes));
+    let twos = (bytes | bytes << 16) & 0x0000_FFFF_0000_FFFF;
+    let bytes = (twos | twos << 8) & 0x00FF_00FF_00FF_00FF;
+    let halves = (bytes >> 4 | bytes << 8) & all(0x0F);
+    // From 10 on letters, which lie 7 further.
+    let letters = (halves + all(0x7F - 9) & TOP) >> 7;
+    (halves + all(b'0') + 7 * letters).to_le_bytes()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_of_a_character_is_found() {
+        for (text, place) in [(*b"abc.ef.h", 3), (*b"abcdefg.", 7), (*b"........", 0), (*b"abcd/-fg", 8)] {
+            assert_eq!(first(text, b'.'), place);
+        }
+    }
+
+    #[test]
+    fn decimal_digits_there_and_back() {
+        let numbers = (0..100_000_000).step_by(9_973).chain([0, 9, 99_999_999, 10_000, 9_999]);
+        for number in numbers {
+            let text = to_decimal(number);
+            assert_eq!(text, format!("{number:08}").as_bytes(), "{number}");
+            assert_eq!(decimal(text), Some(i64::from(number)));
+        }
+    }
+
+    #[test]
+    fn hexadecimal_digits_there_and_back() {
+        for number in (0..=u32::MAX).step_by(65_521).chain([0, 0x9A09_AF90, u32::MAX]) {
+            let text = to_hexadecimal(number.to_be_bytes());
+            assert_eq!(text, format!("{number:08X}").as_bytes(), "{number}");
+            assert_eq!(hexadecimal(text), Some(number.to_be_bytes()));
+            assert_eq!(hexadecimal(text.map(|digit| digit.to_ascii_lowercase())), Some(number.to_be_bytes()));
+        }
+    }
+
+    #[test]
+    fn every_other_character_is_refused_in_every_place() {
+        for byte in 0..=u8::MAX {
+            for place in 0..8 {
+                let mut text = *b"12345678";
+                text[place] = byte;
+                assert_eq!(decimal(text).is_some(), byte.is_ascii_digit(), "{byte} at {place}");
+                assert_eq!(hexadecimal(text).is_some(), byte.is_ascii_hexdigit(), "{byte} at {place}");
+            }
+        }
+    }
+}

@@ -27,7 +27,10 @@ pub fn propose(database: &Database, drive: Option<&Drive>) -> Proposal {
             choices.0.push(chooser.choice(quantity, picked));
         }
     }
-    let (mut quantities, notes) = choices;
+    let (mut quantities, mut notes) = choices;
+    if chooser.driven_in_vain() {
+        notes.push("no wheels turn in the recordings: is it the right bus, and the right car's file?".into());
+    }
     quantities.sort_by_key(|choice| choice.quantity);
     if let Some(drive) = drive {
         let proposed = quantities.iter_mut().filter(|choice| choice.confidence > Confidence::NotFound);
@@ -138,13 +141,18 @@ impl Chooser<'_> {
             (_, true, Some(_)) if told && !axles_known => Confidence::Unsure,
             (_, true, Some(_)) if told => Confidence::Sure,
             (_, true, Some(_)) => Confidence::Likely,
-            (_, true, None) if wheels.score >= ENOUGH => Confidence::Likely,
+            (_, true, None) if wheels.score >= ENOUGH && !self.driven_in_vain() => Confidence::Likely,
             (_, false, Some(_)) if told && axles_known => Confidence::Likely,
             (_, false, _) if !told => Confidence::NotFound,
             _ => Confidence::Unsure,
         };
         let mapping = Some(mapped);
         Choice { confidence, mapping, names: wheels.score, why: why.join("; "), ..nothing(quantity) }
+    }
+
+    /// There are recordings, and no wheels that turn in them.
+    fn driven_in_vain(&self) -> bool {
+        self.drive.is_some() && self.motion.is_none()
     }
 
     /// Takes the yaw rate from its sensor from now on.
@@ -254,7 +262,8 @@ impl Chooser<'_> {
                 Confidence::Likely
             }
             (true, _) => Confidence::Unsure,
-            (false, names) if names >= 0.8 => Confidence::Likely,
+            // Where nothing behaves like wheels, it may be another car's file.
+            (false, names) if names >= 0.8 && !self.driven_in_vain() => Confidence::Likely,
             (false, names) if names >= ENOUGH => Confidence::Unsure,
             _ => {
                 words.push("the name alone is too weak".into());

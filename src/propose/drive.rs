@@ -221,7 +221,10 @@ impl Drive {
     /// The message's counter, if it counts by one: its parts, and at how much it starts over.
     pub(super) fn counter(&self, database: &Database, message: usize) -> Option<(&[Place], u64)> {
         let counter = self.by_id.get(&database.messages().get(message)?.id)?.counter.as_ref()?;
-        let counts = counter.turns >= 3 && counter.steps >= 50 && counter.other * 20 < counter.steps;
+        let counts = counter.most > 0
+            && counter.turns >= 3
+            && counter.steps >= 50
+            && counter.other * 20 < counter.steps;
         counts.then_some((counter.places.as_slice(), counter.most + 1))
     }
 }

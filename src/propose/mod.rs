@@ -5,7 +5,7 @@
 //! frames ─Drive─► series ─Motion─► evidence ──┴─► Proposal ─► [signals]
 //! ```
 //!
-//! Names are judged by words ([`Vocabulary`](self)), recordings by what a car must obey: four wheels that agree
+//! Names are judged by their words, recordings by what a car must obey: four wheels that agree
 //! while driving straight on; outer wheels faster by track × yaw rate; lateral acceleration = speed × yaw rate;
 //! steering angle in proportion to curvature; longitudinal acceleration = change of speed. Signs come from the same
 //! relations. What is left and what is right no relation tells, since a mirrored car obeys them all: that comes

@@ -283,3 +283,25 @@ fn the_zoe_and_the_car_on_the_proving_ground_are_mapped() {
         assert!(live(&ground, absent).is_none(), "{absent}");
     }
 }
+
+#[test]
+fn another_cars_file_is_not_believed() {
+    let (Some(files), Some(recordings)) = (support::shared("dbc"), support::shared("recordings")) else {
+        return;
+    };
+    let log = recordings.join("rav4/bus0.log.gz");
+    for file in ["vw_mqb", "vw_pq", "hyundai_2015_ccan", "ford_lincoln_base_pt", "tesla_model3_party"] {
+        let proposal = of_files(&files.join(format!("{file}.dbc")), std::slice::from_ref(&log));
+        tell(&proposal);
+        for choice in &proposal.quantities {
+            assert!(
+                choice.confidence <= Confidence::Unsure,
+                "{file}: {} {:?}",
+                choice.quantity,
+                choice.mapping
+            );
+        }
+        assert!(!proposal.missing().is_empty(), "{file}");
+        assert_eq!(proposal.notes.len(), 1, "{file}: {:?}", proposal.notes);
+    }
+}

@@ -1,6 +1,6 @@
 //! How long each stage takes, and all of them together, on a simulated bus of 900 frames per second
 //! of which half are not needed. One element is a frame, a sample or a published round; so at
-//! `5.0 Melem/s` each takes 200 ns. What `gripd replay` does with a file: tests/bench_replay.sh.
+//! `5.0 Melem/s` each takes 200 ns. Beside other tools: peers.rs.
 
 #![allow(missing_docs, reason = "the macros of criterion make functions without")]
 #![allow(clippy::unwrap_used, reason = "a benchmark that cannot be set up may fail loudly")]

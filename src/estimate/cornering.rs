@@ -102,6 +102,8 @@ pub struct CorneringEstimator {
     /// Seconds since the last sample that could be used at all, and whether there was one.
     idle_s: f64,
     seen: bool,
+    /// For how long the car has been driving, or may have, with sensors that told nothing of it, s.
+    blind_s: f64,
     motion: Option<LateralMotion>,
     /// The stiffnesses when they were last known well. The surface may have changed since.
     settled: [Option<Known>; 2],
@@ -188,6 +190,10 @@ impl CorneringEstimator {
     /// By so much (rad) no tire has confirmed that the sideslip changed since the last window: that is a spin, or a
     /// sensor that lies.
     const UNSEEN: f64 = 0.05;
+    /// Driven blindly for so long (s), the surface may have become another one, and the stiffnesses be off by that
+    /// share of themselves.
+    const BLIND_S: f64 = 2.0;
+    const BLIND_STD: f64 = 0.2;
     /// Lateral velocity of which nothing is known yet, m/s.
     const UNKNOWN_VY: f64 = 0.5;
 
@@ -222,6 +228,7 @@ impl CorneringEstimator {
             informed: false,
             idle_s: 0.0,
             seen: false,
+            blind_s: 0.0,
             motion: None,
             settled: [None; 2],
             trial: None,
@@ -260,11 +267,14 @@ impl CorneringEstimator {
             now.cornering(self.minimum_speed)
         else {
             self.driving_s = 0.0;
+            let is_slow = now.speed.is_some_and(|speed| speed < self.minimum_speed);
+            self.blind_s += if is_slow || !self.seen { 0.0 } else { now.elapsed_s };
             self.stop(now.elapsed_s);
             return false;
         };
         self.driving_s += now.elapsed_s;
         if now.elapsed_s > 0.25 * Self::WINDOW_S {
+            self.blind_s += now.elapsed_s;
             self.stop(now.elapsed_s);
         }
         (self.idle_s, self.seen) = (0.0, true);
@@ -275,6 +285,9 @@ impl CorneringEstimator {
         let mut changed = false;
         if let Some(mut means) = self.window.step(&sample, now.elapsed_s) {
             self.yaw_acceleration.shrink(&mut means);
+            if std::mem::take(&mut self.blind_s) > Self::BLIND_S {
+                self.open(Self::BLIND_STD);
+            }
             changed = self.update(&means, belief);
             self.running = true;
         }
@@ -349,16 +362,23 @@ impl CorneringEstimator {
         self.doubt().is_none()
     }
 
-    /// A sensor lies, as its plausibility has it: the motion is anything, and is doubted for a while afterwards.
+    /// A sensor lies, as its plausibility has it: the motion is anything, and is doubted for a while afterwards; who knows
+    /// what was learned from it.
     pub fn distrust(&mut self) {
         self.stop(0.0);
+        self.blind_s = f64::INFINITY;
         (self.surprise, self.surprised_by) = (Self::MOST_SURPRISED, Doubt::Sensors);
     }
 
     /// The surface changed, as this filter or another noticed: the stiffness may be anything near.
     pub fn surface_changed(&mut self) {
+        self.open(Self::CHANGE_STD);
+    }
+
+    /// The stiffnesses may be off by this share of themselves.
+    fn open(&mut self, relative_std: f64) {
         for i in [FRONT, REAR] {
-            let std = Self::CHANGE_STD * self.state.mean[i];
+            let std = relative_std * self.state.mean[i];
             self.state.inflate(i, std * std);
         }
         for axle in &mut self.axles {

@@ -92,6 +92,7 @@ fn data(line: &[u8], digits: &[u8]) -> Option<([u8; 8], usize)> {
 mod tests {
     use super::super::line::{self, Line};
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn what_it_reads_is_what_the_whole_grammar_reads() {
@@ -127,5 +128,27 @@ mod tests {
         }
         // The shortest lines are left to the grammar; five stamps, three interfaces, six lengths, four identifiers (F00 is above 7FF).
         assert_eq!(usual, 5 * (3 * 6 * 4 - 2));
+    }
+
+    proptest! {
+        #[test]
+        fn spoiled_lines_are_read_alike_or_left_to_the_grammar(
+            start in 0usize..3,
+            spoiled in proptest::collection::vec((any::<proptest::sample::Index>(), any::<u8>(), 0u8..3), 0..4),
+        ) {
+            let usual = ["(1760000000.000584) can0 123#0011223344556677", "(46408.584930) vcan12 18FEF100#1A2B", "(0.000001) c 7FF#"];
+            let mut line = usual[start].as_bytes().to_vec();
+            for (place, byte, how) in spoiled {
+                let place = place.index(line.len());
+                match how {
+                    0 => line[place] = byte,
+                    1 => line[place] = b"0123456789abcdefABCDEF#. )(R"[usize::from(byte) % 28],
+                    _ => line.truncate(place.max(1)),
+                }
+            }
+            if let Some((interface, frame)) = parse(&line) {
+                prop_assert_eq!(line::parse(&line), Ok(Line::Frame { interface, frame }));
+            }
+        }
     }
 }

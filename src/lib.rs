@@ -10,6 +10,8 @@
 //! buses and files, everything between knows only physics. The live service, the replay of a
 //! recording, the tests and the benchmarks all drive the same [`service::Engine`].
 //!
+//! What to do with it, task by task: [`guide`].
+//!
 //! SI units inside, ISO 8855 axes (x forward, y left, z up); conversion happens once, at the DBC
 //! boundary. Time is the frame's own stamp, in whole microseconds, never the wall clock.
 
@@ -22,9 +24,11 @@ pub mod estimates;
 pub mod explain;
 pub mod faults;
 pub mod filter;
+pub mod guide;
 pub mod identify;
 pub mod model;
 pub mod new_file;
+pub mod propose;
 pub mod report;
 pub mod sample;
 pub mod service;

@@ -2,7 +2,7 @@
 # tests/systemd.sh [PROGRAM]
 #
 # The unit file, checked by systemd itself, and at work in a guest with this machine's systemd as its
-# first process: started, publishing, reloaded, killed and back, without the
+# first process: installed from its .deb (where this machine has dpkg), started, publishing, reloaded, killed and back, without the
 # interface, stopped, as a real-time process. PROGRAM is the
 # gripd to test (target/debug/gripd; built if it is not given). Needs systemd and dbus on this machine;
 # says so and passes where there are none. About 20 s.
@@ -32,15 +32,26 @@ drive=$work/drive.log
 sed 's/^duration_s = .*/duration_s = 20.0/' config/scenarios/demo.toml > "$work/drive.toml"
 "$program" simulate "$work/drive.toml" -o "$drive"
 
-# In the new root, as an administrator would install it.
-cat > "$work/setup" <<SETUP
+# In the new root, as an administrator would install it: the package, or file by file.
+if command -v dpkg-deb >/dev/null && python3 -c 'import tomllib' 2>/dev/null; then
+    systemd/deb.sh "$program"
+    package=$(ls -t target/debian/gripd_*.deb | head -n 1)
+    cat > "$work/setup" <<SETUP
+mkdir -p var/tmp/drive
+cp $PWD/$package var/tmp/drive/gripd.deb
+cp $PWD/systemd/realtime.conf $drive var/tmp/drive/
+SETUP
+else
+    echo "no dpkg-deb or no Python 3.11: installed without the package"
+    cat > "$work/setup" <<SETUP
 mkdir -p usr/bin etc/gripd etc/systemd/system var/tmp/drive
 cp $program usr/bin/gripd
 sed 's#../dbc/demo.dbc#demo.dbc#' $PWD/config/demo.toml > etc/gripd/gripd.toml
-cp $PWD/dbc/demo.dbc $PWD/systemd/realtime.conf etc/gripd/
+cp $PWD/dbc/demo.dbc etc/gripd/
 cp $PWD/systemd/gripd.service etc/systemd/system/
-cp $drive var/tmp/drive/drive.log
+cp $PWD/systemd/realtime.conf $drive var/tmp/drive/
 SETUP
+fi
 
 cat > "$work/probe" <<'PROBE'
 fail() { echo "FAILED: $*"; systemctl status gripd --no-pager -l; journalctl -u gripd --no-pager -n 40; exit 1; }
@@ -54,6 +65,24 @@ new_pid() { [ "$(property MainPID)" != "$old" ] && [ "$(property MainPID)" != 0 
 publishes() { [ "$(timeout 5 candump -L -n 30 vcan0,6A0:7F8 2>/dev/null | wc -l)" = 30 ]; }
 logged() { journalctl -u gripd --no-pager | grep -q "$1"; }
 says() { property StatusText | grep -q "$1"; }
+
+deb=/var/tmp/drive/gripd.deb
+if [ -e $deb ]; then
+    # Dependencies are this machine's own; its mandb and other triggers are not asked.
+    dpkg --no-triggers -i $deb > /var/tmp/dpkg.log 2>&1 || { cat /var/tmp/dpkg.log; fail "dpkg does not install it"; }
+    [ "$(property LoadState) $(property ActiveState)" = "loaded inactive" ] || fail "systemd does not know the unit, or started it"
+    [ "$(systemctl is-enabled gripd)" = disabled ] || fail "it is enabled without being asked"
+    gripd check -c /etc/gripd/gripd.toml > /dev/null || fail "the configuration of the package is wrong"
+    for file in man/man1/gripd.1.gz man/man1/gripd-map.1.gz bash-completion/completions/gripd doc/gripd/guide/map-a-car.md \
+        doc/gripd/copyright gripd/gripd.dbc; do
+        [ -s /usr/share/$file ] || fail "the package has no $file"
+    done
+    for example in demo rav4 thesis; do
+        gripd check -c /usr/share/doc/gripd/examples/config/$example.toml > /dev/null || fail "example $example is wrong"
+    done
+    gripd -q map /usr/share/doc/gripd/examples/dbc/demo.dbc /var/tmp/drive/drive.log > /dev/null || fail "gripd map finds nothing"
+    echo "installed from the package: $(dpkg-query -W -f '${Package} ${Version}, ${Installed-Size} KiB' gripd)"
+fi
 
 # Type=notify: `start` comes back once it is ready.
 systemctl start gripd || fail "it does not start"
@@ -106,7 +135,7 @@ echo "stopped cleanly"
 
 # With real-time manners: the loop alone is real-time, its memory stays where it is.
 mkdir -p /etc/systemd/system/gripd.service.d
-cp /etc/gripd/realtime.conf /etc/systemd/system/gripd.service.d/
+cp /var/tmp/drive/realtime.conf /etc/systemd/system/gripd.service.d/
 printf '[service]\nlock_memory = true\nmetrics = "/run/gripd/metrics"\n' >> /etc/gripd/gripd.toml
 systemctl daemon-reload
 systemctl start gripd || fail "it does not start with real-time manners"
@@ -132,5 +161,21 @@ systemctl start gripd 2>/dev/null && fail "a wrong configuration is accepted"
 sleep 2
 [ "$(property ActiveState) $(property NRestarts) $(property ExecMainStatus)" = "failed 0 2" ] || fail "a wrong configuration is tried again and again"
 echo "a wrong configuration fails once, with status 2"
+
+if [ -e $deb ]; then
+    sed -i '$d' /etc/gripd/gripd.toml
+    systemctl reset-failed gripd
+    systemctl start gripd || fail "it does not start before the upgrade"
+    old=$(property MainPID)
+    dpkg --no-triggers -i $deb > /var/tmp/dpkg.log 2>&1 < /dev/null || { cat /var/tmp/dpkg.log; fail "dpkg does not install it again"; }
+    within 10 "the upgrade does not restart it" new_pid
+    grep -q lock_memory /etc/gripd/gripd.toml || fail "the upgrade lost the configuration"
+    dpkg --no-triggers -r gripd > /var/tmp/dpkg.log 2>&1 || { cat /var/tmp/dpkg.log; fail "dpkg does not remove it"; }
+    [ "$(property ActiveState) $(property LoadState)" != "active loaded" ] || fail "it runs on without its program"
+    [ ! -e /usr/bin/gripd ] && [ -s /etc/gripd/gripd.toml ] || fail "removing leaves the program, or takes the configuration"
+    dpkg --no-triggers -P gripd > /var/tmp/dpkg.log 2>&1 || { cat /var/tmp/dpkg.log; fail "dpkg does not purge it"; }
+    [ ! -e /etc/gripd/gripd.toml ] && [ ! -e /var/lib/private/gripd ] || fail "purging leaves something"
+    echo "upgraded, which restarts it; removed, which stops it; purged"
+fi
 PROBE
 tests/vcan/vcan-systemd.sh -t 180 "$work/setup" "$work/probe"

@@ -2,12 +2,15 @@
 
 mod calibrate;
 mod check;
+mod completions;
 mod convert;
 mod demo;
 mod demo_car;
 mod explain;
 mod identify;
 mod log;
+mod man;
+mod map;
 mod monitor;
 mod output;
 mod player;
@@ -123,12 +126,18 @@ enum Command {
     Calibrate(calibrate::Calibrate),
     /// Check a configuration, and on recordings the measurement chain.
     Check(check::Check),
+    /// Propose a configuration's signals for an unknown car, from its DBC and a recorded drive.
+    Map(map::Map),
     /// Turn a recording of any format into a candump log.
     Convert(convert::Convert),
     /// Watch a bus or a recording in the terminal: inputs, estimates, faults, frame rates.
     Monitor(monitor::Monitor),
     /// Watch a bus or a recording on a local web page with live plots.
     View(view::View),
+    /// Write what a shell needs to complete the arguments.
+    Completions(completions::Completions),
+    /// Write manual pages.
+    Man(man::Pages),
 }
 
 /// Parses the arguments and runs the subcommand. Diagnostics go to stderr, results to stdout.
@@ -146,9 +155,12 @@ pub fn main() -> ExitCode {
         Command::Reproduce(command) => command.run(),
         Command::Calibrate(command) => command.run(),
         Command::Check(command) => command.run(),
+        Command::Map(command) => command.run(),
         Command::Convert(command) => command.run(),
         Command::Monitor(command) => command.run(),
         Command::View(command) => command.run(),
+        Command::Completions(command) => command.run(),
+        Command::Man(command) => command.run(),
     };
     if let Some(log) = log {
         log.flush();

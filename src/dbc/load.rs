@@ -60,6 +60,7 @@ pub(super) struct Source {
     pub messages: Vec<RawMessage>,
     pub lost: Vec<Lost>,
     pub values: HashMap<SignalKey, Vec<(i64, String)>>,
+    pub comments: HashMap<SignalKey, String>,
     pub floats: HashMap<SignalKey, (usize, SignalExtendedValueType)>,
     pub mux: HashMap<SignalKey, Vec<MuxRow>>,
     pub long_message_names: HashMap<CanId, String>,
@@ -225,6 +226,10 @@ impl Reader {
     /// Any statement that says something about a message or signal.
     fn attachment(&mut self, statement: &Statement) {
         let text = statement.text;
+        if statement.keyword == "CM_" {
+            self.source.comments.extend(comment(text));
+            return;
+        }
         let wanted = match statement.keyword {
             "VAL_" | "SIG_VALTYPE_" | "SG_MUL_VAL_" => true,
             "BA_DEF_" => text.contains("\"VFrameFormat\""),
@@ -293,6 +298,17 @@ impl Reader {
             }
         }
     }
+}
+
+/// What a `CM_ SG_` statement says of which signal. Nothing is decoded by it, so that a damaged one is no
+/// reason for a warning.
+fn comment(statement: &str) -> Option<(SignalKey, String)> {
+    let rest = statement.strip_prefix("CM_")?.trim_start().strip_prefix("SG_")?;
+    let (head, words) = rest.split_once('"')?;
+    let mut head = head.split_ascii_whitespace();
+    let id = can_id(head.next()?.parse().ok()?)?;
+    let name = head.next()?.to_owned();
+    Some(((id, name), words.rsplit_once('"')?.0.replace("\\\"", "\"")))
 }
 
 fn parse_message(text: &str) -> Option<can_dbc::Message> {

@@ -32,6 +32,8 @@ pub struct Signal {
     pub line: usize,
     /// Value table: raw value (sign extended for signed signals) and its name.
     pub values: Vec<(i64, String)>,
+    /// What the file says about it in words (`CM_`); empty if nothing.
+    pub comment: String,
     pub(super) codec: Codec,
     pub(super) mux: Mux,
 }

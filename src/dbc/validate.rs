@@ -218,6 +218,7 @@ impl Validator {
             size: size as u8,
             byte_order,
             line: raw.line,
+            comment: self.source.comments.remove(&(id, short.clone())).unwrap_or_default(),
             values: self.source.values.remove(&(id, short)).unwrap_or_default(),
             codec,
             mux: Mux::default(),

@@ -1,4 +1,4 @@
-//! What an `[[effect]]` table may say; the table of the README.
+//! What an `[[effect]]` table may say; the table of the guide.
 
 use std::path::Path;
 
@@ -139,7 +139,7 @@ fn scenarios_with_effects_are_written_and_read() {
     assert_eq!(Scenario::parse(&text).unwrap(), scenario);
 }
 
-/// The table of the README, from what the kinds say of themselves.
+/// The table of the guide, from what the kinds say of themselves.
 fn table_of_kinds() -> String {
     let mut text =
         String::from("| `kind` | `channel` | keys (unit; usual value) | what it is |\n|---|---|---|---|\n");
@@ -175,8 +175,9 @@ fn table_of_kinds() -> String {
 }
 
 #[test]
-fn the_readme_lists_every_kind() {
-    let readme = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md")).unwrap();
+fn the_guide_lists_every_kind() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/src/guide/explain-a-mismatch.md");
+    let guide = std::fs::read_to_string(page).unwrap();
     let table = table_of_kinds();
-    assert!(readme.contains(&table), "the README should have this table:\n\n{table}");
+    assert!(guide.contains(&table), "the guide should have this table:\n\n{table}");
 }

@@ -1,6 +1,6 @@
 //! One fault at a time, for five seconds of a drive: what is told of it, how soon, and when all is well again.
 //!
-//! The rows of the README's table are made here; a test fails whose row is not in it.
+//! The rows of the guide's table (`src/guide/when-things-go-wrong.md`) are made here; a test fails whose row is not in it.
 
 use std::collections::BTreeMap;
 
@@ -12,10 +12,10 @@ use super::car;
 use super::fault::{Case, FROM, Fault};
 use super::heard::{self, Heard};
 
-/// Runs all of them, prints their rows, and looks for these in the README.
+/// Runs all of them, prints their rows, and looks for these in the guide.
 pub fn check(config: &Config, readings: &[Reading], cases: &[Case]) {
     let clean = run(config, car::frames_of(config, readings));
-    let readme = std::fs::read_to_string(car::project("README.md")).unwrap();
+    let guide = std::fs::read_to_string(car::project("src/guide/when-things-go-wrong.md")).unwrap();
     let mut problems = Vec::new();
     for case in cases {
         let frames = match case.fault {
@@ -32,8 +32,8 @@ pub fn check(config: &Config, readings: &[Reading], cases: &[Case]) {
         let row = row(case, &heard, &clean, &mut problems);
         println!("{row}");
         nothing_wrong_is_valid(case, &heard, &clean, &mut problems);
-        if !readme.contains(&row) {
-            problems.push(format!("the README has another row than {row}"));
+        if !guide.contains(&row) {
+            problems.push(format!("the guide has another row than {row}"));
         }
     }
     assert!(problems.is_empty(), "{}", problems.join("\n"));

@@ -1,5 +1,5 @@
 //! Bad days of the bus, the disk and the process, with the time that it takes until all is well again: rows of the
-//! README's table.
+//! guide's table.
 
 use std::path::PathBuf;
 

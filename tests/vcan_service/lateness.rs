@@ -1,7 +1,7 @@
 //! How late the service answers: from the kernel's stamp of the frame that makes a round due to the kernel's stamp of
 //! the round's first frame, beside a bare echo (one read, one write) in the same run.
 //!
-//! Every test run measures some seconds, and asserts nothing of how fast it is. The README's table, in four minutes:
+//! Every test run measures some seconds, and asserts nothing of how fast it is. The guide's table, in four minutes:
 //!
 //! ```text
 //! CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER=$PWD/tests/vcan/run.sh VCAN_TIMEOUT=600 \

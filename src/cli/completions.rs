@@ -1,0 +1,29 @@
+//! `gripd completions`: what a shell needs to complete gripd's arguments.
+
+use std::io::{self, Write};
+
+use clap::{Args, CommandFactory};
+use clap_complete::{Shell, generate};
+
+use super::{Arguments, Failure};
+
+/// For bash, source it, or put it into /usr/share/bash-completion/completions/gripd; for zsh, as `_gripd` into a
+/// folder of $fpath; for fish, into ~/.config/fish/completions/gripd.fish.
+#[derive(Args)]
+pub struct Completions {
+    /// The shell.
+    #[arg(value_enum)]
+    shell: Shell,
+}
+
+impl Completions {
+    /// Writes them to the standard output.
+    pub fn run(self) -> Result<(), Failure> {
+        // Gathered first: the generator panics where its output is closed.
+        let mut text = Vec::new();
+        generate(self.shell, &mut Arguments::command(), "gripd", &mut text);
+        let mut out = io::stdout().lock();
+        out.write_all(&text)?;
+        Ok(out.flush()?)
+    }
+}

@@ -1,0 +1,143 @@
+//! `gripd map`: which signals of an unknown car's DBC are which quantities.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::output::{outputs_are_no_inputs, write_json, write_text};
+use super::progress::Progress;
+use super::{Failure, recordings};
+use crate::Quantity;
+use crate::can::recording::Reader;
+use crate::dbc::Database;
+use crate::propose::{Confidence, Drive, propose, table};
+
+/// Proposes the `[signals]` table of a configuration from the names in a DBC file and, with recordings, from how the
+/// signals behave: for a person to confirm. Every line tells why, and how sure it is. Ends with 1 if something that
+/// is needed was not found; what was found is written all the same.
+#[derive(Args)]
+pub struct Map {
+    /// The car's DBC file.
+    dbc: PathBuf,
+    /// Recorded drives (candump, Vector ASC or BLF, ASAM MF4, Peak TRC, python-can CSV; gzip or zstd around them;
+    /// `-` is the standard input): a few minutes with curves, starts and brakings.
+    logs: Vec<PathBuf>,
+    /// Write the configuration into this new file instead of the standard output.
+    #[arg(short, long, value_name = "TOML")]
+    out: Option<PathBuf>,
+    /// Write everything as JSON (`-`: to the standard output, instead of the configuration).
+    #[arg(long, value_name = "JSON")]
+    json: Option<PathBuf>,
+}
+
+impl Map {
+    /// Runs it.
+    pub fn run(self) -> Result<(), Failure> {
+        outputs_are_no_inputs(
+            std::iter::once(&self.dbc).chain(&self.logs),
+            self.out.iter().chain(&self.json),
+        )?;
+        if let Some(out) =
+            self.out.as_deref().filter(|out| out.as_os_str() != "-" && out.symlink_metadata().is_ok())
+        {
+            return Err(Failure::usage(format_args!(
+                "{} is already there and is not overwritten; give another name",
+                out.display()
+            )));
+        }
+        let database = Database::load(&self.dbc).map_err(Failure::usage)?;
+        let (drive, broken) = if self.logs.is_empty() { (None, None) } else { self.drive(&database)? };
+        let proposal = propose(&database, drive.as_ref());
+        let out = self.out.as_deref().unwrap_or(Path::new("-"));
+        let dbc = relative(&self.dbc, out);
+        let text = table(&proposal, &[&dbc]);
+        let dash = Path::new("-");
+        if self.out.is_some() || self.json.as_deref() != Some(dash) {
+            write_text(out, &text)?;
+        }
+        if let Some(json) = &self.json {
+            write_json(json, &proposal)?;
+        }
+        for choice in &proposal.quantities {
+            for other in &choice.contradicted {
+                tracing::warn!(
+                    "{} is called {}, and does not behave so: {}",
+                    other.signal,
+                    choice.quantity,
+                    other.data
+                );
+            }
+        }
+        for note in &proposal.notes {
+            tracing::warn!("{note}");
+        }
+        let found = proposal.quantities.iter().filter(|choice| choice.confidence > Confidence::NotFound);
+        tracing::info!(
+            "{} of {} quantities found; check the result with `gripd check`",
+            found.count(),
+            Quantity::COUNT
+        );
+        if let Some(broken) = broken {
+            return Err(Failure::Work(broken));
+        }
+        let missing: Vec<&str> = proposal.missing().into_iter().map(Quantity::name).collect();
+        if missing.is_empty() {
+            return Ok(());
+        }
+        Err(Failure::Work(format!(
+            "not found, and needed: {}; the comments say what is nearest",
+            missing.join(", ")
+        )))
+    }
+
+    /// Reads the recordings once. What could be read of a broken one is used; the reason comes second.
+    fn drive(&self, database: &Database) -> Result<(Option<Drive>, Option<String>), Failure> {
+        let mut drive = Drive::new(database);
+        let mut broken = None;
+        let progress = Progress::of_files(&self.logs);
+        for path in &self.logs {
+            let mut reader = Reader::open(path).map_err(Failure::work)?;
+            loop {
+                match reader.next_frame() {
+                    Ok(Some(frame)) => {
+                        drive.frame(&frame);
+                        progress.advance(reader.stats().lines);
+                    }
+                    Ok(None) => break,
+                    Err(error) => {
+                        broken = Some(error.to_string());
+                        break;
+                    }
+                }
+            }
+            drive.end_of_recording();
+            recordings::warn(&reader);
+            let stats = reader.stats();
+            if stats.frames == 0 {
+                return Err(Failure::Work(recordings::nothing_in(&reader)));
+            }
+        }
+        progress.finish();
+        if drive.frames() == 0 {
+            return Err(Failure::Work(format!(
+                "{}: none of the recorded frames has an identifier of {}; is it the right bus, and the right car?",
+                self.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>().join(", "),
+                self.dbc.display()
+            )));
+        }
+        Ok((Some(drive), broken))
+    }
+}
+
+/// The DBC's path as a configuration at `out` has to name it: relative to its folder, absolute where that is
+/// elsewhere.
+fn relative(dbc: &Path, out: &Path) -> PathBuf {
+    let folder = match out.parent() {
+        Some(folder) if out.as_os_str() != "-" && !folder.as_os_str().is_empty() => folder,
+        _ => return dbc.to_owned(),
+    };
+    match (dbc.canonicalize(), folder.canonicalize()) {
+        (Ok(dbc), Ok(folder)) => dbc.strip_prefix(&folder).map(Path::to_owned).unwrap_or(dbc),
+        _ => dbc.to_owned(),
+    }
+}

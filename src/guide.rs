@@ -1,0 +1,22 @@
+//! The guide: a page for each task, as it is read beside the program (`/usr/share/doc/gripd/guide`).
+//!
+//! - [`map_a_car`]: from a DBC and a recorded drive to a configuration
+//! - [`read_the_frames`]: what is published, what it means, and when there is nothing
+//! - [`calibrate`]: from stiffness to friction by ABS brakings
+//! - [`explain_a_mismatch`]: where, why and how much simulation and recording differ
+//! - [`when_things_go_wrong`]: every fault, and what becomes of it
+
+#[doc = include_str!("guide/map-a-car.md")]
+pub mod map_a_car {}
+
+#[doc = include_str!("guide/read-the-frames.md")]
+pub mod read_the_frames {}
+
+#[doc = include_str!("guide/calibrate.md")]
+pub mod calibrate {}
+
+#[doc = include_str!("guide/explain-a-mismatch.md")]
+pub mod explain_a_mismatch {}
+
+#[doc = include_str!("guide/when-things-go-wrong.md")]
+pub mod when_things_go_wrong {}

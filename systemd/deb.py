@@ -1,0 +1,67 @@
+"""Packs what [package.metadata.deb] of Cargo.toml names, where there is no cargo-deb. Called by deb.sh."""
+
+import glob
+import gzip
+import pathlib
+import shutil
+import subprocess
+import tomllib
+
+package = tomllib.loads(pathlib.Path("Cargo.toml").read_text())["package"]
+deb = package["metadata"]["deb"]
+arch = subprocess.run(["dpkg", "--print-architecture"], check=True, capture_output=True, text=True).stdout.strip()
+version = f"{package['version']}-{deb.get('revision', '1')}"
+root = pathlib.Path("target/debian/root")
+shutil.rmtree(root, ignore_errors=True)
+
+
+def put(source: pathlib.Path, target: str, mode: int) -> None:
+    """One asset; manual pages are compressed, as the distribution wants them."""
+    place = root / target
+    if target.endswith("/"):
+        place /= source.name
+    place.parent.mkdir(parents=True, exist_ok=True)
+    if "usr/share/man/" in str(place):
+        place = place.with_name(place.name + ".gz")
+        place.write_bytes(gzip.compress(source.read_bytes(), mtime=0))
+    else:
+        shutil.copyfile(source, place)
+    place.chmod(mode)
+
+
+for pattern, target, mode in deb["assets"]:
+    sources = sorted(glob.glob(pattern))
+    assert sources, f"nothing is {pattern}"
+    for source in sources:
+        put(pathlib.Path(source), target, int(mode, 8))
+licence = pathlib.Path(deb["license-file"][0]).read_text()
+copyright = root / "usr/share/doc" / package["name"] / "copyright"
+copyright.parent.mkdir(parents=True, exist_ok=True)
+copyright.write_text(f"Copyright: {deb['copyright']}\nLicense: {package['license']}\n\n{licence}")
+
+control = root / "DEBIAN"
+control.mkdir()
+size = sum(file.stat().st_size for file in root.rglob("*") if file.is_file()) // 1024
+description = "\n".join(f" {line.strip() or '.'}" for line in deb["extended-description"].strip().splitlines())
+(control / "control").write_text(f"""\
+Package: {package["name"]}
+Version: {version}
+Architecture: {arch}
+Maintainer: {deb["maintainer"]}
+Section: {deb["section"]}
+Priority: {deb["priority"]}
+Depends: {deb["depends"]}
+Installed-Size: {size}
+Description: {package["description"]}
+{description}
+""")
+(control / "conffiles").write_text("".join(f"{name}\n" for name in deb["conf-files"]))
+for script in sorted(pathlib.Path(deb["maintainer-scripts"]).iterdir()):
+    shutil.copyfile(script, control / script.name)
+    (control / script.name).chmod(0o755)
+for folder in [root, *(path for path in root.rglob("*") if path.is_dir())]:
+    folder.chmod(0o755)
+name = f"target/debian/{package['name']}_{version}_{arch}.deb"
+subprocess.run(["dpkg-deb", "--root-owner-group", "--build", str(root), name], check=True, stdout=subprocess.DEVNULL)
+shutil.rmtree(root)
+print(name)

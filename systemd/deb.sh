@@ -1,0 +1,29 @@
+#!/bin/sh
+# systemd/deb.sh [PROGRAM]
+#
+# Makes target/debian/gripd_VERSION_ARCH.deb as [package.metadata.deb] of Cargo.toml has it: program, unit,
+# configuration, DBC, manual pages, completions, guide. With cargo-deb where that is installed (`cargo install
+# cargo-deb`), else with dpkg-deb and the Python of tests/setup.sh. PROGRAM is the gripd to pack; without it,
+# target/release/gripd is built.
+set -eu
+cd "$(dirname "$0")/.."
+program=${1:-}
+[ -n "$program" ] || { cargo build --release --locked; program=${CARGO_TARGET_DIR:-target}/release/gripd; }
+
+# What is made, not written: cargo-deb takes it from here.
+made=target/package
+rm -rf "$made"
+mkdir -p "$made/man" "$made/completions"
+cp "$program" "$made/gripd"
+strip "$made/gripd" 2>/dev/null || :
+"$program" man "$made/man"
+"$program" completions bash > "$made/completions/gripd"
+"$program" completions zsh > "$made/completions/_gripd"
+"$program" completions fish > "$made/completions/gripd.fish"
+# Beside its DBC, under /etc/gripd.
+sed 's#\.\./dbc/demo\.dbc#demo.dbc#' config/demo.toml > "$made/gripd.toml"
+
+if cargo deb --version >/dev/null 2>&1; then
+    exec cargo deb --no-build --no-strip --output target/debian/
+fi
+exec python3 systemd/deb.py

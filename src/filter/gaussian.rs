@@ -129,10 +129,10 @@ impl<const N: usize> Gaussian<N> {
             *mean += gain * residual;
         }
         // Joseph: (I − k hᵀ) P (I − k hᵀ)ᵀ + r k kᵀ, as two rank-one steps.
-        for j in 0..N {
+        for (j, ph) in ph.into_iter().enumerate() {
             let mut column = self.covariance.data.0[j];
             for i in j..N {
-                column[i] -= gain[i] * ph[j];
+                column[i] -= gain[i] * ph;
             }
             self.set_column(j, &column);
         }
@@ -150,8 +150,8 @@ impl<const N: usize> Gaussian<N> {
     /// Sets column `j` from its diagonal on, and the same row with it.
     #[inline]
     fn set_column(&mut self, j: usize, column: &[f64; N]) {
-        for i in j..N {
-            (self.covariance.data.0[j][i], self.covariance.data.0[i][j]) = (column[i], column[i]);
+        for (i, &element) in column.iter().enumerate().skip(j) {
+            (self.covariance.data.0[j][i], self.covariance.data.0[i][j]) = (element, element);
         }
     }
 

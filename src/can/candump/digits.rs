@@ -48,7 +48,7 @@ pub(super) fn hexadecimal(text: [u8; 8]) -> Option<[u8; 4]> {
     if (text | no_digit & no_letter) & TOP != 0 {
         return None;
     }
-    let halves = (ascii & all(0x0F)) + 9 * (ascii >> 6 & all(1));
+    let halves = (ascii & all(0x0F)) + 9 * ((ascii >> 6) & all(1));
     let bytes = (halves << 4 | halves >> 8) & 0x00FF_00FF_00FF_00FF;
     let twos = (bytes | bytes >> 8) & 0x0000_FFFF_0000_FFFF;
     Some(((twos | twos >> 16) as u32).to_le_bytes())
@@ -60,9 +60,9 @@ pub(super) fn to_decimal(number: u32) -> [u8; 8] {
     let (upper, lower) = (u64::from(number / 10_000), u64::from(number % 10_000));
     // Fours to pairs to digits, the first in the lowest place; 5243/2¹⁹ and 103/2¹⁰ are a hundredth and a tenth.
     let fours = upper | lower << 32;
-    let hundreds = (fours * 5243 >> 19) & 0x0000_007F_0000_007F;
+    let hundreds = ((fours * 5243) >> 19) & 0x0000_007F_0000_007F;
     let pairs = hundreds | (fours - 100 * hundreds) << 16;
-    let tens = (pairs * 103 >> 10) & 0x000F_000F_000F_000F;
+    let tens = ((pairs * 103) >> 10) & 0x000F_000F_000F_000F;
     let digits = tens | (pairs - 10 * tens) << 8;
     (digits | all(b'0')).to_le_bytes()
 }
@@ -75,7 +75,7 @@ pub(super) fn to_hexadecimal(bytes: [u8; 4]) -> [u8; 8] {
     let bytes = (twos | twos << 8) & 0x00FF_00FF_00FF_00FF;
     let halves = (bytes >> 4 | bytes << 8) & all(0x0F);
     // From 10 on letters, which lie 7 further.
-    let letters = (halves + all(0x7F - 9) & TOP) >> 7;
+    let letters = ((halves + all(0x7F - 9)) & TOP) >> 7;
     (halves + all(b'0') + 7 * letters).to_le_bytes()
 }
 

@@ -45,8 +45,10 @@ pub fn zero_order_hold_plane(a: &Matrix2<f64>, step: f64) -> (Matrix2<f64>, Matr
     let mut term = [1.0, 0.0];
     let (mut transition, mut integral) = (term, term);
     for k in 1..=TERMS {
+        // What does not wait for the term before is reckoned meanwhile.
         let share = 1.0 / k as f64;
-        term = [-determinant * term[1] * share, (term[0] + trace * term[1]) * share];
+        let (of_trace, of_determinant) = (share * trace, -share * determinant);
+        term = [of_determinant * term[1], share * term[0] + of_trace * term[1]];
         for i in 0..2 {
             transition[i] += term[i];
             integral[i] += term[i] * (1.0 / (k + 1) as f64);

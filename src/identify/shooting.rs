@@ -22,7 +22,7 @@ use super::free::Free;
 use super::motion::{Channel, State};
 use super::parameter::Values;
 use super::segment::{LANES, Segment, Trace, products, trace};
-use crate::model::{Dual, Real, Vehicle};
+use crate::model::{Dual, Number, Vehicle};
 
 /// How the start of a segment is tied to the end of the one before: standard deviation of what may
 /// come between, in the state's units; infinite for segments on their own.

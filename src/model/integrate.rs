@@ -13,6 +13,7 @@
 //! stopped there: an error of at most one substep of that wheel's own motion.
 
 use super::plant::{Conditions, Controls, Plant, State};
+use super::{Lanes, Number};
 
 /// λ h that a substep may reach.
 const RATE_TIMES_STEP: f64 = 1.0;
@@ -43,15 +44,16 @@ pub fn advance(
 }
 
 /// The same in a given number of substeps, for tests of convergence.
-pub fn advance_in(
-    plant: &Plant,
-    state: &State,
-    from: &Controls,
-    to: &Controls,
-    conditions: &Conditions,
+#[inline(always)]
+pub fn advance_in<T: Number>(
+    plant: &Plant<T>,
+    state: &State<T>,
+    from: &Controls<T>,
+    to: &Controls<T>,
+    conditions: &Conditions<T>,
     h: f64,
     substeps: u32,
-) -> State {
+) -> State<T> {
     let share = 1.0 / f64::from(substeps);
     let mut state = *state;
     let mut start = *from;
@@ -65,24 +67,57 @@ pub fn advance_in(
 }
 
 /// One step, with the controls at its start, middle and end.
-#[inline]
-fn runge_kutta(
-    plant: &Plant,
-    state: &State,
-    [start, middle, end]: [&Controls; 3],
-    conditions: &Conditions,
+#[inline(always)]
+fn runge_kutta<T: Number>(
+    plant: &Plant<T>,
+    state: &State<T>,
+    [start, middle, end]: [&Controls<T>; 3],
+    conditions: &Conditions<T>,
     h: f64,
-) -> State {
+) -> State<T> {
     let braking = plant.braking(state, start, conditions);
-    let rate = |state: &State, controls| plant.rate(state, controls, conditions, &braking);
-    let k1 = rate(state, start);
-    let k2 = rate(&state.advanced(&k1, 0.5 * h), middle);
-    let k3 = rate(&state.advanced(&k2, 0.5 * h), middle);
-    let k4 = rate(&state.advanced(&k3, h), end);
-    let mut next =
-        state.advanced(&k1, h / 6.0).advanced(&k2, h / 3.0).advanced(&k3, h / 3.0).advanced(&k4, h / 6.0);
+    let stages =
+        [(start, h / 6.0, 0.5 * h), (middle, h / 3.0, 0.5 * h), (middle, h / 3.0, h), (end, h / 6.0, 0.0)];
+    let (mut next, mut probe) = (*state, *state);
+    // As a loop: the equations are long, one copy of them is enough.
+    for (controls, weight, ahead) in stages {
+        let k = plant.rate(&probe, controls, conditions, &braking);
+        next = next.advanced(&k, weight);
+        probe = state.advanced(&k, ahead);
+    }
     for (i, brake) in braking.iter().enumerate() {
         next.wheel_speed[i] = brake.stopped(next.wheel_speed[i], end.brake_torque[i]);
     }
     next
+}
+
+/// Steps that several cars side by side make, each of `h` seconds and of one Runge–Kutta step; the controls
+/// go linearly from each row to the next. `take` sees the states after each step.
+///
+/// Each car's states are those of [`advance_in`] to rounding: the equations and the steps are the same, the
+/// arc tangent, sine and cosine are our own ([`super::elementary`]).
+pub fn drive_abreast<const K: usize>(
+    plant: &Plant<Lanes<K>>,
+    state: &mut State<Lanes<K>>,
+    controls: &[Controls<Lanes<K>>],
+    conditions: &Conditions<Lanes<K>>,
+    h: f64,
+    take: &mut impl FnMut(&State<Lanes<K>>),
+) {
+    steps_abreast(plant, state, controls, conditions, h, take);
+}
+
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
+fn steps_abreast<const K: usize, F: FnMut(&State<Lanes<K>>)>(
+    plant: &Plant<Lanes<K>>,
+    state: &mut State<Lanes<K>>,
+    controls: &[Controls<Lanes<K>>],
+    conditions: &Conditions<Lanes<K>>,
+    h: f64,
+    take: &mut F,
+) {
+    for pair in controls.windows(2) {
+        *state = advance_in(plant, state, &pair[0], &pair[1], conditions, h, 1);
+        take(state);
+    }
 }

@@ -4,18 +4,19 @@
 //! acts on the car from outside (surface, loads, wind, bank, toe) comes in through [`Conditions`].
 
 use super::body::{Acceleration, Body, External, Steer, Velocity};
+use super::real::Mask;
 use super::tire::{Contact, Tire};
 use super::wheel::{self, Braking};
-use super::{Vehicle, wheel::reference_speed};
+use super::{Number, Vehicle, wheel::reference_speed};
 use crate::Wheel;
 
 /// What the equations integrate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct State {
+pub struct State<T = f64> {
     /// The body's motion.
-    pub velocity: Velocity,
+    pub velocity: Velocity<T>,
     /// Angular speeds of the wheels, rad/s.
-    pub wheel_speed: [f64; 4],
+    pub wheel_speed: [T; 4],
 }
 
 impl State {
@@ -26,26 +27,28 @@ impl State {
             wheel_speed: plant.radius.map(|radius| speed / radius),
         }
     }
+}
 
+impl<T: Number> State<T> {
     /// `self + rate * h`.
-    #[inline]
-    pub fn advanced(&self, rate: &State, h: f64) -> Self {
+    #[inline(always)]
+    pub fn advanced(&self, rate: &Self, h: f64) -> Self {
         let mut wheel_speed = self.wheel_speed;
         for (speed, rate) in wheel_speed.iter_mut().zip(rate.wheel_speed) {
-            *speed += h * rate;
+            *speed += rate * h;
         }
         Self {
             velocity: Velocity {
-                vx: self.velocity.vx + h * rate.velocity.vx,
-                vy: self.velocity.vy + h * rate.velocity.vy,
-                yaw_rate: self.velocity.yaw_rate + h * rate.velocity.yaw_rate,
+                vx: self.velocity.vx + rate.velocity.vx * h,
+                vy: self.velocity.vy + rate.velocity.vy * h,
+                yaw_rate: self.velocity.yaw_rate + rate.velocity.yaw_rate * h,
             },
             wheel_speed,
         }
     }
 
     /// All seven numbers: vx, vy, yaw rate, four wheel speeds.
-    pub fn to_array(&self) -> [f64; 7] {
+    pub fn to_array(&self) -> [T; 7] {
         let [fl, fr, rl, rr] = self.wheel_speed;
         [self.velocity.vx, self.velocity.vy, self.velocity.yaw_rate, fl, fr, rl, rr]
     }
@@ -53,20 +56,20 @@ impl State {
 
 /// What driver and chassis command; between two instants it is taken as linear in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Controls {
+pub struct Controls<T = f64> {
     /// Steering angle of the front wheels, rad.
-    pub steer: f64,
+    pub steer: T,
     /// Drive torque at each wheel, N m.
-    pub drive_torque: [f64; 4],
+    pub drive_torque: [T; 4],
     /// Brake torque at each wheel, N m, zero or positive.
-    pub brake_torque: [f64; 4],
+    pub brake_torque: [T; 4],
 }
 
-impl Controls {
+impl<T: Number> Controls<T> {
     /// At `share` (0–1) of the way from `self` to `other`.
-    #[inline]
-    pub fn towards(&self, other: &Controls, share: f64) -> Self {
-        let mix = |from: f64, to: f64| from + share * (to - from);
+    #[inline(always)]
+    pub fn towards(&self, other: &Self, share: f64) -> Self {
+        let mix = |from: T, to: T| from + (to - from) * share;
         let mut mixed = Self { steer: mix(self.steer, other.steer), ..*self };
         for i in 0..4 {
             mixed.drive_torque[i] = mix(self.drive_torque[i], other.drive_torque[i]);
@@ -78,72 +81,72 @@ impl Controls {
 
 /// What surroundings and suspension do; constant over an integration step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Conditions {
+pub struct Conditions<T = f64> {
     /// Tire and surface at each wheel.
-    pub contact: [Contact; 4],
+    pub contact: [Contact<T>; 4],
     /// Normal load of each wheel, N.
-    pub load: [f64; 4],
+    pub load: [T; 4],
     /// Further steering angle of each wheel, rad, to the left (toe, roll steer, rear steering).
-    pub toe: [f64; 4],
+    pub toe: [T; 4],
     /// Forces on the body.
-    pub external: External,
+    pub external: External<T>,
 }
 
 /// Everything that follows from state, controls and conditions at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Response {
+pub struct Response<T = f64> {
     /// Derivative of the state.
-    pub rate: State,
+    pub rate: State<T>,
     /// The body's accelerations.
-    pub acceleration: Acceleration,
+    pub acceleration: Acceleration<T>,
     /// Slip of each wheel.
-    pub slip: [f64; 4],
+    pub slip: [T; 4],
     /// Slip angle of each wheel as the motion gives it, rad, positive when it gives a force to the left.
-    pub slip_angle: [f64; 4],
+    pub slip_angle: [T; 4],
     /// Force along each wheel, N.
-    pub fx: [f64; 4],
+    pub fx: [T; 4],
     /// Force across each wheel, N, to the left.
-    pub fy: [f64; 4],
+    pub fy: [T; 4],
 }
 
 /// What comes between the car's motion and its tires' forces: nothing ([`Plainly`]), or what effects make
 /// of it. The plain equations are compiled without it.
-pub(super) trait Between {
+pub(super) trait Between<T = f64> {
     /// The slip angles that the tires answer to, rad, from those of the motion.
-    fn answered(&self, slip_angle: [f64; 4]) -> [f64; 4];
+    fn answered(&self, slip_angle: [T; 4]) -> [T; 4];
 
     /// Force along and across / normal load.
-    fn force(&self, tire: &Tire, contact: &Contact, slip: f64, slip_angle: f64) -> [f64; 2];
+    fn force(&self, tire: &Tire<T>, contact: &Contact<T>, slip: T, slip_angle: T) -> [T; 2];
 }
 
 /// Nothing comes between.
 struct Plainly;
 
-impl Between for Plainly {
+impl<T: Number> Between<T> for Plainly {
     #[inline(always)]
-    fn answered(&self, slip_angle: [f64; 4]) -> [f64; 4] {
+    fn answered(&self, slip_angle: [T; 4]) -> [T; 4] {
         slip_angle
     }
 
     #[inline(always)]
-    fn force(&self, tire: &Tire, contact: &Contact, slip: f64, slip_angle: f64) -> [f64; 2] {
+    fn force(&self, tire: &Tire<T>, contact: &Contact<T>, slip: T, slip_angle: T) -> [T; 2] {
         tire.combined(contact, slip, slip_angle)
     }
 }
 
 /// The plain vehicle's equations with their numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plant {
+pub struct Plant<T = f64> {
     /// The body.
-    pub body: Body,
+    pub body: Body<T>,
     /// The tire model, the same at all wheels.
-    pub tire: Tire,
+    pub tire: Tire<T>,
     /// Rolling radius of each wheel, m.
-    pub radius: [f64; 4],
+    pub radius: [T; 4],
     /// Inertia of each wheel, kg m².
-    pub wheel_inertia: f64,
+    pub wheel_inertia: T,
     /// Tire, surface and loads of the vehicle as given: no wind, no toe, static loads.
-    pub nominal: Conditions,
+    pub nominal: Conditions<T>,
 }
 
 impl Plant {
@@ -173,21 +176,28 @@ impl Plant {
             },
         }
     }
+}
 
+impl<T: Number> Plant<T> {
     /// Slips, forces, accelerations and the derivative of the state. Brakes act against each
     /// wheel's rotation, or hold it.
-    pub fn respond(&self, state: &State, controls: &Controls, conditions: &Conditions) -> Response {
+    pub fn respond(
+        &self,
+        state: &State<T>,
+        controls: &Controls<T>,
+        conditions: &Conditions<T>,
+    ) -> Response<T> {
         self.respond_through(state, controls, conditions, &Plainly)
     }
 
     /// [`Self::respond`] with something between motion and forces.
     pub(super) fn respond_through(
         &self,
-        state: &State,
-        controls: &Controls,
-        conditions: &Conditions,
-        between: &impl Between,
-    ) -> Response {
+        state: &State<T>,
+        controls: &Controls<T>,
+        conditions: &Conditions<T>,
+        between: &impl Between<T>,
+    ) -> Response<T> {
         let mut response = self.forces(state, controls, conditions, between);
         for i in 0..4 {
             let other = controls.drive_torque[i] - self.radius[i] * response.fx[i];
@@ -199,27 +209,27 @@ impl Plant {
     }
 
     /// The derivative of the state with brakes that act as told, for the stages of one step.
-    #[inline]
+    #[inline(always)]
     pub fn rate(
         &self,
-        state: &State,
-        controls: &Controls,
-        conditions: &Conditions,
-        braking: &[Braking; 4],
-    ) -> State {
+        state: &State<T>,
+        controls: &Controls<T>,
+        conditions: &Conditions<T>,
+        braking: &[Braking<T>; 4],
+    ) -> State<T> {
         self.braked(state, controls, conditions, braking, &Plainly).rate
     }
 
     /// Everything with brakes that act as told and something between motion and forces.
-    #[inline]
+    #[inline(always)]
     pub(super) fn braked(
         &self,
-        state: &State,
-        controls: &Controls,
-        conditions: &Conditions,
-        braking: &[Braking; 4],
-        between: &impl Between,
-    ) -> Response {
+        state: &State<T>,
+        controls: &Controls<T>,
+        conditions: &Conditions<T>,
+        braking: &[Braking<T>; 4],
+        between: &impl Between<T>,
+    ) -> Response<T> {
         let mut response = self.forces(state, controls, conditions, between);
         for (i, braking) in braking.iter().enumerate() {
             let other = controls.drive_torque[i] - self.radius[i] * response.fx[i];
@@ -230,23 +240,34 @@ impl Plant {
     }
 
     /// The way each brake acts at the start of a step.
-    #[inline]
-    pub fn braking(&self, state: &State, controls: &Controls, conditions: &Conditions) -> [Braking; 4] {
+    #[inline(always)]
+    pub fn braking(
+        &self,
+        state: &State<T>,
+        controls: &Controls<T>,
+        conditions: &Conditions<T>,
+    ) -> [Braking<T>; 4] {
         self.braking_through(state, controls, conditions, &Plainly)
     }
 
     /// [`Self::braking`] with something between motion and forces.
-    #[inline]
+    #[inline(always)]
     pub(super) fn braking_through(
         &self,
-        state: &State,
-        controls: &Controls,
-        conditions: &Conditions,
-        between: &impl Between,
-    ) -> [Braking; 4] {
-        let stands = |i: usize| state.wheel_speed[i] == 0.0 && controls.brake_torque[i] > 0.0;
+        state: &State<T>,
+        controls: &Controls<T>,
+        conditions: &Conditions<T>,
+        between: &impl Between<T>,
+    ) -> [Braking<T>; 4] {
+        let zero = T::constant(0.0);
+        let stands =
+            |i: usize| state.wheel_speed[i].is_zero().and(zero.is_below(controls.brake_torque[i])).any();
         if !(0..4).any(stands) {
-            return state.wheel_speed.map(|speed| Braking::Against(speed.signum()));
+            let mut braking = [Braking::turning(zero); 4];
+            for (brake, speed) in braking.iter_mut().zip(state.wheel_speed) {
+                *brake = Braking::turning(speed);
+            }
+            return braking;
         }
         let fx = self.forces(state, controls, conditions, between).fx;
         std::array::from_fn(|i| {
@@ -256,14 +277,14 @@ impl Plant {
     }
 
     /// Everything but the wheels' accelerations.
-    #[inline]
+    #[inline(always)]
     fn forces(
         &self,
-        state: &State,
-        controls: &Controls,
-        conditions: &Conditions,
-        between: &impl Between,
-    ) -> Response {
+        state: &State<T>,
+        controls: &Controls<T>,
+        conditions: &Conditions<T>,
+        between: &impl Between<T>,
+    ) -> Response<T> {
         let velocity = &state.velocity;
         let steer = Steer::new(controls.steer);
         let along = self.body.contact_speeds(velocity, steer);
@@ -276,27 +297,28 @@ impl Plant {
         let slip_angle = [front + toe[0], front + toe[1], rear + toe[2], rear + toe[3]];
         let answered = between.answered(slip_angle);
         let across = [front_across, front_across, rear_across, rear_across];
-        let mut response = Response { slip_angle, ..Response::default() };
-        let (mut on_body_x, mut on_body_y) = ([0.0; 4], [0.0; 4]);
+        let none = [T::constant(0.0); 4];
+        let (mut slip, mut fx, mut fy) = (none, none, none);
+        let (mut on_body_x, mut on_body_y) = (none, none);
         for i in 0..4 {
             let [along, _] = wheel::turned([along[i], across[i]], toe[i]);
-            response.slip[i] = wheel::slip(self.radius[i] * state.wheel_speed[i], along);
+            slip[i] = wheel::slip(self.radius[i] * state.wheel_speed[i], along);
             let contact = &conditions.contact[i];
-            let [x, y] = between.force(&self.tire, contact, response.slip[i], answered[i]);
-            response.fx[i] = x * conditions.load[i];
-            response.fy[i] = y * conditions.load[i];
-            [on_body_x[i], on_body_y[i]] = wheel::turned([response.fx[i], response.fy[i]], -toe[i]);
+            let [x, y] = between.force(&self.tire, contact, slip[i], answered[i]);
+            fx[i] = x * conditions.load[i];
+            fy[i] = y * conditions.load[i];
+            [on_body_x[i], on_body_y[i]] = wheel::turned([fx[i], fy[i]], -toe[i]);
         }
-        response.acceleration =
+        let acceleration =
             self.body.accelerate(velocity, steer, &on_body_x, &on_body_y, &conditions.external);
-        response.rate.velocity = Velocity {
-            vx: response.acceleration.vx_rate,
-            vy: response.acceleration.vy_rate,
-            yaw_rate: response.acceleration.yaw,
-        };
-        response
+        let velocity =
+            Velocity { vx: acceleration.vx_rate, vy: acceleration.vy_rate, yaw_rate: acceleration.yaw };
+        let rate = State { velocity, wheel_speed: none };
+        Response { rate, acceleration, slip, slip_angle, fx, fy }
     }
+}
 
+impl Plant {
     /// An upper bound of the fastest rate of the system, 1/s: wheel against ground,
     /// k N r² / (J v) of the wheel plus 4 k N / (m v) of the body. Thousands at low speed.
     #[inline]

@@ -1,19 +1,22 @@
 //! The linear tire.
 
-use super::{Curve, Real, Shape};
+use super::{Curve, Number, Real, Shape};
 
 /// Force proportional to slip, without limit: right for small slip only.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Linear;
 
-impl<T: Real> Curve<T> for Linear {
+impl<T: Number> Curve<T> for Linear {
     #[inline(always)]
     fn force(&self, stiffness: T, _friction: T, slip: T) -> T {
         stiffness * slip
     }
 
     #[inline(always)]
-    fn slip(&self, stiffness: T, _friction: T, force: T) -> T {
+    fn slip(&self, stiffness: T, _friction: T, force: T) -> T
+    where
+        T: Real,
+    {
         force / stiffness
     }
 }

@@ -102,8 +102,8 @@ impl Input {
             brake_pressure: mix(self.brake_pressure, other.brake_pressure),
             wheel: self.wheel,
         };
-        for (mixed, other) in mixed.wheel.iter_mut().zip(other.wheel) {
-            *mixed = mix(*mixed, other);
+        for (i, mixed) in mixed.wheel.iter_mut().enumerate() {
+            *mixed = mix(*mixed, other.wheel[i]);
         }
         mixed
     }

@@ -159,9 +159,9 @@ pub(super) fn trace(
 pub(super) fn products(a: &[[f64; LANES]], b: &[[f64; LANES]]) -> [[f64; LANES]; LANES] {
     let mut sum = [[0.0; LANES]; LANES];
     for (a, b) in a.iter().zip(b) {
-        for (row, a) in sum.iter_mut().zip(a) {
-            for (place, b) in row.iter_mut().zip(b) {
-                *place += a * b;
+        for (place, row) in sum.iter_mut().enumerate() {
+            for (other, sum) in row.iter_mut().enumerate() {
+                *sum += a[place] * b[other];
             }
         }
     }

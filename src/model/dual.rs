@@ -25,8 +25,10 @@ impl<const N: usize> Dual<N> {
     #[inline(always)]
     fn zip(self, other: Self, value: f64, from_self: f64, from_other: f64) -> Self {
         let mut by = [0.0; N];
-        for ((by, a), b) in by.iter_mut().zip(&self.by).zip(&other.by) {
-            *by = from_self * a + from_other * b;
+        // Loops over places and no `zip`, here and below: the latter is not inlined in every build, and then
+        // nothing of the equations stays in registers.
+        for (place, by) in by.iter_mut().enumerate() {
+            *by = from_self * self.by[place] + from_other * other.by[place];
         }
         Self { value, by }
     }
@@ -70,8 +72,8 @@ impl<const N: usize> AddAssign for Dual<N> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         self.value += other.value;
-        for (a, b) in self.by.iter_mut().zip(&other.by) {
-            *a += b;
+        for (place, by) in self.by.iter_mut().enumerate() {
+            *by += other.by[place];
         }
     }
 }
@@ -81,8 +83,8 @@ impl<const N: usize> Sub for Dual<N> {
     #[inline(always)]
     fn sub(mut self, other: Self) -> Self {
         self.value -= other.value;
-        for (a, b) in self.by.iter_mut().zip(&other.by) {
-            *a -= b;
+        for (place, by) in self.by.iter_mut().enumerate() {
+            *by -= other.by[place];
         }
         self
     }

@@ -26,13 +26,14 @@ impl<const K: usize> Default for Lanes<K> {
     }
 }
 
-// Loops and no `array::from_fn`: it is not always inlined, and what calls it is then no vector any more.
+// Loops over places, no `array::from_fn` and no `zip`: those are not inlined in every build, and what calls
+// them is then no vector any more.
 
 impl<const K: usize> Mask for Where<K> {
     #[inline(always)]
     fn and(mut self, other: Self) -> Self {
-        for (one, other) in self.0.iter_mut().zip(other.0) {
-            *one &= other;
+        for (place, one) in self.0.iter_mut().enumerate() {
+            *one &= other.0[place];
         }
         self
     }
@@ -67,8 +68,8 @@ impl<const K: usize> Lanes<K> {
 
     #[inline(always)]
     fn with(mut self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
-        for (one, other) in self.0.iter_mut().zip(other.0) {
-            *one = of(*one, other);
+        for (place, one) in self.0.iter_mut().enumerate() {
+            *one = of(*one, other.0[place]);
         }
         self
     }
@@ -152,9 +153,9 @@ impl<const K: usize> Number for Lanes<K> {
         otherwise: impl FnOnce() -> [Self; N],
     ) -> [Self; N] {
         let (so, mut picked) = (so(), otherwise());
-        for (picked, so) in picked.iter_mut().zip(&so) {
+        for (number, picked) in picked.iter_mut().enumerate() {
             for (place, picked) in picked.0.iter_mut().enumerate() {
-                *picked = if mask.0[place] { so.0[place] } else { *picked };
+                *picked = if mask.0[place] { so[number].0[place] } else { *picked };
             }
         }
         picked

@@ -34,8 +34,8 @@ impl<T: Number> State<T> {
     #[inline(always)]
     pub fn advanced(&self, rate: &Self, h: f64) -> Self {
         let mut wheel_speed = self.wheel_speed;
-        for (speed, rate) in wheel_speed.iter_mut().zip(rate.wheel_speed) {
-            *speed += rate * h;
+        for (i, speed) in wheel_speed.iter_mut().enumerate() {
+            *speed += rate.wheel_speed[i] * h;
         }
         Self {
             velocity: Velocity {
@@ -264,8 +264,8 @@ impl<T: Number> Plant<T> {
             |i: usize| state.wheel_speed[i].is_zero().and(zero.is_below(controls.brake_torque[i])).any();
         if !(0..4).any(stands) {
             let mut braking = [Braking::turning(zero); 4];
-            for (brake, speed) in braking.iter_mut().zip(state.wheel_speed) {
-                *brake = Braking::turning(speed);
+            for (i, brake) in braking.iter_mut().enumerate() {
+                *brake = Braking::turning(state.wheel_speed[i]);
             }
             return braking;
         }

@@ -317,6 +317,9 @@ impl Pipeline {
     /// Friction by the calibrated mapping, where there is one and the slope is known.
     fn mapped(&self) -> Option<MappedFriction> {
         let mapping = self.mapping.as_ref().filter(|_| self.latest.slope_valid)?;
+        if !mapping.holds_on(self.latest.roughness) {
+            return None;
+        }
         let scale_std = self.car.slope_scale_std(self.sensors.has(Quantity::DriveTorque));
         mapping.at(mean_slope(&self.latest.slope, self.car.driven_axle, scale_std)?)
     }

@@ -1,11 +1,12 @@
 //! Beside the tools that people use: GIVEN files written by python-can and asammdf WHEN gripd reads them THEN they say what
-//! their candump twin says; GIVEN tables written by gripd WHEN polars reads them THEN they say what the CSV twins say.
+//! their candump twin says, and they what gripd wrote; GIVEN tables written by gripd WHEN polars reads them THEN they say what the CSV twins say.
 //! Skipped, with a message, where the Python packages cannot be had.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 #[path = "../support/mod.rs"]
 mod support;
+mod written;
 
 use std::fs;
 use std::path::{Path, PathBuf};

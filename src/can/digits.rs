@@ -33,10 +33,33 @@ pub(in crate::can) fn decimal(text: [u8; 8]) -> Option<i64> {
     Some((fours as u32 as i64) * 10_000 + (fours >> 32) as i64)
 }
 
+/// Value of each hexadecimal digit, else [`NO_DIGIT`].
+pub(in crate::can) const HEX: [u8; 256] = {
+    let mut table = [NO_DIGIT; 256];
+    let mut value = 0;
+    while value < 16 {
+        table[b"0123456789ABCDEF"[value] as usize] = value as u8;
+        table[b"0123456789abcdef"[value] as usize] = value as u8;
+        value += 1;
+    }
+    table
+};
+
+/// What is none.
+pub(in crate::can) const NO_DIGIT: u8 = 0xFF;
+
 /// One hexadecimal digit.
 #[inline]
 pub(in crate::can) fn digit(character: u8) -> Option<u32> {
-    (character as char).to_digit(16)
+    let value = HEX[usize::from(character)];
+    (value != NO_DIGIT).then_some(value.into())
+}
+
+/// Two of them: a byte.
+#[inline]
+pub(in crate::can) fn pair(high: u8, low: u8) -> Option<u8> {
+    let (high, low) = (HEX[usize::from(high)], HEX[usize::from(low)]);
+    (high | low != NO_DIGIT).then_some(high << 4 | low & 0xF)
 }
 
 /// Eight hexadecimal digits: four bytes, the first digit being the upper half of the first of them.

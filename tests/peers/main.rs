@@ -4,6 +4,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+#[path = "../support/program.rs"]
+mod program;
 #[path = "../support/mod.rs"]
 mod support;
 mod written;
@@ -16,19 +18,10 @@ use gripd::Micros;
 use gripd::can::candump::{self, Writer};
 use gripd::can::recording::Reader;
 use gripd::can::{CanId, Frame, FrameKind};
+use program::{gripd, project};
 
 /// 9 October 2025, 08:53:20: on a whole millisecond, which is all that ASC and BLF have of a start.
 const START: Micros = Micros(1_760_000_000_000_000);
-
-fn project(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
-
-fn gripd() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gripd"));
-    command.env_remove("RUST_LOG");
-    command
-}
 
 #[track_caller]
 fn succeed(command: &mut Command) -> Output {

@@ -62,12 +62,32 @@ const BUS_ERROR: u32 = 0x80;
 trait Source: Send {
     /// As [`Reader::next_frame`].
     fn next_frame(&mut self) -> Result<Option<Frame>, LogError>;
-    /// As [`Reader::interface`].
-    fn interface(&self) -> &str;
-    /// As [`Reader::stats`].
-    fn stats(&self) -> &LogStats;
+    /// What there is to say of it.
+    fn about(&self) -> &About;
+}
+
+/// What every source keeps.
+#[derive(Default)]
+struct About {
     /// As [`Reader::name`].
-    fn name(&self) -> &str;
+    name: String,
+    /// As [`Reader::interface`].
+    interface: Interface,
+    /// As [`Reader::stats`].
+    stats: LogStats,
+}
+
+impl About {
+    fn of(name: String) -> Self {
+        Self { name, ..Self::default() }
+    }
+
+    /// A frame is delivered, of a channel that becomes `canN`.
+    fn delivered(&mut self, channel: u32, frame: Frame) -> Frame {
+        self.interface.set(channel);
+        self.stats.frame(frame.time);
+        frame
+    }
 }
 
 /// The identifier of that number and kind.

@@ -105,8 +105,7 @@ impl Records {
     /// If the file is broken; what was before has been given out, and there is nothing more.
     pub fn next(&mut self, file: &Blocks) -> Result<Option<Record>, LogError> {
         loop {
-            let is_ready = |first: &Waiting| first.data.is_none() || first.found.is_some();
-            if self.waiting.front().is_some_and(is_ready)
+            if self.waiting.front().is_some_and(Waiting::is_ready)
                 || self.waiting.len() > WAITING
                 || (self.ended && !self.waiting.is_empty())
             {
@@ -200,6 +199,10 @@ impl Records {
                 waiting.data = None;
             }
         }
+        // Nearly always so.
+        if self.waiting.is_empty() && waiting.is_ready() {
+            return Ok(Some(waiting.finish()));
+        }
         self.waiting.push_back(waiting);
         Ok(None)
     }
@@ -268,6 +271,11 @@ impl Bytes {
 }
 
 impl Waiting {
+    /// Nothing is still to come.
+    fn is_ready(&self) -> bool {
+        self.data.is_none() || self.found.is_some()
+    }
+
     /// With what is known now.
     fn finish(self) -> Record {
         let frame = self.head.and_then(|head| {
@@ -311,11 +319,9 @@ impl Sorted {
         }
         // Whole seconds apart, so that the product has all the digits there are.
         let whole = seconds.floor();
-        let ns = i128::from(start_ns)
-            + (whole as i128) * 1_000_000_000
-            + ((seconds - whole) * 1e9).round() as i128;
-        let time =
-            i64::try_from((ns + 500).div_euclid(1000)).map_or(Err(Damage::BadTime), |us| Ok(Micros(us)))?;
+        let rest_ns = start_ns.rem_euclid(1000) + ((seconds - whole) * 1e9).round() as i64;
+        let start_us = start_ns.div_euclid(1000);
+        let time = Micros(start_us + (whole as i64) * Micros::PER_SECOND + (rest_ns + 500).div_euclid(1000));
         let channel = number(members.channel).map_or(0, |channel| u32::try_from(channel).unwrap_or(u32::MAX));
         if self.group.kind == Kind::Error {
             let id = identifier(0, true)?;

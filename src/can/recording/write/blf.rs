@@ -53,7 +53,8 @@ impl Blf {
     /// Packs and writes the first so many bytes of the objects.
     fn container(&mut self, count: usize) -> io::Result<()> {
         const ZLIB: u16 = 2;
-        let mut encoder = ZlibEncoder::new(Vec::new(), flate2::Compression::default());
+        // As loggers do: a tenth larger, in a third of the time.
+        let mut encoder = ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
         encoder.write_all(&self.objects[..count])?;
         let packed = encoder.finish()?;
         let mut header = base_header(16, CONTAINER_HEADER + packed.len(), 10).to_vec();

@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -39,7 +40,15 @@ impl Place {
 
     /// Simulates a drive to `name`.
     fn record(&self, name: &str, tests: &[AbsTest], seed: u64) -> PathBuf {
-        let drive = scenario(tests, TireKind::Piecewise).unwrap();
+        self.record_rough(name, tests, seed, &[])
+    }
+
+    /// The same with roads that shake the wheels.
+    fn record_rough(&self, name: &str, tests: &[AbsTest], seed: u64, rough: &[usize]) -> PathBuf {
+        let mut drive = scenario(tests, TireKind::Piecewise).unwrap();
+        for road in rough {
+            drive.road[*road].roughness_mps = 0.12;
+        }
         let toml = self.path("scenario.toml");
         fs::write(&toml, toml::to_string(&drive).unwrap()).unwrap();
         let log = self.path(name);
@@ -61,6 +70,16 @@ impl Place {
         let output = command.arg("--json").arg(&json).output().unwrap();
         let value = fs::read(json).map_or(Value::Null, |text| serde_json::from_slice(&text).unwrap());
         (output, value)
+    }
+
+    /// The estimates, row by row.
+    fn replay(&self, car: &Path, drive: &Path) -> Vec<BTreeMap<String, String>> {
+        let estimates = self.path("estimates.csv");
+        let mut command = gripd();
+        command.args(["replay", "-c"]).arg(car).arg(drive).arg("--estimates").arg(&estimates);
+        let replay = command.output().unwrap();
+        assert_eq!(replay.status.code(), Some(0), "{}", text(&replay.stderr));
+        csv::Reader::from_path(estimates).unwrap().deserialize().map(Result::unwrap).collect()
     }
 }
 
@@ -101,31 +120,25 @@ fn two_surfaces_give_a_mapping_that_works_in_the_service() {
     let car = place.path("car.toml");
     fs::write(&car, config + "\n" + text(&output.stdout)).unwrap();
     let drive = place.record("drive.log", &[ASPHALT, GRAVEL, AbsTest::settled(0.2, 25.0)], 3);
-    let estimates = place.path("estimates.csv");
-    let replay = gripd()
-        .args(["replay", "-c"])
-        .arg(car)
-        .arg(drive)
-        .arg("--estimates")
-        .arg(&estimates)
-        .output()
-        .unwrap();
-    assert_eq!(replay.status.code(), Some(0), "{}", text(&replay.stderr));
-    let mut csv = csv::Reader::from_path(estimates).unwrap();
-    let headers = csv.headers().unwrap().clone();
-    let column = |name: &str| headers.iter().position(|header| header == name).unwrap();
-    let rows: Vec<_> = csv.records().map(Result::unwrap).collect();
-    let number = |row: usize, name: &str| rows[row][column(name)].parse::<f64>().ok();
+    let rows = place.replay(&car, &drive);
+    let number = |row: usize, name: &str| rows[row][name].parse::<f64>().ok();
     // Just before the brakings, 27 s into each surface of some 38 s.
     for (row, mu) in [(2600, 0.95), (2600 + 3830, 0.55)] {
         let (low, high) = (number(row, "mu_map_low").unwrap(), number(row, "mu_map_high").unwrap());
         let map = number(row, "mu_map").unwrap();
         assert!(low < mu && mu < high && high - low < 0.4, "{low} {map} {high}");
-        assert_eq!(&rows[row][column("mu_source")], "slope_map");
-        assert_eq!(&rows[row][column("mu_valid")], "0");
+        assert_eq!((rows[row]["mu_source"].as_str(), rows[row]["mu_valid"].as_str()), ("slope_map", "0"));
     }
     // Ice is softer than anything calibrated on: no mapping.
     assert_eq!(number(2600 + 2 * 3830, "mu_map"), None);
+
+    // The same gravel, but rough as none of the roads that the calibration saw.
+    assert!(text(&output.stdout).contains("\nroughness_mps = [0.0"), "{}", text(&output.stdout));
+    let rows = place.replay(&car, &place.record_rough("rough.log", &[ASPHALT, GRAVEL], 5, &[1]));
+    let number = |row: usize, name: &str| rows[row][name].parse::<f64>().ok();
+    assert!(number(2600, "mu_map").is_some());
+    assert!(number(2600 + 3830, "slope_fl").is_some() && number(2600 + 3830, "roughness").unwrap() > 0.08);
+    assert_eq!(number(2600 + 3830, "mu_map"), None);
 }
 
 #[test]

@@ -314,6 +314,9 @@ fn table(mapping: &MappingConfig) -> String {
     };
     let rows: Vec<_> = mapping.covariance.iter().map(|row| list(row)).collect();
     let [low, high] = mapping.slope_range;
+    let roughness = mapping
+        .roughness_mps
+        .map_or(String::new(), |[low, high]| format!("roughness_mps = [{low:.4}, {high:.4}]\n"));
     format!(
         "[estimators.mapping]    # {formula}; for this car with these tires, on roads like those\n\
          kind = \"{kind}\"\n\
@@ -321,6 +324,7 @@ fn table(mapping: &MappingConfig) -> String {
          covariance = [{}]\n\
          residual_std = {:.4}\n\
          slope_range = [{low:.2}, {high:.2}]\n\
+         {roughness}\
          pairs = {}",
         list(&mapping.coefficients),
         rows.join(", "),
@@ -335,13 +339,20 @@ mod tests {
 
     #[test]
     fn the_table_reads_back_as_the_mapping() {
-        for (kind, coefficients, covariance) in [
-            (MappingKind::Linear, vec![0.0061, 0.21], vec![vec![1.2e-7, -3.1e-6], vec![-3.1e-6, 4.0e-4]]),
-            (MappingKind::Quadratic, vec![9.1e-5], vec![vec![2.5e-11]]),
+        let line = vec![vec![1.2e-7, -3.1e-6], vec![-3.1e-6, 4.0e-4]];
+        for (kind, coefficients, covariance, roughness_mps) in [
+            (MappingKind::Linear, vec![0.0061, 0.21], line, Some([0.0021, 0.125])),
+            (MappingKind::Quadratic, vec![9.1e-5], vec![vec![2.5e-11]], None),
         ] {
-            let slope_range = [48.25, 97.5];
-            let mapping =
-                MappingConfig { kind, coefficients, covariance, residual_std: 0.0412, slope_range, pairs: 9 };
+            let mapping = MappingConfig {
+                kind,
+                coefficients,
+                covariance,
+                residual_std: 0.0412,
+                slope_range: [48.25, 97.5],
+                roughness_mps,
+                pairs: 9,
+            };
             let text = table(&mapping);
             let document: toml::Table = toml::from_str(&text).unwrap();
             let read: MappingConfig = document["estimators"]["mapping"].clone().try_into().unwrap();

@@ -21,6 +21,7 @@ mod lateral_slope;
 mod lateral_velocity;
 mod learned;
 pub mod mapping;
+mod overall_slope;
 mod pipeline;
 mod roughness;
 mod saturation;

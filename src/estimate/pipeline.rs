@@ -12,6 +12,7 @@ use super::lateral_slope::LateralSlopeEstimator;
 use super::lateral_velocity::LateralVelocityEstimator;
 use super::learned::Learned;
 use super::mapping::{MappedFriction, Mapping, mean_slope};
+use super::overall_slope::OverallSlope;
 use super::roughness::Roughness;
 use super::saturation::SaturationDetector;
 use super::slope::SlopeEstimator;
@@ -30,6 +31,8 @@ pub struct Pipeline {
     blocks: BlockBuilder,
     traction: Traction,
     slope: SlopeEstimator,
+    /// Where no wheel rolls freely.
+    overall_slope: Option<OverallSlope>,
     roughness: Roughness,
     lateral_velocity: LateralVelocityEstimator,
     lateral_slope: LateralSlopeEstimator,
@@ -71,6 +74,8 @@ impl Pipeline {
             blocks: BlockBuilder::new(config.slope.block_s),
             traction: Traction::new(&car, sensors, &config.slope, slow),
             slope: SlopeEstimator::new(&car, sensors, &config.slope),
+            overall_slope: (car.driven_axle == DrivenAxle::All)
+                .then(|| OverallSlope::new(&car, sensors, &config.slope, slow)),
             roughness: Roughness::new(car.radius * sensors.noise_std(Quantity::WheelSpeedFl)),
             lateral_velocity: LateralVelocityEstimator::new(&car, sensors, slow),
             lateral_slope: LateralSlopeEstimator::new(&car, slow),
@@ -99,6 +104,9 @@ impl Pipeline {
     /// measured the same; and what its first readings contradict is forgotten.
     pub fn restore(&mut self, learned: &Learned) {
         self.slope.restore(learned);
+        if let Some(overall) = &mut self.overall_slope {
+            overall.restore(learned);
+        }
         self.cornering.restore(learned);
         self.driving_s = learned.driving_s;
     }
@@ -108,6 +116,9 @@ impl Pipeline {
     pub fn learned(&self) -> Learned {
         let mut learned = Learned { time: self.latest.time, driving_s: self.driving_s, ..Learned::default() };
         self.slope.learn(&mut learned);
+        if let Some(overall) = &self.overall_slope {
+            overall.learn(&mut learned);
+        }
         self.cornering.learn(&mut learned);
         learned.plausible()
     }
@@ -198,9 +209,21 @@ impl Pipeline {
             }
         }
         self.latest.roughness = self.roughness.estimate();
-        self.latest.slope = self.slope.slopes();
         self.latest.slip_offset = self.slope.offsets();
-        self.latest.slope_valid = now.speed.is_some() && self.slope.are_valid(&self.latest.slope);
+        let are_valid = if let Some(overall) = &mut self.overall_slope {
+            let changed = overall.step(now);
+            self.latest.slope = overall.slopes();
+            let is_valid = overall.is_valid();
+            if changed {
+                self.on_surface_change();
+                self.cornering.surface_changed();
+            }
+            is_valid
+        } else {
+            self.latest.slope = self.slope.slopes();
+            self.slope.are_valid(&self.latest.slope)
+        };
+        self.latest.slope_valid = now.speed.is_some() && are_valid;
     }
 
     /// The brush regression on the mean of the driven wheels, where these agree: one that is braked on its own, or
@@ -221,7 +244,9 @@ impl Pipeline {
             mu_variance += point.mu_std * point.mu_std;
         }
         if count == 0.0 {
-            self.excitation[0].step(0.0, block.duration_s);
+            let felt = block.longitudinal_acceleration.filter(|_| self.overall_slope.is_some());
+            let used = felt.map_or(0.0, |felt| self.car.longitudinal_force(felt, block.speed));
+            self.excitation[0].step(used, block.duration_s);
             return;
         }
         self.excitation[0].step(mu / count, block.duration_s);
@@ -292,6 +317,9 @@ impl Pipeline {
     /// Friction by the calibrated mapping, where there is one and the slope is known.
     fn mapped(&self) -> Option<MappedFriction> {
         let mapping = self.mapping.as_ref().filter(|_| self.latest.slope_valid)?;
+        if !mapping.holds_on(self.latest.roughness) {
+            return None;
+        }
         let scale_std = self.car.slope_scale_std(self.sensors.has(Quantity::DriveTorque));
         mapping.at(mean_slope(&self.latest.slope, self.car.driven_axle, scale_std)?)
     }

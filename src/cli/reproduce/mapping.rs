@@ -196,7 +196,13 @@ fn two_weeks() -> Result<Outcome, String> {
     let (wrong, right) = (slope_error(is_settled(false), scale), slope_error(is_settled(true), scale));
     let truth: Vec<_> = found
         .iter()
-        .map(|found| Pair { slope: found.true_slope, slope_std: 0.0, mu: found.true_mu, mu_std: 0.0 })
+        .map(|found| Pair {
+            slope: found.true_slope,
+            slope_std: 0.0,
+            mu: found.true_mu,
+            mu_std: 0.0,
+            roughness: None,
+        })
         .collect();
     let truth = Calibration::new(&truth);
     let true_r_square = fit_of(&truth, MappingKind::Linear)?.regression.r_square;

@@ -18,6 +18,9 @@ pub struct Pair {
     pub mu: f64,
     /// Its standard deviation.
     pub mu_std: f64,
+    /// How rough the road was before the braking, m/s, where that is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roughness: Option<f64>,
 }
 
 /// A mapping fitted.
@@ -165,6 +168,7 @@ impl MappingFit {
             covariance,
             residual_std: self.residual_std(),
             slope_range: [low, high],
+            roughness_mps: roughness_range(pairs),
             pairs: pairs.len(),
         })
     }
@@ -177,7 +181,7 @@ impl MappingFit {
 
 fn fit(pairs: &[Pair], kind: Option<MappingKind>) -> Option<MappingFit> {
     let point = |pair: &Pair| {
-        let Pair { slope, slope_std, mu, mu_std } = *pair;
+        let Pair { slope, slope_std, mu, mu_std, .. } = *pair;
         match kind {
             Some(MappingKind::Quadratic) => {
                 Point { x: slope * slope, x_std: 2.0 * slope * slope_std, y: mu, y_std: mu_std }
@@ -202,6 +206,13 @@ fn fit(pairs: &[Pair], kind: Option<MappingKind>) -> Option<MappingFit> {
 fn range(pairs: &[Pair]) -> (f64, f64) {
     pairs.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), pair| {
         (low.min(pair.slope), high.max(pair.slope))
+    })
+}
+
+/// Of the smoothest and the roughest road, where all are known.
+fn roughness_range(pairs: &[Pair]) -> Option<[f64; 2]> {
+    pairs.iter().try_fold([f64::INFINITY, 0.0], |[low, high], pair| {
+        pair.roughness.map(|roughness| [f64::min(low, roughness), f64::max(high, roughness)])
     })
 }
 
@@ -274,7 +285,7 @@ mod tests {
     use rand_distr::{Distribution, Normal, Uniform};
 
     fn pair(slope: f64, mu: f64) -> Pair {
-        Pair { slope, slope_std: 1.0, mu, mu_std: 0.02 }
+        Pair { slope, slope_std: 1.0, mu, mu_std: 0.02, roughness: None }
     }
 
     #[test]
@@ -300,6 +311,12 @@ mod tests {
         assert_eq!(chosen.kind, MappingKind::Linear);
         assert!((chosen.coefficients[0] - 0.006).abs() < 0.001, "{chosen:?}");
         assert_eq!((chosen.slope_range, chosen.pairs), ([40.0, 95.0], 8));
+        assert_eq!(chosen.roughness_mps, None);
+        let mut smooth = make(&|k| 0.006 * k + 0.3);
+        for (i, pair) in smooth.iter_mut().enumerate() {
+            pair.roughness = Some(0.01 + 0.002 * i as f64);
+        }
+        assert_eq!(Calibration::new(&smooth).chosen.unwrap().roughness_mps, Some([0.01, 0.024]));
         assert_eq!(chosen.problem(), None);
         let chosen = Calibration::new(&make(&|k| 1.1e-4 * k * k)).chosen.unwrap();
         assert_eq!(chosen.kind, MappingKind::Quadratic);
@@ -352,7 +369,7 @@ mod tests {
             .map(|_| {
                 let k = slopes.sample(rng);
                 let mu = law(k) + scatter.sample(rng) + mu_error.sample(rng);
-                let pair = Pair { slope: k + slope_error.sample(rng), slope_std: 3.0, mu, mu_std: 0.02 };
+                let pair = Pair { slope_std: 3.0, ..pair(k + slope_error.sample(rng), mu) };
                 (pair, k)
             })
             .collect()

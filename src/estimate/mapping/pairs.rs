@@ -27,6 +27,8 @@ pub struct Braking {
     /// Slope before the brakes were touched, mean of the driven wheels, settled or not. Its standard
     /// deviation is without what the data sheet leaves open, which is the same in every pair.
     pub slope: Option<Estimate>,
+    /// How rough the road was before it, m/s.
+    pub roughness: Option<f64>,
     /// The surface was watched for some seconds after the braking, too, and did not change.
     pub confirmed: bool,
     /// Why it is not a pair.
@@ -42,7 +44,8 @@ impl Braking {
     /// The pair that the braking makes with whatever slope there was: the way of Fig. 6.1.
     pub fn as_if_settled(&self) -> Option<Pair> {
         let ((mu, mu_std), slope) = self.mu.zip(self.slope)?;
-        Some(Pair { slope: slope.value, slope_std: slope.std, mu, mu_std })
+        let roughness = self.roughness;
+        Some(Pair { slope: slope.value, slope_std: slope.std, mu, mu_std, roughness })
     }
 }
 
@@ -131,6 +134,7 @@ pub struct PairFinder {
 struct Free {
     slope: Option<Estimate>,
     valid: bool,
+    roughness: Option<f64>,
     settled_s: f64,
     changes: u32,
 }
@@ -238,6 +242,8 @@ impl PairFinder {
         Free {
             slope: mean_slope(&estimates.slope, self.car.driven_axle, self.scale_std),
             valid: estimates.slope_valid,
+            // While braking nobody knows it; just afterwards, that of before counts.
+            roughness: estimates.roughness.map(|roughness| roughness.value).or(self.free.roughness),
             settled_s: self.anchor.map_or(0.0, |(_, since)| self.now_s - since.max(self.changed_s)),
             changes: self.changes,
         }
@@ -252,6 +258,7 @@ impl PairFinder {
             speed: record.start_speed,
             mu,
             slope,
+            roughness: self.free.roughness,
             confirmed: false,
             not_a_pair: self.objection(&record),
         }

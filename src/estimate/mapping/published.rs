@@ -41,6 +41,10 @@ pub struct MappingConfig {
     pub residual_std: f64,
     /// Least and largest slope it was calibrated on. There is no mapping beyond.
     pub slope_range: [f64; 2],
+    /// Roughness of its smoothest and its roughest road, m/s, where that was known: a road clearly smoother or
+    /// rougher is none like those.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub roughness_mps: Option<[f64; 2]>,
     /// Number of pairs it stands on: few pairs make wide intervals.
     pub pairs: usize,
 }
@@ -79,6 +83,11 @@ impl MappingConfig {
                 low.is_finite() && high.is_finite() && low > 0.0 && low < high,
                 "must be the least and the largest slope, both positive",
             ),
+            (
+                "mapping.roughness_mps",
+                self.roughness_mps.is_none_or(|[low, high]| low >= 0.0 && low <= high && high.is_finite()),
+                "must be the least and the largest roughness, none negative",
+            ),
             ("mapping.pairs", self.pairs > p, "must be more than the coefficients"),
         ];
         checks.into_iter().find(|(_, good, _)| !good).map(|(key, _, reason)| (key, reason))
@@ -105,11 +114,15 @@ pub struct Mapping {
     covariance: Covariance,
     residual_variance: f64,
     range: [f64; 2],
+    roughness: Option<[f64; 2]>,
     /// Half-width of the 95 % interval in standard deviations.
     quantile: f64,
 }
 
 impl Mapping {
+    /// Roads that were braked on are like others up to this factor in roughness, and so much beyond it, m/s.
+    const ALIKE: (f64, f64) = (1.5, 0.01);
+
     /// From a checked configuration; `None` where [`MappingConfig::problem`] finds one.
     pub fn new(config: &MappingConfig) -> Option<Self> {
         if config.problem().is_some() {
@@ -128,8 +141,18 @@ impl Mapping {
             covariance,
             residual_variance: config.residual_std * config.residual_std,
             range: config.slope_range,
+            roughness: config.roughness_mps,
             quantile: student::quantile(0.95, freedom),
         })
+    }
+
+    /// Is a road of this roughness like those of the calibration (thesis 3.4.1)? Gravel is soft and rough, snow and
+    /// ice are soft and smooth: one mapping for both would take gravel for ice. What is not known speaks for it.
+    pub fn holds_on(&self, roughness: Option<Estimate>) -> bool {
+        let (Some([low, high]), Some(now)) = (self.roughness, roughness) else { return true };
+        let (factor, beyond) = Self::ALIKE;
+        let (least, most) = now.ci95();
+        most >= low / factor - beyond && least <= high * factor + beyond
     }
 
     /// Friction at a slope. Where the slope lies outside the calibrated range by more than its own
@@ -170,6 +193,7 @@ mod tests {
             covariance: vec![vec![1e-6, -7e-5], vec![-7e-5, 5.2e-3]],
             residual_std: 0.04,
             slope_range: [45.0, 100.0],
+            roughness_mps: None,
             pairs: 12,
         }
     }
@@ -208,6 +232,22 @@ mod tests {
     }
 
     #[test]
+    fn it_holds_on_roads_as_rough_as_those_of_the_calibration() {
+        let unknown = Mapping::new(&linear()).unwrap();
+        let smooth = Mapping::new(&MappingConfig { roughness_mps: Some([0.005, 0.03]), ..linear() }).unwrap();
+        let rough = Mapping::new(&MappingConfig { roughness_mps: Some([0.08, 0.12]), ..linear() }).unwrap();
+        let on = |mapping: &Mapping| {
+            [0.0, 0.04, 0.1, 0.3].map(|roughness| mapping.holds_on(Some(slope(roughness, 0.005))))
+        };
+        assert_eq!(on(&unknown), [true; 4]);
+        assert_eq!(on(&smooth), [true, true, false, false]);
+        assert_eq!(on(&rough), [false, true, true, false]);
+        assert!(smooth.holds_on(None));
+        // Nobody knows well enough whether it is one.
+        assert!(smooth.holds_on(Some(slope(0.1, 0.05))));
+    }
+
+    #[test]
     fn tables_that_cannot_be_are_refused_by_key() {
         assert_eq!(linear().problem(), None);
         let broken = [
@@ -219,6 +259,7 @@ mod tests {
             ),
             ("mapping.residual_std", MappingConfig { residual_std: 0.0, ..linear() }),
             ("mapping.slope_range", MappingConfig { slope_range: [90.0, 50.0], ..linear() }),
+            ("mapping.roughness_mps", MappingConfig { roughness_mps: Some([0.2, 0.1]), ..linear() }),
             ("mapping.pairs", MappingConfig { pairs: 2, ..linear() }),
         ];
         for (key, config) in broken {

@@ -1,0 +1,307 @@
+//! Slip slope of all wheels together, where none rolls freely: with all wheels driven.
+//!
+//! With no wheel to compare with, the speed is that which the accelerometer carries on, while driving and while
+//! braking. Five things are estimated at once: the speed; what the accelerometer does not feel (the grade, and its
+//! own offset); by which share it feels too much (the car's nose dives, its gain); by how much later it tells than
+//! the wheels do; and the compliance. With the wheels' mean speed W, the felt acceleration a and the normalized force
+//! μ of all tires
+//!
+//! v' = (1 + γ) a + β,  W = v − d a + c (1 + μ / 3 mu_max) μ W
+//!
+//! A slip and a delay look alike but for the speed: c μ W grows with it, d a does not. So one braking says little, and
+//! several from different speeds say more; how much, the covariance tells. The force is that which accelerates the
+//! car and overcomes the air: an accelerometer feels it on any grade. The mean of four slips is the mean force over
+//! the stiffness, however brakes and drive share it out, as long as the tires are alike.
+//!
+//! Two such filters run side by side: one that is sure of its compliance, and one that takes the road for another
+//! soon. Where the quick one contradicts the steady one, the road has changed, and the steady one goes on from it.
+//!
+//! (No source: the thesis's car has an undriven axle. The bend of the curve is its brush model's, thesis 4.2.)
+
+use nalgebra::{SMatrix, SVector, vector};
+
+use super::learned::{Known, Learned};
+use super::{Car, Kinematics, SlopeConfig};
+use crate::estimates::Estimate;
+use crate::filter::{Gaussian, LearnedNoise};
+use crate::model::GRAVITY;
+use crate::{Quantity, Sensors, Wheel};
+
+/// The filters of all wheels.
+#[derive(Clone, Debug)]
+pub struct OverallSlope {
+    steady: Carried,
+    quick: Carried,
+    noise: LearnedNoise,
+    car: Car,
+    config: SlopeConfig,
+    minimum_speed: f64,
+    wheel_noise: f64,
+    acceleration_noise: f64,
+    /// The speed is one that is carried on.
+    is_rolling: bool,
+    age_s: f64,
+    informed: bool,
+    /// For how long the quick filter has contradicted the steady one, s.
+    contradicted_s: f64,
+    settled: Option<Known>,
+}
+
+impl OverallSlope {
+    /// Samples that the learned noise remembers.
+    const NOISE_MEMORY: f64 = 1000.0;
+    /// A compliance is uncertain by this share of itself at least when a drive begins.
+    const SURFACE: f64 = 0.3;
+    /// A slope this uncertain (relative) is not given out.
+    const UNKNOWN: f64 = 0.5;
+    /// What of a slope no filter knows, relative: how the curve bends, how tires differ, and what load makes of them.
+    const MODEL_STD: f64 = 0.1;
+    /// Normalized force along the car from which a slope can be told, and up to which the curve is hardly bent.
+    const TELLING: (f64, f64) = (0.08, 0.25);
+    /// Friction that bends the curve.
+    const BENDING: f64 = 0.8;
+    /// After a gap this long nobody knows the speed, s.
+    const GAP_S: f64 = 0.25;
+    /// How the compliances walk, as shares of themselves, 1/√s: the steady one's and the quick one's.
+    const WALKS: [f64; 2] = [0.005, 0.06];
+    /// The quick filter contradicts the steady one beyond so many deviations, for so long, s.
+    const CONTRADICTION: (f64, f64) = (3.5, 1.0);
+
+    /// Starts from the vehicle's prior.
+    pub fn new(car: &Car, sensors: &Sensors, config: &SlopeConfig, minimum_speed: f64) -> Self {
+        let (slope, std) = Self::prior(car);
+        let start = Carried::new(slope, (std / slope).max(Self::SURFACE));
+        Self {
+            steady: start,
+            quick: start,
+            noise: LearnedNoise::new(Self::NOISE_MEMORY),
+            // The mean of four.
+            wheel_noise: 0.5 * car.radius * sensors.noise_std(Quantity::WheelSpeedFl),
+            acceleration_noise: sensors.noise_std(Quantity::LongitudinalAcceleration),
+            car: car.clone(),
+            config: config.clone(),
+            minimum_speed,
+            is_rolling: false,
+            age_s: 0.0,
+            informed: false,
+            contradicted_s: 0.0,
+            settled: None,
+        }
+    }
+
+    /// The data sheet's, of a wheel under a quarter of the car's weight.
+    fn prior(car: &Car) -> (f64, f64) {
+        let share = 0.25 * car.mass * GRAVITY / car.load(Wheel::Fl);
+        let (slope, std) = car.slope_prior[0];
+        (slope / share, std / share)
+    }
+
+    /// A wheel's slope over that of one under a quarter of the car's weight. The tires are alike, the loads are not;
+    /// and stiffness grows with load, somewhere between not at all and as much.
+    fn share(car: &Car, wheel: Wheel) -> f64 {
+        (0.25 * car.mass * GRAVITY / car.load(wheel)).sqrt()
+    }
+
+    /// Takes up what an earlier drive learned, less surely. Before the first sample only.
+    pub fn restore(&mut self, learned: &Learned) {
+        let Some(known) = learned.slope[Wheel::Fl as usize] else { return };
+        let share = Self::share(&self.car, Wheel::Fl);
+        let slope = Known { value: known.value / share, std: known.std / share };
+        // Half of what makes it valid has to be news.
+        let least = Self::SURFACE.max(std::f64::consts::SQRT_2 * self.config.valid_relative_std);
+        let start = Carried::new(slope.value, least.max(slope.std / slope.value));
+        (self.steady, self.quick) = (start, start);
+        self.settled = Some(slope);
+    }
+
+    /// Puts into `learned` what outlives the drive.
+    pub fn learn(&self, learned: &mut Learned) {
+        let Some(settled) = self.settled else { return };
+        for (wheel, slope) in Wheel::ALL.into_iter().zip(&mut learned.slope) {
+            let share = Self::share(&self.car, wheel);
+            *slope = Some(Known { value: share * settled.value, std: share * settled.std });
+        }
+    }
+
+    /// Takes a sample; returns whether the surface seems to have changed.
+    pub fn step(&mut self, now: &Kinematics) -> bool {
+        self.age_s += now.elapsed_s;
+        let (Some(felt), Some(seen)) = (now.longitudinal_acceleration, self.mean_speed(now)) else {
+            self.is_rolling = false;
+            return false;
+        };
+        if !self.is_rolling || now.elapsed_s > Self::GAP_S {
+            self.is_rolling = true;
+            self.steady.start_at(seen);
+            self.quick.start_at(seen);
+            return false;
+        }
+        let is_seen = self.age_s < self.config.unseen_after_s;
+        let walk = if is_seen { Self::WALKS[0] } else { self.config.unseen_walk };
+        let heard = (felt, self.acceleration_noise, now.elapsed_s);
+        self.steady.predict(heard, walk);
+        self.quick.predict(heard, Self::WALKS[1]);
+        let lateral = now.lateral_acceleration.unwrap_or(0.0);
+        let mu = self.car.longitudinal_force(felt, seen);
+        let (least, most) = Self::TELLING;
+        if lateral.abs() > self.config.max_lateral_acceleration_mps2
+            || mu.abs() > most
+            || now.abs == Some(true)
+        {
+            return false;
+        }
+        self.measure(seen, felt, mu, self.config.cornering_slip_std * lateral * seen);
+        if mu.abs() > least {
+            self.age_s = 0.0;
+            self.informed = true;
+        }
+        let changed = self.is_contradicted(now.elapsed_s);
+        if changed {
+            self.steady = self.quick;
+            self.contradicted_s = 0.0;
+        }
+        self.settle();
+        changed
+    }
+
+    /// Speed of the car's middle, as the mean of the wheels has it, slipping as they do; none below the minimum.
+    fn mean_speed(&self, now: &Kinematics) -> Option<f64> {
+        let (wheels, yaw_rate, angle) = (now.wheels?, now.yaw_rate?, now.road_angle?);
+        let speed = 0.25 * wheels.iter().sum::<f64>();
+        let vy = self.car.steady_lateral_velocity(speed, yaw_rate, now.lateral_acceleration?);
+        let at = |wheel: Wheel| self.car.forward_speed(wheel, wheels[wheel as usize], vy, yaw_rate, angle);
+        let mean = 0.25 * Wheel::ALL.map(at).iter().sum::<f64>();
+        (mean >= self.minimum_speed).then_some(mean)
+    }
+
+    /// Both filters look at the wheels; the steady one's surprise teaches the noise.
+    fn measure(&mut self, seen: f64, felt: f64, mu: f64, cornering: f64) {
+        let bent = 1.0 + mu.abs() / (3.0 * Self::BENDING);
+        let h = vector![1.0, 0.0, 0.0, -felt, bent * mu * seen];
+        let promised = self.wheel_noise * self.wheel_noise + cornering * cornering;
+        let noise = self.noise.variance(promised);
+        let residual = seen - h.dot(&self.steady.0.mean);
+        self.noise.learn(&self.steady.0.innovation(&h, residual, noise), promised);
+        let redundancy = self.noise.redundancy();
+        for filter in [&mut self.steady, &mut self.quick] {
+            filter.measure(seen, &h, noise, redundancy);
+        }
+    }
+
+    fn is_contradicted(&mut self, elapsed_s: f64) -> bool {
+        let (steady, quick) = (&self.steady.0, &self.quick.0);
+        let differs = quick.mean[COMPLIANCE] - steady.mean[COMPLIANCE];
+        // The quick one knows what the steady one knows, and forgets: the variances subtract.
+        let variance =
+            quick.covariance[(COMPLIANCE, COMPLIANCE)] - steady.covariance[(COMPLIANCE, COMPLIANCE)];
+        let (deviations, lasting_s) = Self::CONTRADICTION;
+        let contradicts = variance > 0.0 && differs * differs > deviations * deviations * variance;
+        self.contradicted_s = if contradicts { self.contradicted_s + elapsed_s } else { 0.0 };
+        self.contradicted_s > lasting_s
+    }
+
+    /// Remembers a slope that is known well.
+    fn settle(&mut self) {
+        if self.age_s == 0.0
+            && let Some(slope) = self.overall().filter(|slope| self.is_known_well(slope))
+        {
+            self.settled = Some(Known { value: slope.value, std: slope.std });
+        }
+    }
+
+    fn is_known_well(&self, slope: &Estimate) -> bool {
+        slope.std <= self.config.valid_relative_std * slope.value
+    }
+
+    fn overall(&self) -> Option<Estimate> {
+        let compliance = self.steady.0.mean[COMPLIANCE];
+        let relative = (self.steady.0.std(COMPLIANCE) / compliance).hypot(Self::MODEL_STD);
+        (self.informed && compliance > 0.0 && relative < Self::UNKNOWN).then(|| Estimate {
+            value: 1.0 / compliance,
+            std: relative / compliance,
+            age_s: self.age_s,
+        })
+    }
+
+    /// Slope per wheel, normalized by its static load: tires are taken for alike.
+    pub fn slopes(&self) -> [Option<Estimate>; 4] {
+        let overall = self.overall();
+        Wheel::ALL.map(|wheel| {
+            let share = Self::share(&self.car, wheel);
+            overall.map(|slope| Estimate { value: share * slope.value, std: share * slope.std, ..slope })
+        })
+    }
+
+    /// It is known well, and lately.
+    pub fn is_valid(&self) -> bool {
+        self.overall()
+            .is_some_and(|slope| self.is_known_well(&slope) && slope.age_s <= self.config.valid_age_s)
+    }
+}
+
+/// Speed (m/s), unfelt acceleration (m/s²), gain, delay (s) and compliance of one filter.
+#[derive(Clone, Copy, Debug)]
+struct Carried(Gaussian<5>);
+
+const SPEED: usize = 0;
+const UNFELT: usize = 1;
+const GAIN: usize = 2;
+const COMPLIANCE: usize = 4;
+
+impl Carried {
+    /// Before anything is measured: speed, m/s, what is not felt, m/s², its gain, its delay, s.
+    const START_STD: [f64; 4] = [1.0, 0.5, 0.03, 0.025];
+    /// How the grade walks, m/s² / √s: a hill within some seconds.
+    const GRADE_WALK: f64 = 0.05;
+    /// At a standstill or in a gap another grade may begin, m/s².
+    const OTHER_GRADE_STD: f64 = 0.3;
+    /// The dive of a car that is loaded otherwise is another one, 1/√s.
+    const GAIN_WALK: f64 = 2e-4;
+    /// Residuals count up to so many deviations.
+    const CLIP: f64 = 3.0;
+    /// A compliance walks up to this uncertainty, relative; and as if it were no smaller than the stiffest tire's.
+    const WALKS_UP_TO: f64 = 0.5;
+    const STIFFEST: f64 = 1.0 / 200.0;
+
+    fn new(slope: f64, relative_std: f64) -> Self {
+        let [speed, unfelt, gain, delay] = Self::START_STD;
+        let std = [speed, unfelt, gain, delay, relative_std / slope];
+        Self(Gaussian::new([0.0, 0.0, 0.0, 0.0, 1.0 / slope], std))
+    }
+
+    /// The speed is that of the wheels, and nothing of what was known of it before counts.
+    fn start_at(&mut self, speed: f64) {
+        let Self(Gaussian { mean, covariance }) = self;
+        covariance.row_mut(SPEED).fill(0.0);
+        covariance.column_mut(SPEED).fill(0.0);
+        mean[SPEED] = speed;
+        covariance[(SPEED, SPEED)] = Self::START_STD[SPEED].powi(2);
+        let room = Self::START_STD[UNFELT].powi(2) - covariance[(UNFELT, UNFELT)];
+        covariance[(UNFELT, UNFELT)] += Self::OTHER_GRADE_STD.powi(2).min(room.max(0.0));
+    }
+
+    /// The accelerometer carries the speed on; `walk` is the compliance's, as a share of it.
+    fn predict(&mut self, (felt, felt_noise, elapsed_s): (f64, f64, f64), walk: f64) {
+        let filter = &mut self.0;
+        let (unfelt, gain) = (filter.mean[UNFELT], filter.mean[GAIN]);
+        filter.mean[SPEED] += elapsed_s * (felt * (1.0 + gain) + unfelt);
+        let mut transition = SMatrix::<f64, 5, 5>::identity();
+        transition[(SPEED, UNFELT)] = elapsed_s;
+        transition[(SPEED, GAIN)] = elapsed_s * felt;
+        let compliance = filter.mean[COMPLIANCE].abs().max(Self::STIFFEST);
+        let walk =
+            if filter.std(COMPLIANCE) < Self::WALKS_UP_TO * compliance { walk * compliance } else { 0.0 };
+        let walks = SVector::from([0.0, Self::GRADE_WALK, Self::GAIN_WALK, 0.0, walk]);
+        let mut noise = SMatrix::from_diagonal(&walks.map(|walk| walk * walk * elapsed_s));
+        noise[(SPEED, SPEED)] = (felt_noise * elapsed_s).powi(2);
+        filter.predict_covariance(&transition, &noise);
+    }
+
+    /// The wheels' mean speed. Noise that repeats itself counts as often as it does.
+    fn measure(&mut self, seen: f64, h: &SVector<f64, 5>, noise: f64, redundancy: f64) {
+        let residual = seen - h.dot(&self.0.mean);
+        let expected = self.0.innovation(h, residual, noise);
+        let limit = Self::CLIP * expected.variance.sqrt();
+        self.0.update(h, residual.clamp(-limit, limit), noise * redundancy);
+    }
+}

@@ -6,8 +6,8 @@
 mod program;
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::PathBuf;
+use std::process::Output;
 
 use program::{gripd, project};
 use serde_json::Value;

@@ -11,7 +11,7 @@ mod support;
 mod written;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 use gripd::Micros;

@@ -224,7 +224,7 @@ fn a_full_disk_is_an_error_with_its_name() {
         let write = || {
             let mut writer = Writer::create(path, format, "can0")?;
             for n in 0..200_000 {
-                writer.write(&data(n, (n * n >> 3) as u8))?;
+                writer.write(&data(n, ((n * n) >> 3) as u8))?;
             }
             writer.finish()
         };

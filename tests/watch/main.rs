@@ -8,7 +8,6 @@ mod played;
 mod program;
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::OnceLock;
 
 use gripd::can::Frame;

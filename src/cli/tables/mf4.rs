@@ -92,8 +92,11 @@ impl<W: Write + Seek> Mf4<W> {
     /// One of a few words.
     pub fn word(&mut self, word: &str) {
         let mut bytes = [0; WORD];
-        bytes.iter_mut().zip(word.bytes()).for_each(|(place, byte)| *place = byte);
-        self.row.extend(bytes);
+        // One that does not fit leaves the row too short, which is an error at its end.
+        if let Some(start) = bytes.get_mut(..word.len()) {
+            start.copy_from_slice(word.as_bytes());
+            self.row.extend(bytes);
+        }
     }
 
     /// Ends a row.

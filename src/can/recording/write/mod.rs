@@ -35,7 +35,7 @@ pub struct Writer {
 
 /// candump logs have everything that a frame has.
 enum Kind {
-    Candump(candump::Writer),
+    Candump(Box<candump::Writer>),
     Other(Box<dyn Sink>),
 }
 
@@ -59,7 +59,7 @@ impl Writer {
             return Err(LogError::NotAStream { name: path.display().to_string(), format });
         }
         let sink: Kind = match format {
-            Format::Candump => Kind::Candump(candump::Writer::create(path, interface)?),
+            Format::Candump => Kind::Candump(Box::new(candump::Writer::create(path, interface)?)),
             Format::Asc => Kind::Other(Box::new(asc::Asc::new(TextOutput::create(path)?))),
             Format::Trc => Kind::Other(Box::new(trc::Trc::new(TextOutput::create(path)?))),
             Format::Csv => Kind::Other(Box::new(csv::Csv::new(TextOutput::create(path)?)?)),

@@ -305,3 +305,45 @@ impl Carried {
         self.0.update(h, residual.clamp(-limit, limit), noise * redundancy);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{DrivenAxle, Vehicle};
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Whatever the sensors say: covariances that are some, and no slope that is no number.
+        #[test]
+        fn it_stays_sound(
+            inputs in proptest::collection::vec(
+                (0.0..0.5_f64, 0.0..80.0_f64, -1.0..1.0_f64, -60.0..60.0_f64, -40.0..40.0_f64, any::<bool>()), 1..400,
+            ),
+        ) {
+            let car = Car::new(&Vehicle { driven_axle: DrivenAxle::All, ..Vehicle::thesis() });
+            let mut overall = OverallSlope::new(&car, &Sensors::default(), &SlopeConfig::default(), 3.0);
+            for (elapsed_s, speed, slip, felt, lateral, abs) in inputs {
+                overall.step(&Kinematics {
+                    elapsed_s,
+                    speed: Some(speed),
+                    wheels: Some([speed, speed * (1.0 + slip), speed, speed]),
+                    yaw_rate: Some(0.1 * slip),
+                    lateral_acceleration: Some(lateral),
+                    longitudinal_acceleration: Some(felt),
+                    road_angle: Some(0.2 * slip),
+                    axle_torque: None,
+                    braking: None,
+                    abs: Some(abs),
+                });
+                prop_assert!(overall.steady.0.is_sound() && overall.quick.0.is_sound());
+                for slope in overall.slopes().into_iter().flatten() {
+                    prop_assert!(slope.value > 0.0 && slope.value.is_finite() && slope.std.is_finite());
+                }
+                let mut learned = Learned::default();
+                overall.learn(&mut learned);
+                overall.restore(&learned.plausible());
+                prop_assert!(overall.steady.0.is_sound());
+            }
+        }
+    }
+}

@@ -67,7 +67,8 @@ impl History {
         if self.length < self.points.len() {
             self.length += 1;
         } else {
-            self.first = (self.first + 1) % self.points.len();
+            let next = self.first + 1;
+            self.first = if next < self.points.len() { next } else { 0 };
         }
         let place = self.place(0);
         self.points[place] = point;

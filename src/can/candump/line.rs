@@ -109,7 +109,7 @@ fn number(text: &[u8]) -> (i64, usize) {
 /// `seconds.fraction)`, cut to whole microseconds as candump itself does; what follows it.
 #[inline]
 fn parse_stamp(text: &[u8]) -> Result<(Micros, &[u8]), Damage> {
-    usual::stamp(text).map_or_else(|| any_stamp(text), Ok)
+    usual::stamp(text, &mut usual::Second::default()).map_or_else(|| any_stamp(text), Ok)
 }
 
 /// Seconds and fraction of any length.

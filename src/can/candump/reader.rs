@@ -32,6 +32,7 @@ pub struct Reader {
     /// The beginning of the current line did not fit and is gone.
     in_long_line: bool,
     interface: String,
+    second: usual::Second,
     stats: LogStats,
 }
 
@@ -95,6 +96,7 @@ impl Reader {
             state: State::More,
             in_long_line: false,
             interface: String::new(),
+            second: usual::Second::default(),
             stats: LogStats::default(),
         }
     }
@@ -129,7 +131,7 @@ impl Reader {
             // Between two lines, most of the time.
             if self.searched == self.start
                 && !self.in_long_line
-                && let Some(usual) = usual::parse(&self.buffer[self.start..self.end])
+                && let Some(usual) = usual::parse(&self.buffer[self.start..self.end], &mut self.second)
                 && follow(&mut self.interface, usual.interface)
             {
                 self.start += usual.length;

@@ -16,10 +16,20 @@ pub(super) struct Usual<'a> {
     pub length: usize,
 }
 
+/// The second that was read last: of thousands of lines it is the same.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Second {
+    /// Its digits and the point after them, and where they are in a word; no text has none of them.
+    text: u128,
+    place: u128,
+    count: usize,
+    time: Micros,
+}
+
 /// Reads the line that `text` begins with. Whole words are looked at, so a little more than the line must be there.
 #[inline]
-pub(super) fn parse(text: &[u8]) -> Option<Usual<'_>> {
-    let (time, rest) = stamp(text.strip_prefix(b"(")?)?;
+pub(super) fn parse<'a>(text: &'a [u8], second: &mut Second) -> Option<Usual<'a>> {
+    let (time, rest) = stamp(text.strip_prefix(b"(")?, second)?;
     let rest = rest.strip_prefix(b" ")?;
     // Names of interfaces are shorter than eight characters, but for some.
     let space = match first(*rest.first_chunk()?, b' ') {
@@ -38,8 +48,20 @@ pub(super) fn parse(text: &[u8]) -> Option<Usual<'_>> {
 
 /// `1760000000.000584)`: seconds of up to twelve digits and whole microseconds.
 #[inline]
-pub(super) fn stamp(text: &[u8]) -> Option<(Micros, &[u8])> {
+pub(super) fn stamp<'a>(text: &'a [u8], second: &mut Second) -> Option<(Micros, &'a [u8])> {
     let start = text.first_chunk::<16>()?;
+    let is_the_same = second.count > 0 && (u128::from_le_bytes(*start) ^ second.text) & second.place == 0;
+    if !is_the_same {
+        *second = seconds(start)?;
+    }
+    let (fraction, rest) = text[second.count + 1..].split_first_chunk::<7>()?;
+    let [a, b, c, d, e, f, b')'] = *fraction else { return None };
+    let micros = decimal([b'0', b'0', a, b, c, d, e, f])?;
+    Some((Micros(second.time.0 + micros), rest))
+}
+
+/// The digits before the point.
+fn seconds(start: &[u8; 16]) -> Option<Second> {
     let [low, high] = [0, 1].map(|half| start.as_chunks().0[half]);
     let count = match first(low, b'.') {
         8 => 8 + first(high, b'.'),
@@ -50,13 +72,12 @@ pub(super) fn stamp(text: &[u8]) -> Option<(Micros, &[u8])> {
     }
     // The digits moved to the end of the word, zeros before them.
     let zeros = u128::from_le_bytes([b'0'; 16]);
-    let seconds = u128::from_le_bytes(*start) << (128 - 8 * count) | zeros >> (8 * count);
-    let high = decimal((seconds as u64).to_le_bytes())?;
-    let low = decimal(((seconds >> 64) as u64).to_le_bytes())?;
-    let (fraction, rest) = text[count + 1..].split_first_chunk::<7>()?;
-    let [a, b, c, d, e, f, b')'] = *fraction else { return None };
-    let micros = decimal([b'0', b'0', a, b, c, d, e, f])?;
-    Some((Micros((high * 100_000_000 + low) * Micros::PER_SECOND + micros), rest))
+    let text = u128::from_le_bytes(*start);
+    let digits = text << (128 - 8 * count) | zeros >> (8 * count);
+    let high = decimal((digits as u64).to_le_bytes())?;
+    let low = decimal(((digits >> 64) as u64).to_le_bytes())?;
+    let time = Micros((high * 100_000_000 + low) * Micros::PER_SECOND);
+    Some(Second { text, place: u128::MAX >> (120 - 8 * count), count, time })
 }
 
 /// Three digits of a standard or eight of an extended identifier, and what follows the `#`.
@@ -111,6 +132,7 @@ mod tests {
     #[test]
     fn what_it_reads_is_what_the_whole_grammar_reads() {
         let mut usual = 0;
+        let mut second = Second::default();
         for data in
             ["", "00", "a1B2", "112233", "11223344556677", "0011223344556677", "1", "0g", "R", "R8", "#1AB"]
         {
@@ -131,7 +153,8 @@ mod tests {
                         for end in ["", " ", "\r", " R"] {
                             let line = format!("({stamp}) {interface} {id}#{data}{end}");
                             let text = format!("{line}\n{line}\n");
-                            let Some(Usual { interface: name, frame, length }) = parse(text.as_bytes())
+                            let Some(Usual { interface: name, frame, length }) =
+                                parse(text.as_bytes(), &mut second)
                             else {
                                 continue;
                             };
@@ -152,6 +175,7 @@ mod tests {
         #[test]
         fn spoiled_lines_are_read_alike_or_left_to_the_grammar(
             start in 0usize..3,
+            before in 0usize..4,
             spoiled in proptest::collection::vec((any::<proptest::sample::Index>(), any::<u8>(), 0u8..3), 0..4),
         ) {
             let usual = ["(1760000000.000584) can0 123#0011223344556677", "(46408.584930) vcan12 18FEF100#1A2B", "(0.000001) c 7FF#"];
@@ -165,7 +189,13 @@ mod tests {
                 }
             }
             let text = [line.as_slice(), b"\n(1760000000.000584) can0 123#0011223344556677\n"].concat();
-            if let Some(Usual { interface, frame, length }) = parse(&text) {
+            // The second of this line or of another one was read before, or none.
+            let mut second = Second::default();
+            if let Some(line) = usual.get(before) {
+                let text = [line, "\n", line, "\n"].concat();
+                prop_assert!(parse(text.as_bytes(), &mut second).is_some());
+            }
+            if let Some(Usual { interface, frame, length }) = parse(&text, &mut second) {
                 let read = &text[..length - 1];
                 prop_assert!(text[length - 1] == b'\n' && !read.contains(&b'\n'));
                 prop_assert_eq!(line::parse(read), Ok(Line::Frame { interface, frame }));

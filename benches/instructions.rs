@@ -10,10 +10,10 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::hint::black_box;
 use std::io::Cursor;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, ExitCode};
 
-use gripd::can::{CanId, Frame, candump};
+use gripd::can::{Frame, candump};
 use gripd::estimate::Pipeline;
 use gripd::model::integrate::advance_in;
 use gripd::model::{Controls, Plant, State, TireKind, Vehicle};
@@ -21,6 +21,11 @@ use gripd::service::sensors;
 use gripd::signals::publish::{PublishConfig, Publisher, built_in_database};
 use gripd::signals::{Inputs, Sampler};
 use gripd::{Config, Sample};
+
+#[path = "support/mod.rs"]
+mod made;
+
+use made::project;
 
 /// A stage: its name, how many elements are enough, and what is done with so many.
 type Stage = (&'static str, usize, fn(usize));
@@ -37,10 +42,6 @@ const STAGES: [Stage; 7] = [
 
 /// More than this is a failure, less than this is worth keeping.
 const TOLERANCE: f64 = 0.1;
-
-fn project(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -136,9 +137,7 @@ fn pipeline() -> Pipeline {
 }
 
 fn a_frame(number: usize) -> Frame {
-    let id = CanId::standard(0x200 + (number as u32 * 37) % 0x400).unwrap();
-    let data = (number as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15).to_be_bytes();
-    Frame::data_frame(gripd::Micros(1_760_000_000_000_000 + 1000 * number as i64), id, &data).unwrap()
+    made::unneeded(number, gripd::Micros(1_760_000_000_000_000 + 1000 * number as i64))
 }
 
 fn read(count: usize) {

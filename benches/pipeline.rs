@@ -7,21 +7,20 @@
 
 use std::hint::black_box;
 use std::io::Cursor;
-use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
-use gripd::can::candump::{Reader, Writer};
-use gripd::can::{CanId, Frame};
+use gripd::can::Frame;
+use gripd::can::candump::{Reader, Writer, write_line};
 use gripd::estimate::Pipeline;
 use gripd::service::{Engine, Sink};
 use gripd::signals::publish::{PublishConfig, Publisher, built_in_database};
 use gripd::signals::{Inputs, Sampler};
 use gripd::{Config, Estimates, Quantity, Sample, Sensors};
 
-fn project(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
+#[path = "support/mod.rs"]
+mod made;
+
+use made::{frames, project};
 
 fn config() -> Config {
     Config::load(&project("config/demo.toml")).unwrap()
@@ -31,27 +30,11 @@ fn reader(text: &[u8]) -> Reader {
     Reader::from_read(Box::new(Cursor::new(text.to_vec())), "bus").unwrap()
 }
 
-fn frames(text: &[u8]) -> Vec<Frame> {
-    let mut reader = reader(text);
-    std::iter::from_fn(|| reader.next_frame().unwrap()).collect()
-}
-
-/// The demo drive of 120 s, and beside each of its frames one that nobody needs.
+/// The simulated bus, as a log.
 fn bus() -> Vec<u8> {
-    let mut simulate = Command::new(env!("CARGO_BIN_EXE_gripd"));
-    simulate.arg("simulate").arg(project("config/scenarios/demo.toml")).args(["-o", "-"]);
-    let drive = frames(&simulate.output().unwrap().stdout);
-    let folder = tempfile::TempDir::new().unwrap();
-    let path = folder.path().join("bus.log");
-    let mut writer = Writer::create(&path, "can0").unwrap();
-    for (number, frame) in drive.iter().enumerate() {
-        writer.write(frame).unwrap();
-        let id = CanId::standard(0x200 + (number as u32 * 37) % 0x400).unwrap();
-        let data = (number as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15).to_be_bytes();
-        writer.write(&Frame::data_frame(frame.time, id, &data).unwrap()).unwrap();
-    }
-    writer.finish().unwrap();
-    std::fs::read(path).unwrap()
+    let mut text = Vec::new();
+    made::bus().iter().for_each(|frame| write_line(&mut text, "can0", frame));
+    text
 }
 
 /// Takes everything, so that nothing is optimized away.

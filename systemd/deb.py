@@ -3,6 +3,7 @@
 import glob
 import gzip
 import pathlib
+import re
 import shutil
 import subprocess
 import tomllib
@@ -39,8 +40,28 @@ copyright = root / "usr/share/doc" / package["name"] / "copyright"
 copyright.parent.mkdir(parents=True, exist_ok=True)
 copyright.write_text(f"Copyright: {deb['copyright']}\nLicense: {package['license']}\n\n{licence}")
 
+
+def depends() -> str:
+    """Of the program, as cargo-deb's $auto: the packages of its libraries, in the versions of the symbols it needs."""
+    packages = {"libc.so.6": "libc6", "libm.so.6": "libc6", "libgcc_s.so.1": "libgcc-s1"}
+    readelf = ["readelf", "--dynamic", "--version-info", "--wide", str(root / "usr/bin" / package["name"])]
+    told = subprocess.run(readelf, check=True, capture_output=True, text=True).stdout
+    libraries = re.findall(r"\(NEEDED\).*\[(.*)\]", told)
+    needed = {packages[library] for library in libraries if not library.startswith("ld-linux")}
+    versions = {"libc6": "GLIBC", "libgcc-s1": "GCC"}
+    newest = {name: max(re.findall(rf"\b{versions[name]}_([0-9.]+)", told), key=numbers) for name in needed}
+    return ", ".join(f"{name} (>= {newest[name]})" for name in sorted(needed))
+
+
+def numbers(version: str) -> list[int]:
+    return [int(part) for part in version.split(".")]
+
+
 control = root / "DEBIAN"
 control.mkdir()
+# A static program needs nothing.
+needed = deb["depends"].replace("$auto", depends())
+needed = f"Depends: {needed}\n" if needed else ""
 size = sum(file.stat().st_size for file in root.rglob("*") if file.is_file()) // 1024
 description = "\n".join(f" {line.strip() or '.'}" for line in deb["extended-description"].strip().splitlines())
 (control / "control").write_text(f"""\
@@ -50,8 +71,7 @@ Architecture: {arch}
 Maintainer: {deb["maintainer"]}
 Section: {deb["section"]}
 Priority: {deb["priority"]}
-Depends: {deb["depends"]}
-Installed-Size: {size}
+{needed}Installed-Size: {size}
 Description: {package["description"]}
 {description}
 """)

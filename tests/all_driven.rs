@@ -1,6 +1,6 @@
 //! A car with all wheels driven: no wheel rolls freely, and the slip slope comes from the speed that the
 //! accelerometer carries on (`estimate/overall_slope`).
-#![allow(clippy::unwrap_used)] // Tests.
+#![allow(clippy::unwrap_used, clippy::panic)] // Tests.
 
 #[path = "support/driven.rs"]
 mod driven;

@@ -2,22 +2,16 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+#[path = "support/program.rs"]
+mod program;
 
+use std::fs;
+use std::path::PathBuf;
+use std::process::Output;
+
+use program::{gripd, project};
 use serde_json::Value;
 use tempfile::TempDir;
-
-fn project(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
-
-fn gripd() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gripd"));
-    command.env_remove("RUST_LOG");
-    command
-}
 
 /// A folder with the thesis's car in it, and recordings of its drives.
 struct Place(TempDir);

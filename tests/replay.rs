@@ -2,28 +2,22 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+#[path = "support/program.rs"]
+mod program;
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 use std::time::Instant;
 
 use gripd::can::Frame;
 use gripd::can::candump::Reader;
+use program::{gripd, project};
 use serde_json::Value;
 use tempfile::TempDir;
-
-fn project(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
-
-fn gripd() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gripd"));
-    command.env_remove("RUST_LOG");
-    command
-}
 
 /// 20 s of the demo drive as candump text, 9000 lines.
 fn drive() -> &'static str {

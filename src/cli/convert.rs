@@ -1,25 +1,30 @@
-//! `gripd convert`: a recording of any format as a candump log.
+//! `gripd convert`: a recording of any format as one of another.
 
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::output::outputs_are_no_inputs;
 use super::progress::Progress;
 use super::{Failure, recordings};
-use crate::can::candump::Writer;
-use crate::can::recording::Reader;
+use crate::can::recording::{Format, Reader, Writer};
 
-/// Reads candump, Vector ASC and BLF, ASAM MF4 (bus logging), Peak TRC and python-can CSV; which it is, the
-/// content tells. Every frame is written, with its time to the microsecond; what could not be understood is
-/// counted and named.
+/// Reads and writes candump, Vector ASC and BLF, ASAM MF4 (bus logging), Peak TRC and python-can CSV; which is read,
+/// the content tells, and which is written, the name. Every frame is written, with its time to the microsecond; what
+/// could not be understood, and what the other format cannot hold, is counted and named.
 #[derive(Args)]
 pub struct Convert {
     /// The recording (gzip or zstd around it; `-` is the standard input).
     recording: PathBuf,
-    /// The candump log (`.gz` and `.zst` are packed; `-` is the standard output).
+    /// What it becomes: Vector ASC where the name ends in `.asc`, BLF in `.blf`, MF4 in `.mf4`, TRC in `.trc`,
+    /// python-can's CSV in `.csv`, else a candump log. (Texts with `.gz` and `.zst` behind are packed; `-` is the
+    /// standard output.)
     #[arg(short, long)]
     out: PathBuf,
+    /// The format, whatever the name ends in.
+    #[arg(short, long, value_name = "FORMAT", value_parser = format_parser())]
+    format: Option<Format>,
     /// Write this interface with every frame, instead of the recording's own (channel 1 of ASC, BLF and TRC is
     /// can0).
     #[arg(short, long, value_name = "IF")]
@@ -34,7 +39,8 @@ impl Convert {
             name.parse::<crate::can::InterfaceName>().map_err(Failure::usage)?;
         }
         let mut reader = Reader::open(&self.recording).map_err(Failure::work)?;
-        let mut log = Writer::create(&self.out, "can0").map_err(Failure::work)?;
+        let format = self.format.or_else(|| Format::of_name(&self.out)).unwrap_or(Format::Candump);
+        let mut log = Writer::create(&self.out, format, "can0")?;
         let progress = Progress::of_files(std::slice::from_ref(&self.recording));
         let broken = loop {
             match reader.next_frame() {
@@ -48,9 +54,10 @@ impl Convert {
             }
         };
         progress.finish();
-        log.finish()?;
+        let written = log.finish()?;
         recordings::warn(&reader);
         tell(&reader);
+        recordings::tell_losses(&self.out, format, &written);
         if let Some(broken) = broken {
             return Err(Failure::Work(broken));
         }
@@ -60,6 +67,13 @@ impl Convert {
         }
         Ok(())
     }
+}
+
+/// Formats by their short names.
+fn format_parser() -> impl TypedValueParser<Value = Format> {
+    let names = Format::NAMES.map(|(name, _)| name);
+    // Other names do not come here.
+    PossibleValuesParser::new(names).map(|name| Format::named(&name).unwrap_or(Format::Candump))
 }
 
 /// How much there was, and what was left out for what reason.

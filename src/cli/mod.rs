@@ -76,7 +76,12 @@ impl From<io::Error> for Failure {
 
 impl From<LogError> for Failure {
     fn from(error: LogError) -> Self {
-        if error.is_broken_pipe() { Self::ReaderGone } else { Self::work(error) }
+        match error {
+            error if error.is_broken_pipe() => Self::ReaderGone,
+            // It is the name that has to be another one.
+            error @ LogError::NotAStream { .. } => Self::usage(error),
+            error => Self::work(error),
+        }
     }
 }
 
@@ -128,7 +133,7 @@ enum Command {
     Check(check::Check),
     /// Propose a configuration's signals for an unknown car, from its DBC and a recorded drive.
     Map(map::Map),
-    /// Turn a recording of any format into a candump log.
+    /// Turn a recording of any format into one of another.
     Convert(convert::Convert),
     /// Watch a bus or a recording in the terminal: inputs, estimates, faults, frame rates.
     Monitor(monitor::Monitor),

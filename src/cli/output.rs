@@ -1,7 +1,7 @@
 //! Result files: complete under their name, or not there at all; `-` is the standard output.
 
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::Failure;
@@ -63,6 +63,17 @@ impl Write for Output {
             Destination::Stdout(writer) => writer.flush(),
         };
         flushed.map_err(|e| naming(&self.path, e))
+    }
+}
+
+/// For formats that are written here and there: a plain file only.
+impl Seek for Output {
+    fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
+        let sought = match &mut self.writer {
+            Destination::File(writer) => writer.seek(place),
+            Destination::Stdout(_) => Err(io::ErrorKind::NotSeekable.into()),
+        };
+        sought.map_err(|e| naming(&self.path, e))
     }
 }
 

@@ -1,6 +1,8 @@
-//! What there is to say of a recording that was read.
+//! What there is to say of a recording that was read, or written.
 
-use crate::can::recording::{Format, Reader};
+use std::path::Path;
+
+use crate::can::recording::{Format, Reader, Written};
 
 /// Warns of what was damaged, lost or out of order.
 pub fn warn(reader: &Reader) {
@@ -37,4 +39,15 @@ pub fn nothing_in(reader: &Reader) -> String {
         return format!("{name}: no line is a candump line; is it a recording of `candump -L`?");
     }
     format!("{name}: nothing in this {format} recording is a frame; was it written by {format}'s own tools?")
+}
+
+/// What a format could not hold of what was to be written.
+pub fn tell_losses(path: &Path, format: Format, written: &Written) {
+    let path = path.display();
+    for (loss, count) in &written.losses {
+        tracing::warn!("{path}: {format}: {count} of {} frames {loss}", written.frames);
+    }
+    for (name, other) in &written.renamed {
+        tracing::info!("{path}: {format} has no names of interfaces: {name} is read back as {other}");
+    }
 }

@@ -13,8 +13,7 @@ use super::player::Player;
 use super::progress::Progress;
 use super::tables::{EstimatesTable, SamplesTable, TableFormat};
 use crate::can::Frame;
-use crate::can::candump::Writer;
-use crate::can::recording::{LogError, Reader};
+use crate::can::recording::{Format, LogError, Reader, Writer};
 use crate::service::saved::Refusal;
 use crate::service::{Engine, SavedState, Sink};
 use crate::{Config, Estimates, Sample};
@@ -29,13 +28,15 @@ pub struct Replay {
     /// is the standard input), one after the other.
     #[arg(required = true)]
     logs: Vec<PathBuf>,
-    /// Write the published frames as candump lines (`-`: standard output).
+    /// Write the published frames: as candump lines (`-`: standard output), or in the format that the name ends in
+    /// (`.mf4`, `.blf`, `.asc`, `.trc`, `.csv`).
     #[arg(short, long)]
     out: Option<PathBuf>,
     /// Write the recordings' own frames to --out, too.
     #[arg(long, requires = "out")]
     all: bool,
-    /// Write the estimates, a row for each sample: as Parquet where the name ends in `.parquet`, else as CSV.
+    /// Write the estimates, a row for each sample: as Parquet where the name ends in `.parquet`, as signals for MDF
+    /// viewers where it ends in `.mf4`, else as CSV.
     #[arg(long, value_name = "TABLE")]
     estimates: Option<PathBuf>,
     /// Write the decoded signals as the estimators see them, likewise.
@@ -169,9 +170,16 @@ fn play(
     Ok(())
 }
 
+/// The frames that are written.
+struct Recording {
+    path: PathBuf,
+    format: Format,
+    writer: Writer,
+}
+
 /// Everything a replay writes. The first failure to write is kept and ends the replay.
 struct Results {
-    out: Option<Writer>,
+    out: Option<Recording>,
     all: bool,
     estimates: Option<EstimatesTable<Output>>,
     samples: Option<SamplesTable<Output>>,
@@ -184,7 +192,11 @@ struct Results {
 impl Results {
     fn create(command: &Replay, config: &Config) -> Result<Self, Failure> {
         let interface = config.publish.interface.as_deref().unwrap_or(&config.bus.interface);
-        let out = command.out.as_ref().map(|path| Writer::create(path, interface));
+        let out = command.out.as_ref().map(|path| {
+            let format = Format::of_name(path).unwrap_or(Format::Candump);
+            let writer = Writer::create(path, format, interface)?;
+            Ok(Recording { path: path.clone(), format, writer })
+        });
         let estimates = command.estimates.as_ref().map(|path| {
             let output = Output::create(path)?;
             EstimatesTable::new(output, TableFormat::of(path)).map_err(Failure::work)
@@ -195,7 +207,7 @@ impl Results {
             SamplesTable::new(output, TableFormat::of(path), quantities).map_err(Failure::work)
         });
         Ok(Self {
-            out: out.transpose().map_err(Failure::work)?,
+            out: out.transpose().map_err(|error: LogError| Failure::from(error))?,
             all: command.all,
             estimates: estimates.transpose()?,
             samples: samples.transpose()?,
@@ -209,7 +221,7 @@ impl Results {
         if self.all
             && let Some(out) = &mut self.out
         {
-            let written = out.write_as(interface, frame);
+            let written = out.writer.write_as(interface, frame);
             self.check(written);
         }
     }
@@ -225,7 +237,8 @@ impl Results {
             return Err(failure);
         }
         if let Some(out) = self.out {
-            out.finish()?;
+            let Recording { path, format, writer } = out;
+            super::recordings::tell_losses(&path, format, &writer.finish()?);
         }
         if let Some(table) = self.estimates {
             table.into_inner()?.finish()?;
@@ -251,7 +264,7 @@ impl Sink for Results {
 
     fn publish(&mut self, frame: &Frame) {
         if let Some(out) = &mut self.out {
-            let written = out.write(frame);
+            let written = out.writer.write(frame);
             self.check(written);
         }
         if self.onto_bus {

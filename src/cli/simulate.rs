@@ -8,7 +8,7 @@ use super::Failure;
 use super::demo_car;
 use super::output::{Output, outputs_are_no_inputs};
 use crate::can::Frame;
-use crate::can::candump::Writer;
+use crate::can::recording::{Format, Writer};
 use crate::model::{Scenario, Simulation, TruthWriter};
 use crate::signals::Outputs;
 use crate::{Config, Quantity, Sample};
@@ -18,7 +18,8 @@ use crate::{Config, Quantity, Sample};
 pub struct Simulate {
     /// The scenario.
     scenario: PathBuf,
-    /// The recording (candump; `.gz` and `.zst` are packed; `-` is the standard output).
+    /// The recording (candump, or the format that the name ends in; `.gz` and `.zst` are packed; `-` is the standard
+    /// output).
     #[arg(short, long)]
     out: PathBuf,
     /// Write what was true, as CSV with a row for each 10 ms.
@@ -57,7 +58,8 @@ impl Simulate {
         let radius = config.vehicle.wheel_radius_m.value;
         let outputs = Outputs::compile(&config.signals, &database, radius).map_err(Failure::usage)?;
         let mut frames = SimulatedFrames::new(outputs);
-        let mut log = Writer::create(&self.out, &config.bus.interface).map_err(Failure::work)?;
+        let format = Format::of_name(&self.out).unwrap_or(Format::Candump);
+        let mut log = Writer::create(&self.out, format, &config.bus.interface)?;
         let mut truth = match &self.truth {
             Some(path) => {
                 let columns = simulation.effect_columns();
@@ -79,7 +81,8 @@ impl Simulate {
         if let Some(error) = failure {
             return Err(Failure::work(error));
         }
-        log.finish().map_err(Failure::work)?;
+        let written = log.finish()?;
+        super::recordings::tell_losses(&self.out, format, &written);
         match truth {
             Some(truth) => truth.into_inner().map_err(Failure::work)?.finish(),
             None => Ok(()),

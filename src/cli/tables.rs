@@ -1,15 +1,17 @@
-//! `--estimates` and `--samples`: one row per sample, SI units, empty where not available. CSV, or Parquet where the
-//! file's name ends so.
+//! `--estimates` and `--samples`: one row per sample, SI units, empty where not available. CSV, or Parquet or MF4
+//! where the file's name ends so.
 //!
 //! The slopes are normalized by the static load of their wheel.
 
 mod csv;
+mod mf4;
 mod parquet;
 
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 use std::path::Path;
 
 use self::csv::Csv;
+use self::mf4::Mf4;
 use self::parquet::Parquet;
 use crate::estimates::Estimate;
 use crate::{Estimates, Micros, Quantity, Sample, Wheel};
@@ -52,27 +54,35 @@ pub enum TableFormat {
     Csv,
     /// Apache Parquet.
     Parquet,
+    /// ASAM MF4: signals.
+    Mf4,
 }
 
 impl TableFormat {
     /// By the extension of a file's name.
     pub fn of(path: &Path) -> Self {
-        let is_parquet = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
-        if is_parquet { Self::Parquet } else { Self::Csv }
+        let ends_in = |what| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(what));
+        match () {
+            () if ends_in("parquet") => Self::Parquet,
+            () if ends_in("mf4") => Self::Mf4,
+            () => Self::Csv,
+        }
     }
 }
 
 /// Takes rows, value by value.
-enum Table<W: Write + Send> {
+enum Table<W: Write + Seek + Send> {
     Csv(Csv<W>),
     Parquet(Box<Parquet<W>>),
+    Mf4(Box<Mf4<W>>),
 }
 
-impl<W: Write + Send> Table<W> {
+impl<W: Write + Seek + Send> Table<W> {
     fn new(output: W, format: TableFormat, title: &str, columns: &[Column]) -> io::Result<Self> {
         Ok(match format {
             TableFormat::Csv => Self::Csv(Csv::new(output, columns)?),
             TableFormat::Parquet => Self::Parquet(Box::new(Parquet::new(output, title, columns)?)),
+            TableFormat::Mf4 => Self::Mf4(Box::new(Mf4::new(output, title, columns)?)),
         })
     }
 
@@ -81,6 +91,7 @@ impl<W: Write + Send> Table<W> {
         match self {
             Self::Csv(table) => table.time(time),
             Self::Parquet(table) => table.time(time),
+            Self::Mf4(table) => table.time(time),
         }
     }
 
@@ -89,6 +100,7 @@ impl<W: Write + Send> Table<W> {
         match self {
             Self::Csv(table) => table.number(value),
             Self::Parquet(table) => table.number(value),
+            Self::Mf4(table) => table.number(value),
         }
     }
 
@@ -96,6 +108,7 @@ impl<W: Write + Send> Table<W> {
         match self {
             Self::Csv(table) => table.count(value),
             Self::Parquet(table) => table.count(value),
+            Self::Mf4(table) => table.count(value),
         }
     }
 
@@ -103,6 +116,7 @@ impl<W: Write + Send> Table<W> {
         match self {
             Self::Csv(table) => table.flag(value),
             Self::Parquet(table) => table.flag(value),
+            Self::Mf4(table) => table.flag(value),
         }
     }
 
@@ -110,6 +124,7 @@ impl<W: Write + Send> Table<W> {
         match self {
             Self::Csv(table) => table.word(word),
             Self::Parquet(table) => table.word(word),
+            Self::Mf4(table) => table.word(word),
         }
     }
 
@@ -118,6 +133,7 @@ impl<W: Write + Send> Table<W> {
         match self {
             Self::Csv(table) => table.end(),
             Self::Parquet(table) => table.end(),
+            Self::Mf4(table) => table.end(),
         }
     }
 
@@ -126,14 +142,15 @@ impl<W: Write + Send> Table<W> {
         match self {
             Self::Csv(table) => table.into_inner(),
             Self::Parquet(table) => table.into_inner(),
+            Self::Mf4(table) => table.into_inner(),
         }
     }
 }
 
 /// The `--estimates` table.
-pub struct EstimatesTable<W: Write + Send>(Table<W>);
+pub struct EstimatesTable<W: Write + Seek + Send>(Table<W>);
 
-impl<W: Write + Send> EstimatesTable<W> {
+impl<W: Write + Seek + Send> EstimatesTable<W> {
     /// Writes the header.
     pub fn new(output: W, format: TableFormat) -> io::Result<Self> {
         Table::new(output, format, "estimates", &Self::columns()).map(Self)
@@ -248,12 +265,12 @@ impl<W: Write + Send> EstimatesTable<W> {
 }
 
 /// The `--samples` table: the quantities that are configured.
-pub struct SamplesTable<W: Write + Send> {
+pub struct SamplesTable<W: Write + Seek + Send> {
     table: Table<W>,
     quantities: Vec<Quantity>,
 }
 
-impl<W: Write + Send> SamplesTable<W> {
+impl<W: Write + Seek + Send> SamplesTable<W> {
     /// Writes the header.
     pub fn new(output: W, format: TableFormat, quantities: Vec<Quantity>) -> io::Result<Self> {
         let mut columns = vec![Column::real("t", "s")];
@@ -278,14 +295,16 @@ impl<W: Write + Send> SamplesTable<W> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
     use super::*;
     use crate::Micros;
 
     #[test]
     fn every_row_has_as_many_fields_as_the_header() {
-        let mut table = EstimatesTable::new(Vec::new(), TableFormat::Csv).unwrap();
+        let mut table = EstimatesTable::new(Cursor::new(Vec::new()), TableFormat::Csv).unwrap();
         table.row(&Sample::empty(Micros(20_000), 0.01), &Estimates::default()).unwrap();
-        let text = String::from_utf8(table.into_inner().unwrap()).unwrap();
+        let text = String::from_utf8(table.into_inner().unwrap().into_inner()).unwrap();
         let fields: Vec<usize> = text.lines().map(|line| line.split(',').count()).collect();
         assert_eq!(fields[0], fields[1], "{text}");
         assert!(text.lines().nth(1).unwrap().starts_with("0.020000,,"));

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::Failure;
+use crate::service::SavedState;
 use crate::watch::{Estimator, Listener, Pace, Playback, Source, Watch};
 use crate::{Config, Wheel};
 
@@ -22,8 +23,8 @@ pub struct Watched {
     /// Play the recording X times as fast.
     #[arg(long, value_name = "X", requires = "recording")]
     speed: Option<f64>,
-    /// Run the estimators here, on the bus's own inputs, instead of reading what a gripd publishes there. Nothing is
-    /// sent either way.
+    /// Run the estimators here, on the bus's own inputs, instead of reading what a gripd publishes there. They go on from
+    /// the service's `state_file`, if the configuration names one, and leave it as it is. Nothing is sent either way.
     #[arg(long, conflicts_with = "recording")]
     estimate: bool,
 }
@@ -48,15 +49,38 @@ impl Watched {
         }
         let config = super::for_the_service(&self.config)?;
         let own = self.estimate || self.recording.is_some();
-        let watch = Watch::new(&config, if own { Estimator::Own } else { Estimator::Bus })?;
+        let mut watch = Watch::new(&config, if own { Estimator::Own } else { Estimator::Bus })?;
         let name = match &self.recording {
             Some(path) if path.as_os_str() == "-" => "standard input".to_owned(),
             Some(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
             None => self.interface.clone().unwrap_or_else(|| config.bus.interface.clone()),
         };
+        // A recording may be older than what was learned, or of it: it starts from the data sheet, as a replay does.
+        if self.recording.is_none()
+            && let Some(state) = SavedState::of_service(&config, None)
+        {
+            take_up(&state, &mut watch);
+        }
         let pace = Pace::Times(self.speed.unwrap_or(1.0));
         let recording = self.recording.map(|path| (path, pace));
         Ok(Subject { config, watch, name, interface: self.interface, recording })
+    }
+}
+
+/// What the service saved, where it can be used; the file is only read.
+fn take_up(state: &SavedState, watch: &mut Watch) {
+    let path = state.path().display();
+    match state.load() {
+        Ok(Some(learned)) => {
+            tracing::info!("{path}: goes on from what {:.0} s of driving taught", learned.driving_s);
+            watch.restore(&learned);
+        }
+        Ok(None) => tracing::debug!("{path}: nothing saved yet"),
+        Err(refusal) => {
+            tracing::warn!(
+                "{path} {refusal}; the estimators here start from [vehicle], and the file is left alone"
+            );
+        }
     }
 }
 

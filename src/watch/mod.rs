@@ -19,6 +19,7 @@ mod view;
 mod words;
 
 use crate::can::{CanId, ErrorReport, Frame};
+use crate::estimate::Learned;
 use crate::service::{Engine, SetupError, Sink};
 use crate::{Config, Estimates, Faults, Micros, Quantity, Sample};
 
@@ -114,6 +115,11 @@ impl Watch {
             faults_of_row: Faults::empty(),
             engine,
         })
+    }
+
+    /// The own engine goes on from what earlier drives taught. Before anything happens.
+    pub fn restore(&mut self, learned: &Learned) {
+        self.engine.restore(learned);
     }
 
     /// All identifiers that are looked at: inputs, and what gripd publishes.

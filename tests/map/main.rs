@@ -9,6 +9,8 @@ mod car;
 mod command;
 mod real;
 mod simulated;
+#[path = "../support/town.rs"]
+mod town;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

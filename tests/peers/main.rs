@@ -1,33 +1,27 @@
 //! Beside the tools that people use: GIVEN files written by python-can and asammdf WHEN gripd reads them THEN they say what
-//! their candump twin says; GIVEN tables written by gripd WHEN polars reads them THEN they say what the CSV twins say.
+//! their candump twin says, and they what gripd wrote; GIVEN tables written by gripd WHEN polars reads them THEN they say what the CSV twins say.
 //! Skipped, with a message, where the Python packages cannot be had.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+#[path = "../support/program.rs"]
+mod program;
 #[path = "../support/mod.rs"]
 mod support;
+mod written;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 use gripd::Micros;
 use gripd::can::candump::{self, Writer};
 use gripd::can::recording::Reader;
 use gripd::can::{CanId, Frame, FrameKind};
+use program::{gripd, project};
 
 /// 9 October 2025, 08:53:20: on a whole millisecond, which is all that ASC and BLF have of a start.
 const START: Micros = Micros(1_760_000_000_000_000);
-
-fn project(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
-
-fn gripd() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gripd"));
-    command.env_remove("RUST_LOG");
-    command
-}
 
 #[track_caller]
 fn succeed(command: &mut Command) -> Output {

@@ -38,6 +38,36 @@ fn a_recording_of_any_format_becomes_a_candump_log() {
 }
 
 #[test]
+fn a_candump_log_becomes_a_recording_of_any_format_and_comes_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let log = "(1760000000.000000) can1 123#0102\n(1760000000.001000) can0 00000124#R3\n\
+               (1760000000.002000) can0 123##5112233445566778899AABBCC\n";
+    fs::write(path.join("a.log"), log).unwrap();
+    for name in ["a.asc", "a.asc.gz", "a.blf", "a.mf4", "a.trc", "a.trc.zst", "b -f blf", "c.asc -f mf4"] {
+        let output = gripd(path, &format!("convert a.log -o {name}"));
+        assert!(output.status.success(), "{name}: {}", text(&output.stderr));
+        assert!(!text(&output.stderr).contains("WARN"), "{}", text(&output.stderr));
+        let output = gripd(path, &format!("convert {} -o -", name.split(' ').next().unwrap()));
+        assert_eq!(text(&output.stdout), log, "{name}");
+    }
+    // What is lost is said, and no result is half there.
+    let output = gripd(path, "convert a.log -f csv -o -");
+    let told = text(&output.stderr);
+    assert!(text(&output.stdout).starts_with("timestamp,arbitration_id,extended,remote,error,dlc,data\n"));
+    assert!(told.contains("1 of 3 frames written without its interface"), "{told}");
+    assert!(told.contains("1 of 3 frames written without the marks of an FD frame"), "{told}");
+    for (arguments, word) in
+        [("-o x.blf.gz", "plain file"), ("-f mf4 -o -", "plain file"), ("-f xyz -o x", "xyz")]
+    {
+        let output = gripd(path, &format!("convert a.log {arguments}"));
+        assert_eq!(output.status.code(), Some(2), "{arguments}");
+        assert!(text(&output.stderr).contains(word), "{}", text(&output.stderr));
+        assert!(!path.join("x.blf.gz").exists() && !path.join("x").exists());
+    }
+}
+
+#[test]
 fn what_was_skipped_is_counted_with_its_reason() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();

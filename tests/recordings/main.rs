@@ -1,5 +1,5 @@
-//! Recordings beyond candump: what each format says, and what becomes of damage, packing and truncation. (Files of
-//! other programs: `tests/recordings_peers.rs`; mutated ones: `tests/fuzz`.)
+//! Recordings beyond candump: what each format says, and what becomes of damage, packing and truncation; and written
+//! ones, read again. (Files of and for other programs: `tests/peers`; mutated ones: `tests/fuzz`.)
 
 #![allow(
     clippy::unwrap_used,
@@ -14,6 +14,7 @@ mod convert;
 mod mf4;
 mod mf4_file;
 mod text;
+mod writing;
 
 use std::io::Cursor;
 

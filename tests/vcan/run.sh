@@ -31,6 +31,7 @@ case $where in
     native)
         command -v candump >/dev/null || { fetch; PATH=$CACHE/bin:$PATH; export PATH; }
         own_namespace sh -ec '
+            ip link set lo up
             for interface in vcan0 vcan1; do ip link add dev $interface type vcan; ip link set $interface up; done
             exec "$@"' run.sh "$@"
         ;;

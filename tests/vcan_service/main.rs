@@ -28,6 +28,7 @@ mod support;
 mod traffic;
 #[path = "../vcan_support/mod.rs"]
 mod vcan_support;
+mod view;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

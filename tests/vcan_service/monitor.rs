@@ -11,6 +11,38 @@ fn monitor(interface: &str, arguments: &[&str]) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8(output.stdout).unwrap())
 }
 
+/// GIVEN a configuration that names what the service learned WHEN the estimators run here THEN they go on from it, and the
+/// file stays as it is.
+#[test]
+fn what_was_learned_is_taken_up_and_left_alone() {
+    let Some(interface) = Interface::new("gs_learned") else { return };
+    let folder = tempfile::tempdir_in("/dev/shm").unwrap();
+    let state = folder.path().join("learned.toml");
+    let car = edited_car(|text| format!("{text}\n[service]\nstate_file = \"{}\"\n", state.display()));
+    let mut replay = Command::new(gripd());
+    replay.args(["replay", "-q", "-c"]).arg(car.path()).arg(simulated_drive()).arg("--state").arg(&state);
+    assert!(replay.status().unwrap().success());
+    let watch = || {
+        let mut monitor = Command::new(gripd());
+        monitor.args(["monitor", "-i", interface.0, "--once=1", "--estimate", "-c"]).arg(car.path());
+        let output = monitor.env_remove("RUST_LOG").output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let traffic = Traffic::start(interface.0, frames(simulated_drive()));
+    let saved = std::fs::read(&state).unwrap();
+    let told = watch();
+    assert!(told.contains("goes on from what"), "{told}");
+    assert_eq!(std::fs::read(&state).unwrap(), saved);
+    // One that is refused, neither.
+    std::fs::write(&state, &saved[..saved.len() / 2]).unwrap();
+    let told = watch();
+    assert!(told.contains("left alone"), "{told}");
+    assert_eq!(std::fs::read(&state).unwrap(), saved[..saved.len() / 2]);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    drop(traffic);
+}
+
 /// GIVEN a bus with a car WHEN it is watched with and without a gripd on it THEN the words are about what is there, and
 /// nothing is sent.
 #[test]

@@ -4,9 +4,10 @@
 
 mod live;
 mod played;
+#[path = "../support/program.rs"]
+mod program;
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::OnceLock;
 
 use gripd::can::Frame;
@@ -15,16 +16,7 @@ use gripd::dbc::Database;
 use gripd::signals::publish::built_in_database;
 use gripd::watch::{Column, Estimator, Happening, Told, Watch, Word};
 use gripd::{Config, Faults, Micros, Quantity};
-
-fn project(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
-
-fn gripd() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gripd"));
-    command.env_remove("RUST_LOG");
-    command
-}
+use program::{gripd, project};
 
 fn demo_car() -> Config {
     Config::load(&project("config/demo.toml")).unwrap()

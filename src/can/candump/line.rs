@@ -5,6 +5,7 @@
 
 use super::usual;
 use crate::Micros;
+use crate::can::digits::{HEX, NO_DIGIT};
 use crate::can::recording::Damage;
 use crate::can::wire::{ERROR, EXTENDED, REMOTE, fd_kind};
 use crate::can::{CanId, Frame, FrameError, FrameKind};
@@ -26,20 +27,6 @@ pub(super) enum Line<'a> {
     /// Blank, or a comment.
     Blank,
 }
-
-/// Value of each hexadecimal digit, else [`NO_DIGIT`].
-const HEX: [u8; 256] = {
-    let mut table = [NO_DIGIT; 256];
-    let mut value = 0;
-    while value < 16 {
-        table[b"0123456789ABCDEF"[value] as usize] = value as u8;
-        table[b"0123456789abcdef"[value] as usize] = value as u8;
-        value += 1;
-    }
-    table
-};
-
-const NO_DIGIT: u8 = 0xFF;
 
 /// Takes one line (without its newline) apart.
 #[inline]

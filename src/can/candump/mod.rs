@@ -8,7 +8,6 @@
 //!
 //! The grammar is that of can-utils' `lib.h`; nothing here was taken from its code.
 
-mod digits;
 mod line;
 mod reader;
 mod usual;

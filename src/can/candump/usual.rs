@@ -4,8 +4,8 @@
 //! It is read a word at a time, not a character at a time. What it is not sure of it leaves to [`line`](super::line),
 //! which knows the whole grammar and says what is wrong.
 
-use super::digits::{decimal, digit, first, hexadecimal};
 use crate::Micros;
+use crate::can::digits::{decimal, digit, first, hexadecimal};
 use crate::can::{CanId, Frame, FrameKind};
 
 /// What a usual line says, and where it ends.

@@ -12,6 +12,7 @@
 
 use super::date::Date;
 use super::lines::{Entry, Grammar};
+use super::number::Words;
 use super::{Damage, data_frame, error_frame, fd_length, identifier, number, remote_frame};
 use crate::Micros;
 use crate::can::{CanId, Frame, FrameKind};
@@ -108,12 +109,7 @@ impl Asc {
     }
 
     /// `100x Rx d 8 00 11 …`, `100 Rx r 8`, `ErrorFrame`.
-    fn classic<'a>(
-        &self,
-        time: Micros,
-        channel: u32,
-        mut words: impl Iterator<Item = &'a [u8]>,
-    ) -> Result<Entry, Damage> {
+    fn classic(&self, time: Micros, channel: u32, mut words: Words) -> Result<Entry, Damage> {
         let Some(id) = words.next() else { return Err(Damage::FewColumns) };
         if id.eq_ignore_ascii_case(b"ErrorFrame") {
             return Ok(Entry::Frame(channel, error_frame(time)?));
@@ -130,7 +126,10 @@ impl Asc {
                 let length = length.ok_or(Damage::FewColumns)?.ok_or(Damage::BadLength)?;
                 let mut bytes = [0; 64];
                 // A length code above 8 means 8.
-                let data = self.bytes(words, length.min(8) as usize, &mut bytes)?;
+                let data = &mut bytes[..length.min(8) as usize];
+                if !words.bytes(self.base, data) {
+                    return Err(Damage::BadBytes);
+                }
                 data_frame(time, id, FrameKind::Data, data)?
             }
             // Older versions give no length.
@@ -141,7 +140,7 @@ impl Asc {
     }
 
     /// `1 Rx 123 [Name] brs esi dlc length data… duration length flags …`.
-    fn fd<'a>(&self, time: Micros, mut words: impl Iterator<Item = &'a [u8]>) -> Result<Entry, Damage> {
+    fn fd(&self, time: Micros, mut words: Words) -> Result<Entry, Damage> {
         let mut next = || words.next().ok_or(Damage::FewColumns);
         let channel = number::unsigned(next()?, 10).ok_or(Damage::BadNumber)?.saturating_sub(1);
         let direction = next()?;
@@ -166,7 +165,9 @@ impl Asc {
         if length > bytes.len() {
             return Err(Damage::TooLong);
         }
-        self.bytes(&mut words, length, &mut bytes)?;
+        if !words.bytes(self.base, &mut bytes[..length]) {
+            return Err(Damage::BadBytes);
+        }
         let flags = words.nth(2).and_then(|flags| number::unsigned(flags, 16));
         let kind = FrameKind::Fd { bit_rate_switch: switch == b"1", error_state };
         // Lines of an FD channel can be classic frames.
@@ -189,19 +190,6 @@ impl Asc {
             _ => (text, false),
         };
         identifier(number::unsigned(digits, self.base).ok_or(Damage::BadNumber)?, extended)
-    }
-
-    /// Takes that many bytes.
-    fn bytes<'a, 'b>(
-        &self,
-        mut words: impl Iterator<Item = &'a [u8]>,
-        length: usize,
-        bytes: &'b mut [u8; 64],
-    ) -> Result<&'b [u8], Damage> {
-        for byte in &mut bytes[..length] {
-            *byte = words.next().and_then(|text| number::byte(text, self.base)).ok_or(Damage::BadBytes)?;
-        }
-        Ok(&bytes[..length])
     }
 }
 

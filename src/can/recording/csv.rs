@@ -5,6 +5,7 @@
 use super::lines::{Entry, Grammar};
 use super::{Damage, data_frame, error_frame, identifier, number, remote_frame};
 use crate::can::FrameKind;
+use crate::can::digits::NO_DIGIT;
 
 /// The grammar; no line depends on another.
 pub struct Csv;
@@ -51,6 +52,18 @@ fn flag(text: &[u8]) -> Result<bool, Damage> {
     }
 }
 
+/// Value of each digit of base64, else [`NO_DIGIT`].
+const VALUES: [u8; 256] = {
+    let digits = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut table = [NO_DIGIT; 256];
+    let mut value = 0;
+    while value < 64 {
+        table[digits[value] as usize] = value as u8;
+        value += 1;
+    }
+    table
+};
+
 /// Bytes of a text in base64 (RFC 4648, with its padding); `None` if it is none, or of more than 64 bytes.
 fn base64(text: &[u8], bytes: &mut [u8; 64]) -> Option<usize> {
     if !text.len().is_multiple_of(4) {
@@ -62,15 +75,10 @@ fn base64(text: &[u8], bytes: &mut [u8; 64]) -> Option<usize> {
     for group in digits.chunks(4) {
         let mut bits = 0_u32;
         for place in 0..4 {
-            let value = match group.get(place) {
-                Some(byte @ b'A'..=b'Z') => byte - b'A',
-                Some(byte @ b'a'..=b'z') => byte - b'a' + 26,
-                Some(byte @ b'0'..=b'9') => byte - b'0' + 52,
-                Some(b'+') => 62,
-                Some(b'/') => 63,
-                None => 0,
-                Some(_) => return None,
-            };
+            let value = group.get(place).map_or(0, |byte| VALUES[usize::from(*byte)]);
+            if value == NO_DIGIT {
+                return None;
+            }
             bits = bits << 6 | u32::from(value);
         }
         let [_, group @ ..] = bits.to_be_bytes();

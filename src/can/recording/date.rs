@@ -23,6 +23,48 @@ pub struct Date {
 }
 
 impl Date {
+    /// Of a time from 1970 to the year 9999.
+    pub fn of(time: Micros) -> Option<Self> {
+        let millis = u64::try_from(time.0).ok()? / 1000;
+        let (days, rest) = (millis / 86_400_000, (millis % 86_400_000) as u32);
+        // As in [`Date::micros`]: years that begin in March, in turns of 400 years.
+        let days = days + 719_468;
+        let (turn, day) = (days / 146_097, days % 146_097);
+        let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+        let day = day - (365 * year + year / 4 - year / 100);
+        let month = (5 * day + 2) / 153;
+        let day = day - (153 * month + 2) / 5 + 1;
+        let (month, years) = if month < 10 { (month + 3, 0) } else { (month - 9, 1) };
+        let year = u32::try_from(400 * turn + year + years).ok().filter(|year| *year <= 9999)?;
+        Some(Self {
+            year,
+            month: month as u32,
+            day: day as u32,
+            hour: rest / 3_600_000,
+            minute: rest / 60_000 % 60,
+            second: rest / 1000 % 60,
+            milli: rest % 1000,
+        })
+    }
+
+    /// The day of the week, from Sunday, 0.
+    pub fn weekday(self) -> u32 {
+        const DAY: i64 = 86_400 * Micros::PER_SECOND;
+        // 1 January 1970 was a Thursday.
+        self.micros().map_or(0, |time| (time.0.div_euclid(DAY) + 4).rem_euclid(7) as u32)
+    }
+
+    /// As Vector writes it, `Thu Oct 09 08:53:20.123 2025`.
+    pub fn text(self) -> String {
+        const DAYS: [&str; 7] = ["Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"];
+        const MONTHS: [&str; 12] =
+            ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"];
+        let weekday = DAYS.get(self.weekday() as usize).unwrap_or(&"Sun");
+        let month = MONTHS.get(self.month.saturating_sub(1) as usize).unwrap_or(&"Jan");
+        let Self { year, day, hour, minute, second, milli, .. } = self;
+        format!("{weekday} {month} {day:02} {hour:02}:{minute:02}:{second:02}.{milli:03} {year}")
+    }
+
     /// Since 1970; `None` if there is no such date.
     pub fn micros(self) -> Option<Micros> {
         let fits = (1970..=9999).contains(&self.year)
@@ -113,6 +155,18 @@ mod tests {
 
     fn micros(text: &str) -> Option<i64> {
         Date::parse(text.as_bytes())?.micros().map(|time| time.0)
+    }
+
+    #[test]
+    fn every_day_comes_back() {
+        for day in (0..2_932_897).step_by(13).chain([0, 11_016, 2_932_896]) {
+            let time = Micros((day * 86_400_000 + day % 86_400_000) * 1000);
+            let date = Date::of(time).unwrap();
+            assert_eq!(date.micros(), Some(time), "{date:?}");
+            assert_eq!(Date::parse(date.text().as_bytes()).and_then(Date::micros), Some(time));
+        }
+        assert_eq!(Date::of(Micros(1_760_000_000_000_000)).unwrap().text(), "Thu Oct 09 08:53:20.000 2025");
+        assert!(Date::of(Micros(-1)).is_none() && Date::of(Micros(2_932_897 * 86_400_000_000)).is_none());
     }
 
     #[test]

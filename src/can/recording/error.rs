@@ -4,7 +4,7 @@ use std::io;
 
 use thiserror::Error;
 
-use super::Compression;
+use super::{Compression, Format};
 
 /// A recording that cannot be read or written (any further).
 #[derive(Debug, Error)]
@@ -96,6 +96,17 @@ pub enum LogError {
         name: String,
         /// Its format.
         format: &'static str,
+    },
+    /// The format is written here and there in the file, and packed in itself.
+    #[error(
+        "{name}: {format} is written to a plain file only, neither to a pipe nor packed once more; \
+         give it a file's name without .gz or .zst"
+    )]
+    NotAStream {
+        /// The file.
+        name: String,
+        /// Its format.
+        format: Format,
     },
     /// Reading failed.
     #[error("{name}: cannot be read beyond line {line}: {source}")]

@@ -2,7 +2,9 @@
 
 use std::io::{self, BufRead, BufReader, Read};
 
-use super::{Compression, Damage, Interface, LONGEST_LINE, LogError, LogStats, Source};
+use memchr::memchr;
+
+use super::{About, Compression, Damage, LONGEST_LINE, LogError, Source};
 use crate::can::Frame;
 
 /// What a line says.
@@ -23,18 +25,16 @@ pub trait Grammar: Send {
 
 /// Frames of a text.
 pub struct TextReader<G> {
-    name: String,
     lines: Lines,
     grammar: G,
-    interface: Interface,
-    stats: LogStats,
+    about: About,
 }
 
 impl<G: Grammar> TextReader<G> {
     /// Reads what is no longer packed.
     pub fn new(source: Box<dyn Read + Send>, name: String, compression: Compression, grammar: G) -> Self {
         let lines = Lines::new(source, compression);
-        Self { name, lines, grammar, interface: Interface::default(), stats: LogStats::default() }
+        Self { lines, grammar, about: About::of(name) }
     }
 }
 
@@ -44,28 +44,26 @@ impl<G: Grammar> Source for TextReader<G> {
             match self.lines.next() {
                 Ok(Next::End) => return Ok(None),
                 Ok(Next::TooLong) => {
-                    self.stats.lines += 1;
-                    self.stats.skipped(Damage::LongLine);
+                    self.about.stats.lines += 1;
+                    self.about.stats.skipped(Damage::LongLine);
                 }
                 Ok(Next::Line) => {
-                    self.stats.lines += 1;
-                    match self.grammar.line(self.lines.line.trim_ascii()) {
-                        Ok(Entry::Frame(..)) if self.lines.ended => self.stats.skipped(Damage::NoEnd),
+                    self.about.stats.lines += 1;
+                    match self.grammar.line(self.lines.line().trim_ascii()) {
+                        Ok(Entry::Frame(..)) if self.lines.ended => self.about.stats.skipped(Damage::NoEnd),
                         Ok(Entry::Frame(channel, frame)) => {
-                            self.interface.set(channel);
-                            self.stats.frame(frame.time);
-                            return Ok(Some(frame));
+                            return Ok(Some(self.about.delivered(channel, frame)));
                         }
-                        Ok(Entry::Other) => self.stats.others += 1,
-                        Ok(Entry::Blank) => self.stats.blank_lines += 1,
-                        Err(reason) => self.stats.skipped(reason),
+                        Ok(Entry::Other) => self.about.stats.others += 1,
+                        Ok(Entry::Blank) => self.about.stats.blank_lines += 1,
+                        Err(reason) => self.about.stats.skipped(reason),
                     }
                 }
                 Err(error) => {
                     return Err(LogError::of_read(
-                        &self.name,
+                        &self.about.name,
                         self.lines.compression,
-                        self.stats.lines,
+                        self.about.stats.lines,
                         error,
                     ));
                 }
@@ -73,16 +71,8 @@ impl<G: Grammar> Source for TextReader<G> {
         }
     }
 
-    fn interface(&self) -> &str {
-        &self.interface.name
-    }
-
-    fn stats(&self) -> &LogStats {
-        &self.stats
-    }
-
-    fn name(&self) -> &str {
-        &self.name
+    fn about(&self) -> &About {
+        &self.about
     }
 }
 
@@ -90,8 +80,12 @@ impl<G: Grammar> Source for TextReader<G> {
 struct Lines {
     source: BufReader<Box<dyn Read + Send>>,
     compression: Compression,
-    /// The line read last.
-    line: Vec<u8>,
+    /// How many bytes of the source's buffer the line is, if it is there as a whole.
+    in_buffer: Option<usize>,
+    /// Bytes of the buffer that were the line read last, its end among them.
+    used: usize,
+    /// A line that lies across the ends of buffers.
+    pieces: Vec<u8>,
     ended: bool,
 }
 
@@ -105,13 +99,23 @@ enum Next {
 impl Lines {
     fn new(source: Box<dyn Read + Send>, compression: Compression) -> Self {
         let source = BufReader::with_capacity(1 << 16, source);
-        Self { source, compression, line: Vec::new(), ended: false }
+        Self { source, compression, in_buffer: None, used: 0, pieces: Vec::new(), ended: false }
+    }
+
+    /// The line read last.
+    fn line(&self) -> &[u8] {
+        match self.in_buffer {
+            Some(length) => self.source.buffer().get(..length).unwrap_or_default(),
+            None => &self.pieces,
+        }
     }
 
     /// Reads the next line. An error comes once; the line it interrupts is lost, for better no frame than a
     /// shortened one.
     fn next(&mut self) -> io::Result<Next> {
-        self.line.clear();
+        self.source.consume(std::mem::take(&mut self.used));
+        self.in_buffer = None;
+        self.pieces.clear();
         let mut too_long = false;
         while !self.ended {
             let bytes = match self.source.fill_buf() {
@@ -122,13 +126,21 @@ impl Lines {
                     return Err(error);
                 }
             };
-            let newline = bytes.iter().position(|byte| *byte == b'\n');
+            let newline = memchr(b'\n', bytes);
+            if let Some(newline) = newline
+                && self.pieces.is_empty()
+                && !too_long
+            {
+                // It stays where it is until the next one is asked for.
+                (self.in_buffer, self.used) = (Some(newline), newline + 1);
+                return Ok(Next::Line);
+            }
             let piece = &bytes[..newline.unwrap_or(bytes.len())];
-            too_long |= self.line.len() + piece.len() > LONGEST_LINE;
+            too_long |= self.pieces.len() + piece.len() > LONGEST_LINE;
             if too_long {
-                self.line.clear();
+                self.pieces.clear();
             } else {
-                self.line.extend_from_slice(piece);
+                self.pieces.extend_from_slice(piece);
             }
             self.ended = bytes.is_empty();
             let used = newline.map_or(bytes.len(), |place| place + 1);
@@ -137,7 +149,7 @@ impl Lines {
                 return Ok(if too_long { Next::TooLong } else { Next::Line });
             }
         }
-        Ok(match (too_long, self.line.is_empty()) {
+        Ok(match (too_long, self.pieces.is_empty()) {
             (true, _) => Next::TooLong,
             (_, false) => Next::Line,
             _ => Next::End,

@@ -1,4 +1,4 @@
-//! Recordings in every format that is read: which one it is is told by the content.
+//! Recordings in every format that is read and written. Which one is read is told by the content.
 //!
 //! | Format | Times | Channel becomes |
 //! |---|---|---|
@@ -9,7 +9,8 @@
 //! | Peak TRC | tenths of milliseconds (1.1), microseconds (2.1) since the start | 1: `can0` |
 //! | python-can CSV | decimals of seconds, as many as there are | none: `can0` |
 //!
-//! Times become whole microseconds, rounded to the nearest. Where a format has a local time without its zone
+//! Times become whole microseconds, rounded to the nearest, and are written as such, so that they are read back the
+//! same. Where a format has a local time without its zone
 //! (ASC, TRC, BLF), it is taken for UTC: the same file gives the same times on every machine.
 //!
 //! The formats were learned from what their makers and users publish, and from files; no code was taken over:
@@ -26,11 +27,13 @@ mod error;
 mod lines;
 mod mf4;
 mod number;
+mod pack;
 mod reader;
 mod recognize;
 mod stats;
 mod trc;
 mod unpack;
+mod write;
 
 pub use damage::Damage;
 pub use error::LogError;
@@ -38,7 +41,11 @@ pub use reader::Reader;
 pub use recognize::Format;
 pub use stats::{LogStats, SkippedLine};
 pub use unpack::Compression;
+pub use write::{Loss, Writer, Written};
 
+pub(crate) use write::mdf;
+
+pub(super) use pack::TextOutput;
 pub(super) use unpack::{Content, unpack};
 
 use super::{CanId, Frame, FrameError, FrameKind};
@@ -55,12 +62,32 @@ const BUS_ERROR: u32 = 0x80;
 trait Source: Send {
     /// As [`Reader::next_frame`].
     fn next_frame(&mut self) -> Result<Option<Frame>, LogError>;
-    /// As [`Reader::interface`].
-    fn interface(&self) -> &str;
-    /// As [`Reader::stats`].
-    fn stats(&self) -> &LogStats;
+    /// What there is to say of it.
+    fn about(&self) -> &About;
+}
+
+/// What every source keeps.
+#[derive(Default)]
+struct About {
     /// As [`Reader::name`].
-    fn name(&self) -> &str;
+    name: String,
+    /// As [`Reader::interface`].
+    interface: Interface,
+    /// As [`Reader::stats`].
+    stats: LogStats,
+}
+
+impl About {
+    fn of(name: String) -> Self {
+        Self { name, ..Self::default() }
+    }
+
+    /// A frame is delivered, of a channel that becomes `canN`.
+    fn delivered(&mut self, channel: u32, frame: Frame) -> Frame {
+        self.interface.set(channel);
+        self.stats.frame(frame.time);
+        frame
+    }
 }
 
 /// The identifier of that number and kind.
@@ -95,9 +122,16 @@ fn error_frame(time: Micros) -> Result<Frame, Damage> {
 
 /// Bytes in a frame of FD with this length code.
 fn fd_length(code: u32) -> Option<usize> {
-    const LENGTHS: [usize; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64];
-    LENGTHS.get(usize::try_from(code).ok()?).copied()
+    FD_LENGTHS.get(usize::try_from(code).ok()?).copied()
 }
+
+/// The length code of so many bytes.
+fn fd_code(length: usize) -> u8 {
+    FD_LENGTHS.iter().position(|known| *known >= length).unwrap_or(15) as u8
+}
+
+/// Bytes of each length code.
+const FD_LENGTHS: [usize; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64];
 
 /// The name of an interface, kept until it changes.
 #[derive(Default)]

@@ -1,10 +1,42 @@
 //! Numbers as texts have them, exactly.
 
 use crate::Micros;
+use crate::can::digits;
+
+/// Where texts are read until the end of the year 33658, as candump logs.
+const END: i64 = 1_000_000_000_000 * Micros::PER_SECOND;
 
 /// A decimal number (`12`, `-0.5`, `1.5e-05`) in units of `10^places` a microsecond (6: seconds, 3:
 /// milliseconds), rounded to the nearest; `None` if it is none, or beyond any clock.
 pub fn micros(text: &[u8], places: i32) -> Option<Micros> {
+    plain_micros(text, places).or_else(|| any_micros(text, places))
+}
+
+/// The usual number: up to 18 digits and no more decimals than microseconds have.
+fn plain_micros(text: &[u8], places: i32) -> Option<Micros> {
+    let (mut value, mut point) = (0_i64, None);
+    if text.len() > 18 {
+        return None;
+    }
+    for (place, &byte) in text.iter().enumerate() {
+        let digit = byte.wrapping_sub(b'0');
+        if digit <= 9 {
+            value = 10 * value + i64::from(digit);
+        } else if byte == b'.' && point.is_none() {
+            point = Some(place);
+        } else {
+            return None;
+        }
+    }
+    let decimals = point.map_or(0, |point| text.len() - point - 1);
+    let is_number = text.len() > usize::from(point.is_some());
+    let missing = u32::try_from(places).ok()?.checked_sub(u32::try_from(decimals).ok()?)?;
+    let value = value.checked_mul(10_i64.checked_pow(missing)?)?;
+    (is_number && value < END).then_some(Micros(value))
+}
+
+/// Any number.
+fn any_micros(text: &[u8], places: i32) -> Option<Micros> {
     let (negative, text) = match text {
         [b'-', rest @ ..] => (true, rest),
         [b'+', rest @ ..] => (false, rest),
@@ -42,8 +74,7 @@ pub fn micros(text: &[u8], places: i32) -> Option<Micros> {
             None => 0,
         },
     };
-    // Until the year 33658, as candump logs.
-    let value = i64::try_from(value).ok().filter(|value| *value < 1_000_000_000_000 * Micros::PER_SECOND)?;
+    let value = i64::try_from(value).ok().filter(|value| *value < END)?;
     Some(Micros(if negative { -value } else { value }))
 }
 
@@ -52,27 +83,70 @@ fn signed(text: &[u8]) -> Option<i32> {
     std::str::from_utf8(text).ok()?.parse().ok().filter(|number: &i32| number.abs() < 100)
 }
 
-/// A number without a sign in base 10 or 16, of at most eight digits.
+/// A number without a sign in base 10 or 16, of at most ten digits.
 pub fn unsigned(text: &[u8], base: u32) -> Option<u32> {
     if text.is_empty() || text.len() > 10 {
         return None;
     }
-    let mut value = 0_u32;
+    let mut value = 0_u64;
     for &byte in text {
-        value = value.checked_mul(base)?.checked_add(char::from(byte).to_digit(base)?)?;
+        let digit = digits::digit(byte).filter(|digit| *digit < base)?;
+        value = value * u64::from(base) + u64::from(digit);
     }
-    Some(value)
+    u32::try_from(value).ok()
 }
 
 /// A byte: two hexadecimal digits, or up to three decimal ones.
 pub fn byte(text: &[u8], base: u32) -> Option<u8> {
-    let fits = if base == 16 { text.len() == 2 } else { text.len() <= 3 };
-    if fits { u8::try_from(unsigned(text, base)?).ok() } else { None }
+    match (base, text) {
+        (16, [high, low]) => digits::pair(*high, *low),
+        (16, _) => None,
+        _ if text.len() <= 3 => u8::try_from(unsigned(text, base)?).ok(),
+        _ => None,
+    }
 }
 
 /// The words of a line.
-pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
-    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+pub fn words(line: &[u8]) -> Words<'_> {
+    Words(line)
+}
+
+/// What is left of a line, word by word.
+#[derive(Clone)]
+pub struct Words<'a>(&'a [u8]);
+
+impl<'a> Iterator for Words<'a> {
+    type Item = &'a [u8];
+
+    #[inline]
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let start = self.0.iter().position(|byte| !byte.is_ascii_whitespace())?;
+        let rest = &self.0[start..];
+        let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+        let (word, rest) = rest.split_at(end);
+        self.0 = rest;
+        Some(word)
+    }
+}
+
+impl Words<'_> {
+    /// Takes words that are bytes in base 10 or 16; `false` if there are not as many.
+    pub fn bytes(&mut self, base: u32, bytes: &mut [u8]) -> bool {
+        for place in bytes {
+            // Nearly always so.
+            if let [b' ', high, low, rest @ ..] = self.0
+                && base == 16
+                && rest.first().is_none_or(u8::is_ascii_whitespace)
+                && let Some(byte) = digits::pair(*high, *low)
+            {
+                (*place, self.0) = (byte, rest);
+                continue;
+            }
+            let Some(byte) = self.next().and_then(|word| byte(word, base)) else { return false };
+            *place = byte;
+        }
+        true
+    }
 }
 
 #[cfg(test)]
@@ -83,6 +157,13 @@ mod tests {
     fn times_are_exact_and_rounded_to_the_nearest() {
         let seconds = |text: &str| micros(text.as_bytes(), 6).map(|time| time.0);
         assert_eq!(seconds("1760000000.000584"), Some(1_760_000_000_000_584));
+        assert_eq!(seconds("1760000000.00058449"), Some(1_760_000_000_000_584));
+        assert_eq!(seconds(".5"), Some(500_000));
+        assert_eq!(seconds("5."), Some(5_000_000));
+        assert_eq!(
+            (seconds("999999999999.9"), seconds("1000000000000")),
+            (Some(999_999_999_999_900_000), None)
+        );
         assert_eq!(seconds("0.0000004999"), Some(0));
         assert_eq!(seconds("0.0000005"), Some(1));
         assert_eq!(seconds("-1.5"), Some(-1_500_000));
@@ -95,6 +176,32 @@ mod tests {
         }
         assert_eq!(seconds(&"9".repeat(400)), None);
         assert_eq!(seconds(&format!("0.{}", "3".repeat(400))), Some(333_333));
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn the_usual_number_is_read_as_any(text in "[0-9]{0,12}[.]?[0-9]{0,9}|[-0-9.e]{0,20}", places in 3..7) {
+            let plain = plain_micros(text.as_bytes(), places);
+            proptest::prop_assert!(plain.is_none() || plain == any_micros(text.as_bytes(), places));
+        }
+    }
+
+    #[test]
+    fn bytes_are_words() {
+        for (text, base, expected) in [
+            (" 1a FF 07", 16, Some([0x1A, 0xFF, 7])),
+            ("1a  FF\t07 ", 16, Some([0x1A, 0xFF, 7])),
+            (" 1 255 007 9", 10, Some([1, 255, 7])),
+            (" 1a FF", 16, None),
+            (" 1a FF 7", 16, None),
+            (" 1a FF 071", 16, None),
+            (" 1a FG 07", 16, None),
+            (" 1 256 7", 10, None),
+        ] {
+            let mut bytes = [0; 3];
+            let all = words(text.as_bytes()).bytes(base, &mut bytes);
+            assert_eq!(all.then_some(bytes), expected, "{text}");
+        }
     }
 
     #[test]

@@ -88,7 +88,7 @@ impl Reader {
     pub fn name(&self) -> &str {
         match &self.source {
             Kind::Candump(reader) => reader.name(),
-            Kind::Other(source) => source.name(),
+            Kind::Other(source) => &source.about().name,
         }
     }
 
@@ -96,7 +96,7 @@ impl Reader {
     pub fn interface(&self) -> &str {
         match &self.source {
             Kind::Candump(reader) => reader.interface(),
-            Kind::Other(source) => source.interface(),
+            Kind::Other(source) => &source.about().interface.name,
         }
     }
 
@@ -105,7 +105,7 @@ impl Reader {
     pub fn stats(&self) -> &LogStats {
         match &self.source {
             Kind::Candump(reader) => reader.stats(),
-            Kind::Other(source) => source.stats(),
+            Kind::Other(source) => &source.about().stats,
         }
     }
 

@@ -33,22 +33,34 @@ impl Format {
         }
     }
 
+    /// Is it a text, which may be packed and streamed?
+    pub fn is_text(self) -> bool {
+        !matches!(self, Self::Blf | Self::Mf4)
+    }
+
+    /// All of them, by the names that [`Format::named`] knows.
+    pub const NAMES: [(&str, Format); 6] = [
+        ("candump", Self::Candump),
+        ("asc", Self::Asc),
+        ("blf", Self::Blf),
+        ("mf4", Self::Mf4),
+        ("trc", Self::Trc),
+        ("csv", Self::Csv),
+    ];
+
+    /// By its short name; `None` if there is none of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::NAMES.iter().find(|(known, _)| *known == name).map(|(_, format)| *format)
+    }
+
     /// By the extension of a file's name, that of a packed file by the one before.
-    pub(super) fn of_name(path: &Path) -> Option<Self> {
+    pub fn of_name(path: &Path) -> Option<Self> {
         let extension = |path: &Path| Some(path.extension()?.to_str()?.to_ascii_lowercase());
         let mut last = extension(path)?;
         if last == "gz" || last == "zst" {
             last = extension(Path::new(path.file_stem()?))?;
         }
-        Some(match last.as_str() {
-            "asc" => Self::Asc,
-            "blf" => Self::Blf,
-            "mf4" => Self::Mf4,
-            "trc" => Self::Trc,
-            "csv" => Self::Csv,
-            "log" => Self::Candump,
-            _ => return None,
-        })
+        if last == "log" { Some(Self::Candump) } else { Self::named(&last) }
     }
 }
 

@@ -8,6 +8,7 @@
 //! ```
 
 use super::lines::{Entry, Grammar};
+use super::number::Words;
 use super::{Damage, data_frame, error_frame, fd_length, identifier, number, remote_frame};
 use crate::Micros;
 use crate::can::{CanId, Frame, FrameKind};
@@ -138,27 +139,17 @@ impl Trc {
 }
 
 /// The frame of the bytes at the end of a line.
-fn data<'a>(
-    time: Micros,
-    id: CanId,
-    kind: FrameKind,
-    length: usize,
-    mut words: impl Iterator<Item = &'a [u8]>,
-) -> Result<Frame, Damage> {
+fn data(time: Micros, id: CanId, kind: FrameKind, length: usize, mut words: Words) -> Result<Frame, Damage> {
     if kind == FrameKind::Remote {
         return remote_frame(time, id, length);
     }
-    let mut bytes = [0; 64];
-    for (place, byte) in bytes[..length].iter_mut().enumerate() {
-        let text = words.next().ok_or(Damage::BadBytes)?;
-        // Before version 2.0 a remote request says so in place of its data.
-        if place == 0 && text == b"RTR" {
-            return remote_frame(time, id, length);
-        }
-        *byte = number::byte(text, 16).ok_or(Damage::BadBytes)?;
+    // Before version 2.0 a remote request says so in place of its data.
+    if words.clone().next() == Some(b"RTR") {
+        return remote_frame(time, id, length);
     }
-    if length == 0 && words.next() == Some(b"RTR") {
-        return remote_frame(time, id, 0);
+    let mut bytes = [0; 64];
+    if !words.bytes(16, &mut bytes[..length]) {
+        return Err(Damage::BadBytes);
     }
     data_frame(time, id, kind, &bytes[..length])
 }

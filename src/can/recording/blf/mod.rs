@@ -15,7 +15,7 @@ use flate2::read::ZlibDecoder;
 use self::object::{BASE, CONTAINER, Header, SIGNATURE};
 use super::bytes::{u16_at, u32_at};
 use super::date::Date;
-use super::{Compression, Damage, Interface, LogError, LogStats, Source};
+use super::{About, Compression, Damage, LogError, Source};
 use crate::Micros;
 use crate::can::Frame;
 
@@ -30,7 +30,6 @@ const PADDING: u64 = 7;
 
 /// Frames of a BLF file.
 pub struct Reader {
-    name: String,
     source: BufReader<Box<dyn Read + Send>>,
     compression: Compression,
     /// Bytes taken from the source.
@@ -45,8 +44,7 @@ pub struct Reader {
     ended: bool,
     /// To be told when what came before it has been delivered.
     failure: Option<LogError>,
-    interface: Interface,
-    stats: LogStats,
+    about: About,
 }
 
 /// What comes next in the unpacked objects.
@@ -67,7 +65,6 @@ impl Reader {
         compression: Compression,
     ) -> Result<Self, LogError> {
         let mut reader = Self {
-            name,
             source: BufReader::with_capacity(1 << 16, source),
             compression,
             taken: 0,
@@ -77,8 +74,7 @@ impl Reader {
             gap: false,
             ended: false,
             failure: None,
-            interface: Interface::default(),
-            stats: LogStats::default(),
+            about: About::of(name),
         };
         let mut header = Vec::new();
         reader.take(FILE_HEADER, &mut header)?;
@@ -88,7 +84,7 @@ impl Reader {
         }
         if !(FILE_HEADER..LARGEST).contains(&size) {
             return Err(LogError::Broken {
-                name: reader.name,
+                name: reader.about.name,
                 what: format!("a BLF header of {size} bytes cannot be"),
                 byte: 4,
                 to_do: "take another copy of the recording",
@@ -108,14 +104,14 @@ impl Reader {
             }
             Err(error) => {
                 self.ended = true;
-                Err(LogError::of_read(&self.name, self.compression, self.stats.lines, error))
+                Err(LogError::of_read(&self.about.name, self.compression, self.about.stats.lines, error))
             }
         }
     }
 
     fn cut_off(&mut self, what: &'static str, byte: u64) -> LogError {
         self.ended = true;
-        LogError::CutOff { name: self.name.clone(), what, byte }
+        LogError::CutOff { name: self.about.name.clone(), what, byte }
     }
 
     /// The next frame among the objects that are unpacked.
@@ -133,13 +129,13 @@ impl Reader {
                 continue;
             };
             let Some(object) = rest.get(..header.object_size) else { return Next::More };
-            self.stats.lines += 1;
+            self.about.stats.lines += 1;
             let found = object::frame(object, header, self.start);
             self.at += header.object_size;
             match found {
                 Ok(Some((channel, frame))) => return Next::Frame(channel, frame),
-                Ok(None) => self.stats.others += 1,
-                Err(reason) => self.stats.skipped(reason),
+                Ok(None) => self.about.stats.others += 1,
+                Err(reason) => self.about.stats.skipped(reason),
             }
         }
     }
@@ -151,8 +147,8 @@ impl Reader {
         let found = rest[from..].windows(SIGNATURE.len()).position(|bytes| bytes == SIGNATURE);
         let skipped = from + found.unwrap_or((rest.len() - from).saturating_sub(SIGNATURE.len() - 1));
         if from > 0 || skipped as u64 > PADDING {
-            self.stats.lines += 1;
-            self.stats.skipped(Damage::NoObject);
+            self.about.stats.lines += 1;
+            self.about.stats.skipped(Damage::NoObject);
         }
         self.at += skipped;
         found.is_some()
@@ -188,8 +184,8 @@ impl Reader {
         }
         if !is_good {
             self.gap = true;
-            self.stats.lines += 1;
-            self.stats.skipped(Damage::BadContainer);
+            self.about.stats.lines += 1;
+            self.about.stats.skipped(Damage::BadContainer);
         }
         Ok(true)
     }
@@ -203,8 +199,8 @@ impl Reader {
             if self.take(missing, &mut bytes)? < missing {
                 self.ended = true;
                 if skipped > PADDING {
-                    self.stats.lines += 1;
-                    self.stats.skipped(Damage::NoObject);
+                    self.about.stats.lines += 1;
+                    self.about.stats.skipped(Damage::NoObject);
                 }
                 if bytes.windows(SIGNATURE.len()).any(|bytes| bytes == SIGNATURE) {
                     let began = self.taken - bytes.len() as u64;
@@ -217,8 +213,8 @@ impl Reader {
                 if skipped > PADDING {
                     // The object before is not whole, and does not go on here.
                     self.objects.clear();
-                    self.stats.lines += 1;
-                    self.stats.skipped(Damage::NoObject);
+                    self.about.stats.lines += 1;
+                    self.about.stats.skipped(Damage::NoObject);
                 }
                 return Ok(Some((header, bytes)));
             }
@@ -241,9 +237,7 @@ impl Source for Reader {
     fn next_frame(&mut self) -> Result<Option<Frame>, LogError> {
         loop {
             if let Next::Frame(channel, frame) = self.unpacked() {
-                self.interface.set(channel);
-                self.stats.frame(frame.time);
-                return Ok(Some(frame));
+                return Ok(Some(self.about.delivered(channel, frame)));
             }
             if self.ended {
                 if self.salvage() {
@@ -263,16 +257,8 @@ impl Source for Reader {
         }
     }
 
-    fn interface(&self) -> &str {
-        &self.interface.name
-    }
-
-    fn stats(&self) -> &LogStats {
-        &self.stats
-    }
-
-    fn name(&self) -> &str {
-        &self.name
+    fn about(&self) -> &About {
+        &self.about
     }
 }
 

@@ -16,7 +16,7 @@ use std::fs::File;
 
 use self::block::Blocks;
 use self::records::{Record, Records};
-use super::{Interface, LogError, LogStats, Source};
+use super::{About, LogError, LogStats, Source};
 use crate::can::Frame;
 
 /// Where the first block is, behind the file's identification.
@@ -28,8 +28,7 @@ pub struct Reader {
     groups: Vec<Ahead>,
     /// To be told when all that can be read has been delivered.
     failure: Option<LogError>,
-    interface: Interface,
-    stats: LogStats,
+    about: About,
 }
 
 /// A data group and its next frame.
@@ -72,8 +71,8 @@ impl Reader {
                 format: "an ASAM MDF recording without CAN frames (it has signals, but no CAN_DataFrame)",
             });
         }
-        let (interface, stats) = (Interface::default(), LogStats::default());
-        Ok(Self { file, groups, failure: None, interface, stats })
+        let about = About::of(file.name().to_owned());
+        Ok(Self { file, groups, failure: None, about })
     }
 }
 
@@ -109,27 +108,17 @@ impl Ahead {
 impl Source for Reader {
     fn next_frame(&mut self) -> Result<Option<Frame>, LogError> {
         for group in &mut self.groups {
-            group.fill(&self.file, &mut self.stats, &mut self.failure);
+            group.fill(&self.file, &mut self.about.stats, &mut self.failure);
         }
         let time = |group: &&mut Ahead| group.next.map(|(_, frame)| frame.time);
         let earliest = self.groups.iter_mut().filter(|group| group.next.is_some()).min_by_key(time);
         let Some((channel, frame)) = earliest.and_then(|group| group.next.take()) else {
             return self.failure.take().map_or(Ok(None), Err);
         };
-        self.interface.set(channel);
-        self.stats.frame(frame.time);
-        Ok(Some(frame))
+        Ok(Some(self.about.delivered(channel, frame)))
     }
 
-    fn interface(&self) -> &str {
-        &self.interface.name
-    }
-
-    fn stats(&self) -> &LogStats {
-        &self.stats
-    }
-
-    fn name(&self) -> &str {
-        self.file.name()
+    fn about(&self) -> &About {
+        &self.about
     }
 }

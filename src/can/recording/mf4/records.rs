@@ -105,8 +105,7 @@ impl Records {
     /// If the file is broken; what was before has been given out, and there is nothing more.
     pub fn next(&mut self, file: &Blocks) -> Result<Option<Record>, LogError> {
         loop {
-            let is_ready = |first: &Waiting| first.data.is_none() || first.found.is_some();
-            if self.waiting.front().is_some_and(is_ready)
+            if self.waiting.front().is_some_and(Waiting::is_ready)
                 || self.waiting.len() > WAITING
                 || (self.ended && !self.waiting.is_empty())
             {
@@ -200,6 +199,10 @@ impl Records {
                 waiting.data = None;
             }
         }
+        // Nearly always so.
+        if self.waiting.is_empty() && waiting.is_ready() {
+            return Ok(Some(waiting.finish()));
+        }
         self.waiting.push_back(waiting);
         Ok(None)
     }
@@ -268,6 +271,11 @@ impl Bytes {
 }
 
 impl Waiting {
+    /// Nothing is still to come.
+    fn is_ready(&self) -> bool {
+        self.data.is_none() || self.found.is_some()
+    }
+
     /// With what is known now.
     fn finish(self) -> Record {
         let frame = self.head.and_then(|head| {
@@ -311,11 +319,9 @@ impl Sorted {
         }
         // Whole seconds apart, so that the product has all the digits there are.
         let whole = seconds.floor();
-        let ns = i128::from(start_ns)
-            + (whole as i128) * 1_000_000_000
-            + ((seconds - whole) * 1e9).round() as i128;
-        let time =
-            i64::try_from((ns + 500).div_euclid(1000)).map_or(Err(Damage::BadTime), |us| Ok(Micros(us)))?;
+        let rest_ns = start_ns.rem_euclid(1000) + ((seconds - whole) * 1e9).round() as i64;
+        let start_us = start_ns.div_euclid(1000);
+        let time = Micros(start_us + (whole as i64) * Micros::PER_SECOND + (rest_ns + 500).div_euclid(1000));
         let channel = number(members.channel).map_or(0, |channel| u32::try_from(channel).unwrap_or(u32::MAX));
         if self.group.kind == Kind::Error {
             let id = identifier(0, true)?;
@@ -351,12 +357,19 @@ impl Sorted {
 impl Field {
     /// Its bits as they are.
     pub fn read(&self, record: &[u8]) -> Option<u64> {
+        let mask = u64::MAX >> (64 - self.bits.clamp(1, 64));
+        // Nearly always there is a whole word.
+        if !self.big_endian
+            && self.bit + self.bits <= 64
+            && let Some(word) = array::<8>(record, self.byte)
+        {
+            return Some(u64::from_le_bytes(word) >> self.bit & mask);
+        }
         let count = ((self.bit + self.bits).div_ceil(8)) as usize;
         let bytes = record.get(self.byte..)?.get(..count)?;
         let push = |value: u128, byte: &u8| value << 8 | u128::from(*byte);
         let value =
             if self.big_endian { bytes.iter().fold(0, push) } else { bytes.iter().rev().fold(0, push) };
-        let mask = u64::MAX >> (64 - self.bits.clamp(1, 64));
         Some((value >> self.bit) as u64 & mask)
     }
 
@@ -390,6 +403,16 @@ mod tests {
         assert_eq!(Field { bit: 4, bits: 8, ..field }.read(&[0, 0x34, 0x12]), Some(0x23));
         assert_eq!(Field { big_endian: true, bits: 16, ..field }.read(&[0, 0x34, 0x12]), Some(0x3412));
         assert_eq!(field.read(&[0, 0x34]), None);
+        let long = [0x34, 0x12, 3, 4, 5, 6, 7, 8, 9, 10];
+        for (bit, bits, byte) in
+            [(0, 12, 0), (4, 12, 0), (3, 7, 1), (0, 64, 0), (5, 59, 2), (1, 64, 0), (7, 64, 0)]
+        {
+            let field = Field { byte, bit, bits, ..field };
+            let whole =
+                u128::from_le_bytes(std::array::from_fn(|at| long.get(byte + at).copied().unwrap_or(0)));
+            let expected = (whole >> bit) as u64 & (u64::MAX >> (64 - bits));
+            assert_eq!(field.read(&long), Some(expected), "{field:?}");
+        }
         let all = Field { byte: 0, bits: 64, ..field };
         assert_eq!(all.read(&[0xFF; 8]), Some(u64::MAX));
         assert_eq!(Field { signed: true, ..all }.real(&[0xFF; 8]), Some(-1.0));

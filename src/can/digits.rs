@@ -1,4 +1,7 @@
-//! Eight characters at once, read and written: a machine word is eight characters side by side.
+//! Numbers as texts of recordings have them. Eight characters at once, read and written: a machine word is eight
+//! characters side by side.
+
+use crate::Micros;
 
 /// The same byte in all eight places.
 const fn all(byte: u8) -> u64 {
@@ -10,7 +13,7 @@ const TOP: u64 = all(0x80);
 
 /// The place of the first such character; 8 if there is none.
 #[inline]
-pub(super) fn first(text: [u8; 8], character: u8) -> usize {
+pub(in crate::can) fn first(text: [u8; 8], character: u8) -> usize {
     // Where it stands there is a zero now, which borrows when one is taken off.
     let others = u64::from_le_bytes(text) ^ all(character);
     let zeros = others.wrapping_sub(all(1)) & !others & TOP;
@@ -19,7 +22,7 @@ pub(super) fn first(text: [u8; 8], character: u8) -> usize {
 
 /// Eight decimal digits: neighbours become pairs, pairs fours, fours the number.
 #[inline]
-pub(super) fn decimal(text: [u8; 8]) -> Option<i64> {
+pub(in crate::can) fn decimal(text: [u8; 8]) -> Option<i64> {
     let digits = u64::from_le_bytes(text) ^ all(b'0');
     // A byte above 9 shows in its upper half, now or after adding 6.
     if (digits | digits.wrapping_add(all(6))) & all(0xF0) != 0 {
@@ -30,15 +33,38 @@ pub(super) fn decimal(text: [u8; 8]) -> Option<i64> {
     Some((fours as u32 as i64) * 10_000 + (fours >> 32) as i64)
 }
 
+/// Value of each hexadecimal digit, else [`NO_DIGIT`].
+pub(in crate::can) const HEX: [u8; 256] = {
+    let mut table = [NO_DIGIT; 256];
+    let mut value = 0;
+    while value < 16 {
+        table[b"0123456789ABCDEF"[value] as usize] = value as u8;
+        table[b"0123456789abcdef"[value] as usize] = value as u8;
+        value += 1;
+    }
+    table
+};
+
+/// What is none.
+pub(in crate::can) const NO_DIGIT: u8 = 0xFF;
+
 /// One hexadecimal digit.
 #[inline]
-pub(super) fn digit(character: u8) -> Option<u32> {
-    (character as char).to_digit(16)
+pub(in crate::can) fn digit(character: u8) -> Option<u32> {
+    let value = HEX[usize::from(character)];
+    (value != NO_DIGIT).then_some(value.into())
+}
+
+/// Two of them: a byte.
+#[inline]
+pub(in crate::can) fn pair(high: u8, low: u8) -> Option<u8> {
+    let (high, low) = (HEX[usize::from(high)], HEX[usize::from(low)]);
+    (high | low != NO_DIGIT).then_some(high << 4 | low & 0xF)
 }
 
 /// Eight hexadecimal digits: four bytes, the first digit being the upper half of the first of them.
 #[inline]
-pub(super) fn hexadecimal(text: [u8; 8]) -> Option<[u8; 4]> {
+pub(in crate::can) fn hexadecimal(text: [u8; 8]) -> Option<[u8; 4]> {
     let text = u64::from_le_bytes(text);
     let ascii = text & !TOP;
     // Of a digit 0 to 9, of a letter 1 to 6; everything else is more, or zero.
@@ -56,7 +82,7 @@ pub(super) fn hexadecimal(text: [u8; 8]) -> Option<[u8; 4]> {
 
 /// The eight decimal digits of a number below 10⁸.
 #[inline]
-pub(super) fn to_decimal(number: u32) -> [u8; 8] {
+pub(in crate::can) fn to_decimal(number: u32) -> [u8; 8] {
     let (upper, lower) = (u64::from(number / 10_000), u64::from(number % 10_000));
     // Fours to pairs to digits, the first in the lowest place; 5243/2¹⁹ and 103/2¹⁰ are a hundredth and a tenth.
     let fours = upper | lower << 32;
@@ -69,7 +95,7 @@ pub(super) fn to_decimal(number: u32) -> [u8; 8] {
 
 /// Four bytes as eight hexadecimal digits, upper case.
 #[inline]
-pub(super) fn to_hexadecimal(bytes: [u8; 4]) -> [u8; 8] {
+pub(in crate::can) fn to_hexadecimal(bytes: [u8; 4]) -> [u8; 8] {
     let bytes = u64::from(u32::from_le_bytes(bytes));
     let twos = (bytes | bytes << 16) & 0x0000_FFFF_0000_FFFF;
     let bytes = (twos | twos << 8) & 0x00FF_00FF_00FF_00FF;
@@ -77,6 +103,38 @@ pub(super) fn to_hexadecimal(bytes: [u8; 4]) -> [u8; 8] {
     // From 10 on letters, which lie 7 further.
     let letters = ((halves + all(0x7F - 9)) & TOP) >> 7;
     (halves + all(b'0') + 7 * letters).to_le_bytes()
+}
+
+/// Appends so many hexadecimal digits, upper case.
+#[inline]
+pub(in crate::can) fn push_hexadecimal(text: &mut Vec<u8>, value: u32, digits: u32) {
+    const UPPER: &[u8; 16] = b"0123456789ABCDEF";
+    for place in (0..digits).rev() {
+        text.push(UPPER[(value >> (4 * place) & 0xF) as usize]);
+    }
+}
+
+/// Appends a number's decimal digits.
+pub(in crate::can) fn push_decimal(text: &mut Vec<u8>, number: u64) {
+    if number < 100_000_000 {
+        let digits = to_decimal(number as u32);
+        let zeros = digits.iter().take(7).take_while(|digit| **digit == b'0').count();
+        text.extend_from_slice(&digits[zeros..]);
+    } else {
+        push_decimal(text, number / 100_000_000);
+        text.extend_from_slice(&to_decimal((number % 100_000_000) as u32));
+    }
+}
+
+/// Appends `seconds.micros`, six digits of them.
+pub(in crate::can) fn push_seconds(text: &mut Vec<u8>, time: Micros) {
+    if time.0 < 0 {
+        text.push(b'-');
+    }
+    let micros = time.0.unsigned_abs();
+    push_decimal(text, micros / 1_000_000);
+    text.push(b'.');
+    text.extend_from_slice(&to_decimal((micros % 1_000_000) as u32)[2..]);
 }
 
 #[cfg(test)]

@@ -105,25 +105,26 @@ pub(in crate::can) fn to_hexadecimal(bytes: [u8; 4]) -> [u8; 8] {
     (halves + all(b'0') + 7 * letters).to_le_bytes()
 }
 
-/// Appends so many hexadecimal digits, upper case.
+/// Appends so many hexadecimal digits, upper case; eight at most.
 #[inline]
-pub(in crate::can) fn push_hexadecimal(text: &mut Vec<u8>, value: u32, digits: u32) {
-    const UPPER: &[u8; 16] = b"0123456789ABCDEF";
-    for place in (0..digits).rev() {
-        text.push(UPPER[(value >> (4 * place) & 0xF) as usize]);
-    }
+pub(in crate::can) fn push_hexadecimal(text: &mut Vec<u8>, value: u32, digits: usize) {
+    text.extend_from_slice(&to_hexadecimal(value.to_be_bytes())[8 - digits..]);
 }
 
 /// Appends a number's decimal digits.
 pub(in crate::can) fn push_decimal(text: &mut Vec<u8>, number: u64) {
-    if number < 100_000_000 {
-        let digits = to_decimal(number as u32);
-        let zeros = digits.iter().take(7).take_while(|digit| **digit == b'0').count();
-        text.extend_from_slice(&digits[zeros..]);
-    } else {
-        push_decimal(text, number / 100_000_000);
-        text.extend_from_slice(&to_decimal((number % 100_000_000) as u32));
+    let digits = to_decimal((number % 100_000_000) as u32);
+    match number / 100_000_000 {
+        0 => {
+            let zeros = (u64::from_le_bytes(digits) ^ all(b'0')).trailing_zeros() as usize / 8;
+            text.extend_from_slice(&digits[zeros.min(7)..]);
+            return;
+        }
+        // A day of this century has ten digits.
+        above @ 10..100 => text.extend_from_slice(&[b'0' + (above / 10) as u8, b'0' + (above % 10) as u8]),
+        above => push_decimal(text, above),
     }
+    text.extend_from_slice(&digits);
 }
 
 /// Appends `seconds.micros`, six digits of them.

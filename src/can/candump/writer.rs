@@ -105,8 +105,8 @@ pub fn write_line(text: &mut Vec<u8>, interface: &str, frame: &Frame) {
     for &bytes in fours {
         text.extend_from_slice(&to_hexadecimal(bytes));
     }
-    for &byte in rest {
-        push_hexadecimal(text, u32::from(byte), 2);
-    }
+    let mut last = [0; 4];
+    last[..rest.len()].copy_from_slice(rest);
+    text.extend_from_slice(&to_hexadecimal(last)[..2 * rest.len()]);
     text.push(b'\n');
 }

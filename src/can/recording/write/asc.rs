@@ -108,7 +108,7 @@ fn push_channel(line: &mut Vec<u8>, channel: u8) {
 /// As many digits as it has; an `x` marks an extended one.
 fn push_id(line: &mut Vec<u8>, id: CanId) {
     let number = id.number();
-    push_hexadecimal(line, number, (32 - number.leading_zeros()).div_ceil(4).max(1));
+    push_hexadecimal(line, number, (32 - number.leading_zeros() as usize).div_ceil(4).max(1));
     if id.is_extended() {
         line.push(b'x');
     }

@@ -27,7 +27,7 @@ impl Sink for Csv {
         push_seconds(line, frame.time);
         line.extend_from_slice(b",0x");
         let number = frame.id.number();
-        push_hexadecimal(line, number, (32 - number.leading_zeros()).div_ceil(4).max(1));
+        push_hexadecimal(line, number, (32 - number.leading_zeros() as usize).div_ceil(4).max(1));
         for set in [frame.id.is_extended(), frame.kind == FrameKind::Remote, is_error] {
             line.extend_from_slice(if set { b",1" } else { b",0" });
         }

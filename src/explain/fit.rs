@@ -7,7 +7,7 @@ use super::model::{Free, Model};
 use super::predict::Drive;
 use super::predict::car::BODY_STATES;
 use super::predict::noise::{Noise, floor};
-use super::predict::pass::{Ask, Other, Sums, pass};
+use super::predict::pass::{Ask, Other, Sums, pass_run};
 use super::split::{Part, Split};
 use crate::Quantity;
 
@@ -75,7 +75,10 @@ impl<'d> Data<'d> {
         };
         let others: Vec<Other> = varied.iter().map(other).collect();
         let drives = self.drives.iter().enumerate();
-        drives.flat_map(|drive| pass(drive, &car, &others, noise, Ask::default())).collect()
+        let runs: Vec<_> =
+            drives.flat_map(|drive| drive.1.runs.iter().map(move |run| (drive, *run))).collect();
+        let one = |(drive, run)| pass_run(drive, run, &car, &others, noise, &mut Ask::default());
+        runs.into_par_iter().flat_map_iter(one).collect()
     }
 
     /// The sums that count.

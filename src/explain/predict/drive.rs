@@ -1,5 +1,7 @@
 //! A recording as the filter takes it: inputs on a grid, readings at their own times.
 
+use std::sync::Arc;
+
 use super::smoothing::{on_grid, smooth_on_grid};
 use crate::model::Vehicle;
 use crate::model::effect::Recorded;
@@ -54,21 +56,21 @@ pub struct Measured {
     pub value: f64,
 }
 
-/// A recording on a grid.
+/// A recording on a grid. Copies share what was recorded, and may go over other stretches of it.
 #[derive(Clone, Debug)]
 pub struct Drive {
     /// The recording's name.
     pub name: String,
     /// Inputs as recorded, at each grid point.
-    pub inputs: Vec<Recorded>,
+    pub inputs: Arc<Vec<Recorded>>,
     /// All readings in order of time.
-    pub measured: Vec<Measured>,
+    pub measured: Arc<Vec<Measured>>,
     /// Where each step's readings begin in `measured`; one more than there are steps.
-    pub first: Vec<u32>,
+    pub first: Arc<Vec<u32>>,
     /// Grid points from, to between which all inputs are there and the car is moving.
     pub runs: Vec<(usize, usize)>,
     /// Speed by the wheels at each grid point, m/s.
-    pub speed: Vec<f64>,
+    pub speed: Arc<Vec<f64>>,
     /// Are drive and brake torques known?
     pub knows_torque: bool,
 }
@@ -154,7 +156,31 @@ impl Drive {
                 _ => {}
             }
         }
-        Self { name: recording.name.clone(), inputs, measured, first, runs, speed, knows_torque }
+        Self {
+            name: recording.name.clone(),
+            inputs: Arc::new(inputs),
+            measured: Arc::new(measured),
+            first: Arc::new(first),
+            runs,
+            speed: Arc::new(speed),
+            knows_torque,
+        }
+    }
+
+    /// The same recording, gone over only within these stretches (grid points from, to; in order, apart).
+    pub fn within(&self, stretches: &[(usize, usize)]) -> Self {
+        let shortest = points(SHORTEST_RUN_S);
+        let of = |&(from, to): &(usize, usize)| {
+            let cut = stretches.iter().map(move |&(begin, end)| (from.max(begin), to.min(end)));
+            cut.filter(move |(from, to)| *to >= from + shortest)
+        };
+        let runs = self.runs.iter().flat_map(of).collect();
+        Self { runs, ..self.clone() }
+    }
+
+    /// Seconds that are gone over.
+    pub fn used_seconds(&self) -> f64 {
+        self.runs.iter().map(|(from, to)| (to - from) as f64 * STEP_S).sum()
     }
 
     /// The readings of a step.

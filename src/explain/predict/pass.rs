@@ -136,59 +136,92 @@ pub fn pass(
     noise: &Noise,
     mut ask: Ask<'_>,
 ) -> Vec<Sums> {
+    let runs = drive.runs.iter();
+    runs.flat_map(|run| pass_run((number, drive), *run, car, others, noise, &mut ask)).collect()
+}
+
+/// Goes over one run of a drive.
+pub fn pass_run(
+    (number, drive): (usize, &Drive),
+    (from, to): (usize, usize),
+    car: &Car,
+    others: &[Other],
+    noise: &Noise,
+    ask: &mut Ask<'_>,
+) -> Vec<Sums> {
     let mut all = Vec::new();
     let per_block = points(BLOCK_S);
-    for &(from, to) in &drive.runs {
-        let yaw_rate = yaw_rate_at(drive, from);
-        let mut filter = Filter::new(Lane::start(car, drive, from, yaw_rate), noise);
-        let differs = |other: &Other, k: usize| k as f64 * STEP_S + AHEAD_S > other.same_until;
-        let start = |other: &Other| Lane::start(&other.car, drive, from, yaw_rate);
-        // Those that are still the same have no lane of their own.
-        let mut lanes: Vec<Option<Lane>> =
-            others.iter().map(|other| differs(other, from).then(|| start(other))).collect();
-        let mut k = from;
-        while k < to {
-            // The blocks' borders are the drive's, not the run's.
-            let end = ((k / per_block + 1) * per_block).min(to);
-            let mut out = Out::new(number, (k, end));
+    let yaw_rate = yaw_rate_at(drive, from);
+    let mut filter = Filter::new(Lane::start(car, drive, from, yaw_rate), noise);
+    let differs = |other: &Other, k: usize| k as f64 * STEP_S + AHEAD_S > other.same_until;
+    let start = |other: &Other| Lane::start(&other.car, drive, from, yaw_rate);
+    // Those that are still the same have no lane of their own.
+    let mut lanes: Vec<Option<Lane>> =
+        others.iter().map(|other| differs(other, from).then(|| start(other))).collect();
+    // The filter over one block, with where it was at its beginning. The blocks' borders are the drive's, not
+    // the run's.
+    let mut filtered = |filter: &mut Filter, k: usize| {
+        let end = ((k / per_block + 1) * per_block).min(to);
+        let begin = filter.lane.clone();
+        let mut out = Out::new(number, (k, end));
+        for step in k..end {
+            filter.step((car, drive, noise), (step, step == from), &mut out, ask);
+        }
+        (k..end, begin, out)
+    };
+    let mut block = (from < to).then(|| filtered(&mut filter, from));
+    while let Some((steps, begin, out)) = block.take() {
+        let Out { gains, errors, mut sums } = out;
+        let mut follow = || {
             for (lane, other) in lanes.iter_mut().zip(others) {
-                if lane.is_none() && differs(other, end) {
-                    *lane = Some(filter.lane.clone());
+                if lane.is_none() && differs(other, steps.end) {
+                    *lane = Some(begin.clone());
                 }
             }
-            for step in k..end {
-                filter.step((car, drive, noise), (step, step == from), &mut out, &mut ask);
-            }
-            let Out { gains, errors, mut sums } = out;
-            let rows = errors.len();
             let lane_errors: Vec<Option<Vec<f64>>> = lanes
                 .par_iter_mut()
                 .zip(others)
                 .map(|(lane, other)| {
                     let lane = lane.as_mut()?;
-                    let mut errors = Vec::with_capacity(rows);
-                    for step in k..end {
+                    let mut errors = Vec::with_capacity(gains.len());
+                    for step in steps.clone() {
                         lane.follow(&other.car, drive, step, noise, &gains, &mut errors);
                     }
                     Some(errors)
                 })
                 .collect();
-            let mut z = DMatrix::zeros(rows, others.len() + 1);
-            for (row, (gain, error)) in gains.iter().zip(&errors).enumerate() {
-                let weight = 1.0 / gain.s.sqrt();
-                z[(row, 0)] = error * weight;
-                for (column, (lane, other)) in lane_errors.iter().zip(others).enumerate() {
-                    if let Some(lane) = lane {
-                        z[(row, column + 1)] = (error - lane[row]) * weight / other.by;
-                    }
-                }
-            }
-            sums.gram = z.transpose() * &z;
-            all.push(sums);
-            k = end;
-        }
+            let z = whitened(&gains, &errors, others, &lane_errors);
+            z.transpose() * &z
+        };
+        let mut go_on = || (steps.end < to).then(|| filtered(&mut filter, steps.end));
+        // The filter goes ahead while the others follow.
+        let (next, gram) = if others.is_empty() { (go_on(), follow()) } else { rayon::join(go_on, follow) };
+        sums.gram = gram;
+        all.push(sums);
+        block = next;
     }
     all
+}
+
+/// The innovations (first) and their derivatives by each difference, in standard deviations.
+fn whitened(
+    gains: &[Gain],
+    errors: &[f64],
+    others: &[Other],
+    lane_errors: &[Option<Vec<f64>>],
+) -> DMatrix<f64> {
+    let mut z = DMatrix::zeros(errors.len(), others.len() + 1);
+    for (row, (gain, error)) in gains.iter().zip(errors).enumerate() {
+        z[(row, 0)] = error / gain.s.sqrt();
+    }
+    for (column, (lane, other)) in lane_errors.iter().zip(others).enumerate() {
+        let Some(lane) = lane else { continue };
+        for (row, (gain, error)) in gains.iter().zip(errors).enumerate() {
+            let weight = 1.0 / gain.s.sqrt();
+            z[(row, column + 1)] = (error - lane[row]) * weight / other.by;
+        }
+    }
+    z
 }
 
 /// Goes over a drive with one car only; `watch` sees it at the beginning of each step: the step, the end of

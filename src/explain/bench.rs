@@ -77,7 +77,13 @@ pub fn recorded(effects: &str) -> (Vehicle, Recording) {
 
 /// The training part of drives.
 pub fn training(drives: &[Drive]) -> Data<'_> {
-    Data { drives, split: Split::new(drives, 0), part: Part::Train, own_noise: Noise::first(drives) }
+    Data {
+        drives,
+        split: Split::new(drives, 0),
+        part: Part::Train,
+        own_noise: Noise::first(drives),
+        share: 1.0,
+    }
 }
 
 /// The plain model, fitted.

@@ -1,6 +1,8 @@
 //! What could be missing: every effect of the library that this bus and this drive could show.
 
 use super::model::{Chosen, Model};
+use super::predict::Drive;
+use super::predict::drive::STEP_S;
 use super::predict::noise::Live;
 use crate::Quantity;
 use crate::model::TireKind;
@@ -53,12 +55,34 @@ const ONSETS_S: f64 = 5.0;
 /// And so many at most.
 const MOST_ONSETS: usize = 20;
 
-/// All candidates for a model, of a recording of so many seconds.
-pub fn library(model: &Model<'_>, has: impl Fn(Quantity) -> bool, seconds: f64) -> Vec<Candidate> {
-    let mut all = Vec::new();
+/// When something could have begun, s, in a recording of so many seconds.
+pub fn onsets(seconds: f64) -> Vec<f64> {
     let step = (seconds / (MOST_ONSETS + 1) as f64).max(ONSETS_S);
-    let onsets: Vec<f64> =
-        (1..).map(|i| f64::from(i) * step).take_while(|t| *t < seconds - 0.5 * step).collect();
+    (1..).map(|i| f64::from(i) * step).take_while(|t| *t < seconds - 0.5 * step).collect()
+}
+
+/// The same in the longest of some drives of which only an excerpt is gone over: between its runs any moment is
+/// as good as another, which the next run's beginning stands for.
+pub fn onsets_within(drives: &[Drive]) -> Vec<f64> {
+    let Some(longest) = drives.iter().max_by(|a, b| a.used_seconds().total_cmp(&b.used_seconds())) else {
+        return Vec::new();
+    };
+    let mut all: Vec<f64> = longest.runs.iter().skip(1).map(|(from, _)| *from as f64 * STEP_S).collect();
+    let mut before = 0.0;
+    let used = onsets(longest.used_seconds());
+    for (from, to) in &longest.runs {
+        let (from, seconds) = (*from as f64 * STEP_S, (to - from) as f64 * STEP_S);
+        let within = used.iter().map(|used| used - before).filter(|used| (3.0..seconds - 3.0).contains(used));
+        all.extend(within.map(|used| from + used));
+        before += seconds;
+    }
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+/// All candidates for a model, of a recording in which something could have begun at these moments, s.
+pub fn library(model: &Model<'_>, has: impl Fn(Quantity) -> bool, onsets: &[f64]) -> Vec<Candidate> {
+    let mut all = Vec::new();
     for kind in KINDS.iter().copied() {
         let of: Vec<Option<Channel>> = match kind.channels {
             [] => vec![None],
@@ -112,7 +136,7 @@ pub fn library(model: &Model<'_>, has: impl Fn(Quantity) -> bool, seconds: f64) 
             match kind.place_of("at_s") {
                 Some(at) => {
                     let free: Vec<usize> = everything.iter().copied().filter(|place| *place != at).collect();
-                    for onset in &onsets {
+                    for onset in onsets {
                         all.push(Candidate {
                             free: free.clone(),
                             fixed: vec![(at, *onset)],

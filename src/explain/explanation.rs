@@ -3,6 +3,7 @@
 use super::answer::Told;
 use super::chain::ChainReport;
 use super::correction::correct;
+use super::excerpt::Excerpt;
 use super::fit::Data;
 use super::gross;
 use super::model::Model;
@@ -12,6 +13,7 @@ use super::result::{Explanation, Verdict};
 use super::select::select;
 use super::split::{Part, Split};
 use super::verdict::Gains;
+use super::whole::Search;
 use crate::Quantity;
 use crate::model::Vehicle;
 use crate::model::effect::EffectConfig;
@@ -45,8 +47,9 @@ pub struct Answer<'a> {
 /// Seconds that must be usable.
 const LEAST_SECONDS: f64 = 15.0;
 
-/// Rounds of fitting with unknown forces.
+/// Rounds of fitting with unknown forces, and of fitting them to everything, if an excerpt came first.
 const CORRECTION_ROUNDS: usize = 4;
+const CORRECTION_AGAIN: usize = 1;
 
 impl<'a> Case<'a> {
     /// Explains. `progress` is told the stage and how far it is.
@@ -57,7 +60,8 @@ impl<'a> Case<'a> {
         let knows_torque = drives.iter().all(|drive| drive.knows_torque);
         let split = Split::new(&drives, self.held_out);
         let noise = first_noise(&drives, knows_torque);
-        let mut data = Data { drives: &drives, split, part: Part::Train, own_noise: noise.clone() };
+        let own_noise = noise.clone();
+        let mut data = Data { drives: &drives, split, part: Part::Train, own_noise, share: 1.0 };
         let plain = Model::plain(self.vehicle, knows_torque).with_configured(self.effects);
         let usable: f64 =
             drives.iter().flat_map(|d| &d.runs).map(|(from, to)| (to - from) as f64 * STEP_S).sum();
@@ -66,15 +70,31 @@ impl<'a> Case<'a> {
         }
         progress("fitting the plain model", 0.0);
         let free = plain.ordinary(has);
-        let baseline = data.fit_thoroughly(&plain, &free, &noise);
-        let before = gross::taken(&data, &plain, &baseline, (&free, &noise), &gross::suggested(self.chain));
-        let seconds = drives.iter().map(Drive::seconds).fold(0.0, f64::max);
-        let selection = select(&data, (baseline, before), &has, seconds, progress);
+        let suggested = gross::suggested(self.chain);
+        let excerpt = Excerpt::of(&data);
+        let selection = match excerpt.clone() {
+            Some(excerpt) => {
+                let search = Search { data: &data, plain: (&plain, &free, &noise), suggested: &suggested };
+                search.select(excerpt, &has, progress)
+            }
+            None => {
+                let baseline = data.fit_thoroughly(&plain, &free, &noise);
+                let before = gross::taken(&data, &plain, &baseline, (&free, &noise), &suggested);
+                select(&data, (baseline, before), &has, progress)
+            }
+        };
         data.split = selection.split.clone();
         progress("what could be explained", 0.0);
         let sound = selection.chosen.iter().rfind(|taken| gross::is_gross(&taken.candidate));
-        let corrected =
-            correct(&data, sound.map_or(&selection.baseline, |taken| &taken.fit), CORRECTION_ROUNDS);
+        let sound = sound.map_or(&selection.baseline, |taken| &taken.fit);
+        let corrected = match excerpt {
+            Some(excerpt) => {
+                let some = excerpt.drives(&drives);
+                let first = correct(&data.over(&some), sound, CORRECTION_ROUNDS);
+                data.fit(&first.model, &first.free, &first.noise, CORRECTION_AGAIN)
+            }
+            None => correct(&data, sound, CORRECTION_ROUNDS),
+        };
         tracing::debug!(noise = ?selection.baseline.noise, "of the plain model");
         tracing::debug!(noise = ?selection.extended.noise, "of the extended model");
         let gains = Gains::of(&data, &selection, &corrected);

@@ -22,6 +22,8 @@ pub struct Data<'a> {
     pub part: Part,
     /// Noise of the sensors as it shows from one reading to the next.
     pub own_noise: Noise,
+    /// Which share of the recordings the drives go over: less than 1, if they are an excerpt.
+    pub share: f64,
 }
 
 /// A fitted model.
@@ -60,6 +62,18 @@ impl Fit<'_> {
 }
 
 impl<'d> Data<'d> {
+    /// An excerpt of the same drives.
+    pub fn over<'e>(&self, excerpt: &'e [Drive]) -> Data<'e> {
+        let seconds = |drives: &[Drive]| drives.iter().map(Drive::used_seconds).sum::<f64>();
+        Data {
+            drives: excerpt,
+            split: self.split.clone(),
+            part: self.part,
+            own_noise: self.own_noise.clone(),
+            share: self.share * seconds(excerpt) / seconds(self.drives).max(1.0),
+        }
+    }
+
     /// The same drives, another part.
     pub fn of(&self, part: Part) -> Self {
         Self { part, ..self.clone() }

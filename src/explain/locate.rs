@@ -135,19 +135,21 @@ pub fn regimes(drive: &Drive, gains: &Gains) -> Vec<String> {
 }
 
 /// Lateral acceleration that steering asks for, roughly, m/s².
-fn turn(drive: &Drive, k: usize) -> f64 {
+pub fn turn(drive: &Drive, k: usize) -> f64 {
     let speed = drive.speed[k];
     // A usual ratio and wheelbase, and some understeer.
     drive.inputs[k].steering_wheel / 15.5 * speed * speed / (2.7 + 0.003 * 2.7 * speed * speed)
 }
 
-fn steering_rate(drive: &Drive, k: usize) -> f64 {
+/// How fast the steering wheel turns, rad/s.
+pub fn steering_rate(drive: &Drive, k: usize) -> f64 {
     let near = points(0.05);
     let (from, to) = (k.saturating_sub(near), (k + near).min(drive.inputs.len() - 1));
     (drive.inputs[to].steering_wheel - drive.inputs[from].steering_wheel) / (2.0 * near as f64 * STEP_S)
 }
 
-fn rate(drive: &Drive, k: usize) -> f64 {
+/// How fast the speed by the wheels rises, m/s².
+pub fn rate(drive: &Drive, k: usize) -> f64 {
     let near = points(0.25);
     let (from, to) = (k.saturating_sub(near), (k + near).min(drive.speed.len() - 1));
     (drive.speed[to] - drive.speed[from]) / (2.0 * near as f64 * STEP_S)

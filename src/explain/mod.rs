@@ -20,6 +20,7 @@ mod candidates;
 pub mod chain;
 mod correction;
 mod course;
+mod excerpt;
 mod exogenous;
 mod explanation;
 mod finding;
@@ -36,6 +37,7 @@ mod select;
 mod smooth;
 mod split;
 mod verdict;
+mod whole;
 
 pub use explanation::{Answer, Case};
 pub use model::{Chosen, Model};

@@ -227,7 +227,7 @@ pub fn refine<'a>(data: &Data<'_>, before: &Fit<'a>, refitted: &Refitted<'a>, ro
 }
 
 /// The model with the moment at which an effect begins where it fits best, nearby.
-fn onset<'a>(data: &Data<'_>, fit: &Fit<'a>, effect: usize, place: usize) -> Model<'a> {
+pub fn onset<'a>(data: &Data<'_>, fit: &Fit<'a>, effect: usize, place: usize) -> Model<'a> {
     let mut best = (fit.minus_two_ln, fit.model.clone());
     let mut step = 3.0;
     while step > 0.04 {
@@ -362,7 +362,7 @@ impl Normal {
 #[cfg(test)]
 mod tests {
     use super::super::bench::{fitted, recorded, training};
-    use super::super::candidates::library;
+    use super::super::candidates::{library, onsets};
     use super::super::predict::Drive;
     use super::*;
 
@@ -372,7 +372,7 @@ mod tests {
         let drives = [Drive::new(&recording, &vehicle)];
         let data = training(&drives);
         let plain = fitted(&data, &vehicle);
-        let scanned = scan(&data, &plain, &library(&plain.model, |_| true, drives[0].seconds()));
+        let scanned = scan(&data, &plain, &library(&plain.model, |_| true, &onsets(drives[0].seconds())));
         let named = refit(&data, &plain, (&plain, Learn::Noise), &scanned[0], 4);
         let values = named.fit.model.effects[0].values();
         (named.candidate.name(), named.evidence, values)

@@ -5,11 +5,12 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
-use super::candidates::{Candidate, library};
+use super::candidates::{Candidate, library, onsets, onsets_within};
 use super::exogenous::follows_motion;
 use super::fit::{Data, Fit, Learn};
 use super::naming::{Refitted, Scored, refine, refit, scan};
 use super::patches;
+use super::predict::Drive;
 use super::smooth::courses;
 use super::split::{BLOCK_S, Part, Split};
 use crate::Quantity;
@@ -34,10 +35,10 @@ const LEAST_SHARE: f64 = 0.08;
 const LEAST_OF_FIRST_ORDER: f64 = 0.3;
 
 /// A held-out block within so many seconds of where something began is needed to learn when it did.
-const ONSET_S: f64 = 3.0;
+pub const ONSET_S: f64 = 3.0;
 
 /// A course of which more than this follows from the driver's own inputs is none of wind and road.
-const MOST_FOLLOWING: f64 = 0.4;
+pub const MOST_FOLLOWING: f64 = 0.4;
 
 /// See [`is_noteworthy`].
 const LEAST_TORQUE_SCALE: f64 = 0.01;
@@ -51,8 +52,8 @@ const NEXT_ROUNDS: usize = 3;
 const LAST_ROUNDS: usize = 8;
 
 /// So many after their first fit, and all with this share of the best one's evidence, may win.
-const MOST_RIVALS: usize = 3;
-const RIVAL_SHARE: f64 = 0.5;
+pub const MOST_RIVALS: usize = 3;
+pub const RIVAL_SHARE: f64 = 0.5;
 
 /// One round of choosing.
 #[derive(Clone, Debug)]
@@ -95,13 +96,14 @@ pub fn select<'a>(
     data: &Data<'_>,
     (mut baseline, before): (Fit<'a>, Vec<Refitted<'a>>),
     has: &(impl Fn(Quantity) -> bool + Sync),
-    seconds: f64,
     progress: &(dyn Fn(&str, f64) + Sync),
 ) -> Selection<'a> {
     let mut data = data.clone();
     let mut extended = baseline.clone();
     let mut chosen: Vec<Refitted<'a>> = Vec::new();
     let mut rounds = Vec::new();
+    let longest = data.drives.iter().map(Drive::seconds).fold(0.0, f64::max);
+    let onsets = if data.share < 1.0 { onsets_within(data.drives) } else { onsets(longest) };
     for taken in before {
         extended = taken.fit.clone();
         let refitted = vec![taken.clone()];
@@ -110,7 +112,7 @@ pub fn select<'a>(
     }
     while chosen.len() < MOST_FINDINGS {
         progress(if chosen.is_empty() { "naming" } else { "looking for more" }, chosen.len() as f64 / 5.0);
-        let library = library(&extended.model, has, seconds);
+        let library = library(&extended.model, has, &onsets);
         let is_new = |candidate: &Candidate| {
             let same = |other: &Refitted<'_>| {
                 other.candidate.name() == candidate.name() && other.candidate.free == candidate.free
@@ -119,8 +121,8 @@ pub fn select<'a>(
         };
         let library: Vec<Candidate> = library.into_iter().filter(is_new).collect();
         let found: f64 = chosen.iter().map(|refitted| refitted.evidence).sum();
-        let least =
-            if chosen.is_empty() { LEAST_EVIDENCE } else { FURTHER_EVIDENCE.max(FURTHER_SHARE * found) };
+        // An excerpt tells as much less: what passes here must pass again on everything.
+        let least = least_evidence(data.share, !chosen.is_empty(), found);
         // Equations that hardly err as they are would only say the same again.
         let least_diffusion = data.strict(&extended.noise).diffusion;
         let errs =
@@ -164,8 +166,7 @@ pub fn select<'a>(
         let fit = if polished.cost() < after.cost() { polished } else { after.clone() };
         let held = data.of(Part::Holdout);
         let gain = held.minus_two_ln(&extended.sums) - held.minus_two_ln(&fit.sums);
-        // It must not make the prediction of what it has not seen worse.
-        let confirmed = gain > -0.02 * first.evidence - 5.0 && (chosen.is_empty() || gain > 0.0);
+        let confirmed = is_confirmed(gain, first.evidence, !chosen.is_empty());
         tracing::debug!(
             name = first.candidate.name(),
             evidence = first.evidence,
@@ -181,6 +182,21 @@ pub fn select<'a>(
         extended = fit;
     }
     Selection { baseline, extended, chosen, rounds, split: data.split }
+}
+
+/// Evidence that is needed in a share of the recordings, after so much has been found or nothing.
+pub fn least_evidence(share: f64, is_further: bool, found: f64) -> f64 {
+    if is_further {
+        f64::max(share * FURTHER_EVIDENCE, FURTHER_SHARE * found)
+    } else {
+        share * LEAST_EVIDENCE
+    }
+}
+
+/// Does what it is fitted to confirm the held-out part? It must not make the prediction of what it has not seen
+/// worse.
+pub fn is_confirmed(gain: f64, evidence: f64, is_further: bool) -> bool {
+    gain > -0.02 * evidence - 5.0 && (!is_further || gain > 0.0)
 }
 
 /// Scans the library from some fits, fits what is worth it, and refuses what only follows the driver.
@@ -284,7 +300,7 @@ fn best_of_each(mut refitted: Vec<Refitted<'_>>) -> Vec<Refitted<'_>> {
 }
 
 /// How much of a candidate's course follows from the driver's inputs.
-fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> f64 {
+pub fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> f64 {
     if refitted.candidate.live.is_none() {
         return 0.0;
     }
@@ -307,7 +323,7 @@ fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> f64 {
 
 /// A number that is the same all the time is the simpler explanation than a course that could be anything, or
 /// something that begins at a moment of its choice: where both explain about the same, it goes first.
-fn prefer_the_simpler(refitted: &mut [Refitted<'_>]) {
+pub fn prefer_the_simpler(refitted: &mut [Refitted<'_>]) {
     // A jump before the beginning is one all the same.
     let jumps =
         |candidate: &Candidate| candidate.channel.is_some() && candidate.kind.place_of("at_s").is_some();

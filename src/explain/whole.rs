@@ -1,0 +1,280 @@
+//! A long recording: causes are searched for in an excerpt, and then everything is fitted to all of it, judged by all
+//! of it, and held against what of all of it was held out. Where what was found leaves a stretch unexplained that the
+//! excerpt does not have, that is added, and the search goes on.
+
+use rayon::prelude::*;
+
+use super::candidates::Candidate;
+use super::excerpt::Excerpt;
+use super::fit::{Data, Fit};
+use super::gross;
+use super::model::{Free, Model};
+use super::naming::{Refitted, onset};
+use super::predict::Drive;
+use super::predict::drive::{STEP_S, points};
+use super::predict::noise::Noise;
+use super::predict::pass::Sums;
+use super::select::{
+    MOST_FOLLOWING, MOST_RIVALS, ONSET_S, RIVAL_SHARE, Round, Selection, following_share, is_confirmed,
+    least_evidence, prefer_the_simpler, select,
+};
+use super::split::{BLOCK_S, Part};
+use crate::Quantity;
+
+/// The excerpt is enlarged so often at most.
+const MOST_TIMES: usize = 2;
+
+/// Rounds of the plain model's first fit, of fits to a larger excerpt, and of fits to everything.
+const FIRST_ROUNDS: usize = 8;
+const AGAIN_ROUNDS: usize = 3;
+const WHOLE_ROUNDS: usize = 3;
+
+/// So near to where an excerpt's run begins or ends, s, an onset could as well be beyond.
+const NEAR_S: f64 = 6.0;
+
+/// Around an onset so much is looked at to place it, s.
+const AROUND_S: f64 = 40.0;
+
+/// What there is to search in.
+pub struct Search<'s, 'd, 'a> {
+    /// All of the recordings.
+    pub data: &'s Data<'d>,
+    /// The plain model, what is free in it, and the noise to begin with.
+    pub plain: (&'s Model<'a>, &'s [Free], &'s Noise),
+    /// Gross errors that the audit of the chain suggests.
+    pub suggested: &'s [Candidate],
+}
+
+/// What everything says of a selection from an excerpt.
+struct Settled<'a> {
+    selection: Selection<'a>,
+    /// What of it was confirmed, as fitted to the excerpt.
+    kept: Vec<Refitted<'a>>,
+    /// Something else than in the excerpt won: what was chosen after it does not count.
+    is_changed: bool,
+}
+
+impl<'a> Search<'_, '_, 'a> {
+    /// Chooses by an excerpt, and settles it by everything.
+    pub fn select(
+        &self,
+        mut excerpt: Excerpt,
+        has: &(impl Fn(Quantity) -> bool + Sync),
+        progress: &(dyn Fn(&str, f64) + Sync),
+    ) -> Selection<'a> {
+        let (plain, free, noise) = self.plain;
+        let drives = excerpt.drives(self.data.drives);
+        let first = self.data.over(&drives).fit(plain, free, noise, FIRST_ROUNDS);
+        excerpt.locate(self.data, &first);
+        let drives = excerpt.drives(self.data.drives);
+        let part = self.data.over(&drives);
+        let baseline = part.fit_thoroughly(&first.model, free, &first.noise);
+        let before = gross::taken(&part, plain, &baseline, (free, noise), self.suggested);
+        tracing::debug!(share = part.share, "an excerpt is searched");
+        let mut selection = select(&part, (baseline, before), has, progress);
+        let mut times = 0;
+        loop {
+            progress("fitting to everything", 0.0);
+            let settled = self.settled(&excerpt.drives(self.data.drives), &selection);
+            let whole = Data { split: settled.selection.split.clone(), ..self.data.clone() };
+            let goes_on = times < MOST_TIMES
+                && (excerpt.locate(&whole, &settled.selection.extended) || settled.is_changed);
+            if !goes_on {
+                return settled.selection;
+            }
+            times += 1;
+            let drives = excerpt.drives(self.data.drives);
+            let part = Data { split: whole.split.clone(), ..self.data.over(&drives) };
+            let again = |fit: &Fit<'a>| part.fit(&fit.model, &fit.free, &fit.noise, AGAIN_ROUNDS);
+            let baseline = again(&selection.baseline);
+            let mut earlier = baseline.clone();
+            let mut before = Vec::new();
+            for taken in settled.kept {
+                let fit = again(&taken.fit);
+                let taken = Refitted { evidence: taken.evidence, ..judged(&earlier, &taken.candidate, fit) };
+                earlier = taken.fit.clone();
+                before.push(taken);
+            }
+            tracing::debug!(share = part.share, "a larger excerpt is searched");
+            let rounds = selection.rounds;
+            selection = select(&part, (baseline, before), has, progress);
+            // What was tried beside the ones that were kept.
+            for (round, tried) in selection.rounds.iter_mut().zip(rounds) {
+                if round.scanned.is_empty() {
+                    *round = tried;
+                }
+            }
+        }
+    }
+
+    /// Fits the plain model and what was chosen to everything, one after the other, and takes what everything
+    /// confirms.
+    fn settled(&self, drives: &[Drive], selection: &Selection<'a>) -> Settled<'a> {
+        let mut data = Data { split: selection.split.clone(), ..self.data.clone() };
+        let whole =
+            |data: &Data<'_>, fit: &Fit<'a>| data.fit(&fit.model, &fit.free, &fit.noise, WHOLE_ROUNDS);
+        let mut baseline = whole(&data, &selection.baseline);
+        let mut extended = baseline.clone();
+        let (mut chosen, mut kept): (Vec<Refitted<'a>>, Vec<Refitted<'a>>) = (Vec::new(), Vec::new());
+        let mut rounds: Vec<Round<'a>> = Vec::new();
+        let mut is_changed = false;
+        for (taken, round) in selection.chosen.iter().zip(&selection.rounds) {
+            let is_gross = gross::is_gross(&taken.candidate);
+            let mut contenders: Vec<Refitted<'a>> = vec![taken.clone()];
+            let rivals = round.refitted.iter().filter(|other| {
+                other.candidate.name() != taken.candidate.name()
+                    && other.evidence > RIVAL_SHARE * taken.evidence
+            });
+            contenders.extend(rivals.take(if is_gross { 0 } else { MOST_RIVALS - 1 }).cloned());
+            for contender in &mut contenders {
+                self.place_onset(drives, &data, contender);
+            }
+            if let Some(split) = contenders[0].onset().and_then(|at| data.split.released(at, ONSET_S)) {
+                data.split = split;
+                baseline = whole(&data, &baseline);
+                extended = if chosen.is_empty() { baseline.clone() } else { whole(&data, &extended) };
+                for contender in &mut contenders {
+                    self.place_onset(drives, &data, contender);
+                }
+            }
+            let mut fitted: Vec<Refitted<'a>> = contenders
+                .par_iter()
+                .map(|contender| judged(&extended, &contender.candidate, whole(&data, &contender.fit)))
+                .collect();
+            fitted.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+            prefer_the_simpler(&mut fitted);
+            fitted.retain(|refitted| is_gross || following_share(&data, refitted) <= MOST_FOLLOWING);
+            let Some(first) = fitted.first().cloned() else { break };
+            let found: f64 = chosen.iter().map(|refitted| refitted.evidence).sum();
+            let least = least_evidence(1.0, !chosen.is_empty(), found);
+            let held = data.of(Part::Holdout);
+            let gain = held.minus_two_ln(&extended.sums) - held.minus_two_ln(&first.fit.sums);
+            let confirmed =
+                is_gross || first.evidence > least && is_confirmed(gain, first.evidence, !chosen.is_empty());
+            tracing::debug!(
+                name = first.candidate.name(),
+                in_excerpt = taken.evidence,
+                evidence = first.evidence,
+                held_out = gain,
+                confirmed,
+                numbers = ?first.fit.model.effects.last().map(|effect| effect.values()),
+                "on everything"
+            );
+            rounds.push(as_on_everything(round, &fitted));
+            if !confirmed {
+                break;
+            }
+            is_changed = first.candidate.name() != taken.candidate.name();
+            let of_excerpt =
+                contenders.into_iter().find(|other| other.candidate.name() == first.candidate.name());
+            kept.extend(of_excerpt);
+            extended = first.fit.clone();
+            chosen.push(first);
+            if is_changed {
+                break;
+            }
+        }
+        let rest = selection.rounds.iter().skip(rounds.len()).cloned();
+        rounds.extend(rest.collect::<Vec<_>>());
+        let selection = Selection { baseline, extended, chosen, rounds, split: data.split };
+        Settled { selection, kept, is_changed }
+    }
+
+    /// Puts the moment at which something began where everything around it says: an excerpt may not have it.
+    fn place_onset(&self, drives: &[Drive], data: &Data<'_>, refitted: &mut Refitted<'a>) {
+        let Some((at, place)) = refitted.onset().zip(refitted.candidate.kind.place_of("at_s")) else {
+            return;
+        };
+        let (from, to) = gap_around(drives, at);
+        let cut: Vec<Drive> = data
+            .drives
+            .iter()
+            .map(|drive| drive.within(&[(points((from - AROUND_S).max(0.0)), points(to + AROUND_S))]))
+            .collect();
+        let around = data.over(&cut);
+        let effect = refitted.fit.model.effects.len() - 1;
+        let noise = refitted.fit.noise.clone();
+        let at_moment = |model: &Model<'a>, at: f64| {
+            let mut model = model.clone();
+            model.effects[effect].numbers[place] = at;
+            let sums = around.pass(&model, &[], &noise);
+            (model, sums)
+        };
+        let mut model = refitted.fit.model.clone();
+        if to > from {
+            // Before the moment as if it had not begun, after it as if it had all along.
+            let ((_, always), (_, never)) = (at_moment(&model, from), at_moment(&model, to));
+            let cost = |sum: &Sums| sum.log_s + sum.square.iter().sum::<f64>();
+            let gains = around.counted(&always).zip(around.counted(&never));
+            let mut gains: Vec<(f64, f64)> =
+                gains.map(|(always, never)| (always.t.1, cost(never) - cost(always))).collect();
+            gains.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let (mut sum, mut best) = (0.0, (0.0, from));
+            for (t, gain) in gains.into_iter().filter(|(t, _)| *t > from && *t < to) {
+                sum += gain;
+                if sum < best.0 {
+                    best = (sum, t);
+                }
+            }
+            model = at_moment(&model, best.1).0;
+        }
+        let (_, sums) = at_moment(&model, model.effects[effect].numbers[place]);
+        let fit = Fit { minus_two_ln: around.minus_two_ln(&sums), model, ..refitted.fit.clone() };
+        let near = Refitted { fit, ..refitted.clone() };
+        let model = near.begun_within(&around, BLOCK_S);
+        let minus_two_ln = around.minus_two_ln(&around.pass(&model, &[], &noise));
+        let near = Fit { minus_two_ln, model, ..refitted.fit.clone() };
+        refitted.fit.model = onset(&around, &near, effect, place);
+    }
+}
+
+/// The stretch, s, in which an onset could be as well, as far as an excerpt says.
+fn gap_around(drives: &[Drive], at: f64) -> (f64, f64) {
+    let (mut from, mut to) = (at, at);
+    for drive in drives {
+        let ends = drive.runs.iter().map(|(_, to)| *to as f64 * STEP_S);
+        let begins = drive.runs.iter().map(|(from, _)| *from as f64 * STEP_S);
+        let before = ends.filter(|end| *end < at + NEAR_S).fold(0.0, f64::max);
+        let after = begins.filter(|begin| *begin > at - NEAR_S).fold(drive.seconds(), f64::min);
+        let is_in_run =
+            drive.runs.iter().any(|run| (run.0 as f64 * STEP_S..run.1 as f64 * STEP_S).contains(&at));
+        let is_near = (before - at).abs() < NEAR_S || (after - at).abs() < NEAR_S;
+        if !is_in_run || is_near {
+            (from, to) = (from.min(before), to.max(after));
+        }
+    }
+    (from, to)
+}
+
+/// A fit to everything, judged; gross errors have no numbers.
+fn judged<'a>(before: &Fit<'_>, candidate: &Candidate, fit: Fit<'a>) -> Refitted<'a> {
+    if gross::is_gross(candidate) {
+        let evidence = before.cost() - fit.cost();
+        return Refitted { candidate: candidate.clone(), fit, evidence };
+    }
+    Refitted::new(before, candidate.clone(), fit)
+}
+
+/// A round with what of it was fitted to everything; what was only fitted to the excerpt has as much evidence as there
+/// would be, were everything like the excerpt.
+fn as_on_everything<'a>(round: &Round<'a>, fitted: &[Refitted<'a>]) -> Round<'a> {
+    let mut round = round.clone();
+    let find = |name: &str| fitted.iter().find(|other| other.candidate.name() == name);
+    let known =
+        |refitted: &Refitted<'a>| Some((refitted.evidence, find(&refitted.candidate.name())?.evidence));
+    let scale = round.refitted.iter().find_map(known).map_or(1.0, |(part, all)| (all / part).max(1.0));
+    for refitted in &mut round.refitted {
+        match find(&refitted.candidate.name()) {
+            Some(other) => *refitted = other.clone(),
+            None => refitted.evidence *= scale,
+        }
+    }
+    for scored in &mut round.scanned {
+        scored.gain *= scale;
+    }
+    for (_, evidence) in &mut round.following {
+        *evidence *= scale;
+    }
+    round.refitted.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    round
+}

@@ -56,10 +56,24 @@ impl<'a> Told<'_, 'a> {
         if !helps {
             fits.extended = fits.baseline.clone();
         }
-        let (plainly, differently) = (self.innovations(baseline), self.innovations(differing));
+        let improvement_ci95 = if differs {
+            proof::improvement(&before, &after, split, self.case.seed)
+        } else {
+            Default::default()
+        };
+        let unexplained = proof::unexplained(&before, &after, split, &extended.noise.sensor);
+        let traces = self.traces(&before, &after);
+        // Of an hour either of them is a hundred megabytes.
+        drop((before, after));
+        let plainly = self.innovations(baseline);
+        let differently = if differs { self.innovations(differing) } else { plainly.clone() };
         let place = self.place(&plainly, &differently);
-        let extended_steps = if helps { differently } else { plainly.clone() };
-        let steps = Models { baseline: plainly, extended: extended_steps };
+        let predicted = proof::fits(&said(&plainly), split);
+        let prediction_fit = Models {
+            extended: if helps { proof::fits(&said(&differently), split) } else { predicted.clone() },
+            baseline: predicted,
+        };
+        drop(differently);
         let equations = Models { baseline: self.equations(baseline), extended: self.equations(extended) };
 
         let mut explanation = Explanation::empty(self.verdict);
@@ -69,19 +83,14 @@ impl<'a> Told<'_, 'a> {
         {
             explanation.place.equation.clone_from(&most.equation);
         }
-        explanation.findings = self.findings(extended, &steps.baseline);
+        explanation.findings = self.findings(extended, plainly);
         explanation.ranking = ranking(self.selection);
         explanation.fit = fits;
-        explanation.prediction_fit = Models {
-            baseline: proof::fits(&said(&steps.baseline), split),
-            extended: proof::fits(&said(&steps.extended), split),
-        };
+        explanation.prediction_fit = prediction_fit;
         explanation.log_likelihood =
             Models { baseline: self.likelihood(baseline), extended: self.likelihood(extended) };
-        if differs {
-            explanation.improvement_ci95 = proof::improvement(&before, &after, split, self.case.seed);
-        }
-        explanation.unexplained = proof::unexplained(&before, &after, split, &extended.noise.sensor);
+        explanation.improvement_ci95 = improvement_ci95;
+        explanation.unexplained = unexplained;
         explanation.parameters =
             Models { baseline: self.numbers(baseline), extended: self.numbers(extended) };
         if let [_] = self.drives {
@@ -92,7 +101,7 @@ impl<'a> Told<'_, 'a> {
         explanation.measurement_chain = self.case.chain.iter().flat_map(chain_words).collect();
         explanation.split = self.blocks();
         explanation.seconds = usable;
-        explanation.traces = self.traces(&before, &after);
+        explanation.traces = traces;
         let keeps = usize::from(!extended.model.knows_torque);
         let model = self.drives.first().map_or_else(
             || extended.model.clone(),
@@ -102,11 +111,11 @@ impl<'a> Told<'_, 'a> {
     }
 
     /// What has a name; each is located by how much better it predicts than what was there before it.
-    fn findings(&self, extended: &Fit<'_>, baseline: &Innovations) -> Vec<Finding> {
+    fn findings(&self, extended: &Fit<'_>, baseline: Innovations) -> Vec<Finding> {
         if self.verdict != Verdict::MissingPhysics {
             return Vec::new();
         }
-        let mut earlier = baseline.clone();
+        let mut earlier = baseline;
         let mut all = Vec::new();
         for (number, taken) in self.selection.chosen.iter().enumerate() {
             let now = self.innovations(&taken.fit);

@@ -13,10 +13,10 @@ use super::split::BLOCK_S;
 use crate::Quantity;
 
 /// Recordings with no more than this to use, s, are searched as they are.
-const LONGEST_S: f64 = 420.0;
+const LONGEST_S: f64 = 300.0;
 
 /// So much, s, is chosen by what is driven…
-const VARIED_S: f64 = 270.0;
+const VARIED_S: f64 = 200.0;
 
 /// …and so many units at most by where the model errs, each time that it is asked.
 const MOST_LOCATED: usize = 2;

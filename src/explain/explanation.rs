@@ -91,7 +91,7 @@ impl<'a> Case<'a> {
             Some(excerpt) => {
                 let some = excerpt.drives(&drives);
                 let first = correct(&data.over(&some), sound, CORRECTION_ROUNDS);
-                data.fit(&first.model, &first.free, &first.noise, CORRECTION_AGAIN)
+                data.fit_again(&first, CORRECTION_AGAIN)
             }
             None => correct(&data, sound, CORRECTION_ROUNDS),
         };

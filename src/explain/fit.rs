@@ -50,6 +50,8 @@ pub struct Fit<'a> {
 pub enum Learn {
     /// Noise of sensors and equations.
     Noise,
+    /// The same where it was learnt from an excerpt before: little is left to learn.
+    Rest,
     /// Nothing.
     Nothing,
 }
@@ -197,6 +199,11 @@ impl<'d> Data<'d> {
         self.search(model, free, noise, rounds, Learn::Noise)
     }
 
+    /// Goes on with a fit to an excerpt.
+    pub fn fit_again<'a>(&self, fit: &Fit<'a>, rounds: usize) -> Fit<'a> {
+        self.search(&fit.model, &fit.free, &fit.noise, rounds, Learn::Rest)
+    }
+
     /// Fits the numbers of a model to equations that hardly err: noise of the equations forgives what a
     /// model misses, and what forgives much tells little of which way to go.
     pub fn fit_strictly<'a>(&self, from: &Fit<'a>, rounds: usize) -> Fit<'a> {
@@ -251,7 +258,7 @@ impl<'d> Data<'d> {
             let gained = match better {
                 Some((moved, sums, gained)) => {
                     model = moved;
-                    if learn == Learn::Noise {
+                    if learn != Learn::Nothing {
                         noise = self.with_sensors(&model, &sums, &noise);
                     }
                     gained
@@ -259,8 +266,13 @@ impl<'d> Data<'d> {
                 None => 0.0,
             };
             // The noise settles with the numbers: now and then is enough.
-            if learn == Learn::Noise && matches!(round, 0 | 2 | 5) {
-                noise = self.diffusion(&model, &noise, if round == 0 { &[4.0] } else { &[2.0] });
+            let factor = match (learn, round) {
+                (Learn::Noise, 0) => Some(4.0),
+                (Learn::Noise, 2 | 5) | (Learn::Rest, 0) => Some(2.0),
+                _ => None,
+            };
+            if let Some(factor) = factor {
+                noise = self.diffusion(&model, &noise, &[factor]);
             }
             if gained < 0.5 && (round > 2 || learn == Learn::Nothing) {
                 break;

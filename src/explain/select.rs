@@ -208,6 +208,7 @@ fn look<'a>(
     least: f64,
 ) -> Round<'a> {
     let scans: Vec<Vec<Scored>> = grounds.iter().map(|(at, _)| scan(data, at, library)).collect();
+    tracing::trace!(candidates = library.len(), grounds = grounds.len(), "scanned");
     let (refitted, refused): (Vec<_>, Vec<_>) = fitted(data, before, grounds.iter().zip(&scans), least)
         .into_iter()
         .partition(|refitted| following_share(data, refitted) <= MOST_FOLLOWING);

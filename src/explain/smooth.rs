@@ -9,7 +9,7 @@ use super::predict::FILTERED;
 use super::predict::car::BODY_STATES;
 use super::predict::drive::STEP_S;
 use super::predict::noise::Noise;
-use super::predict::pass::{Ask, Filtered, Readers, pass};
+use super::predict::pass::{Filtered, Readers, pass_backwards};
 
 /// A course with its uncertainty, at grid points.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -46,24 +46,22 @@ impl Smoothed {
 
 /// All courses that the model's filter estimates over a drive, by their places.
 pub fn courses(drive: &Drive, model: &Model<'_>, noise: &Noise, readers: Readers) -> Vec<Smoothed> {
-    let mut steps = Vec::new();
-    let ask = Ask { steps: Some(&mut steps), readers, ..Ask::default() };
-    pass((0, drive), &model.car(), &[], noise, ask);
     let n = BODY_STATES + noise.live.len();
     let mut all = vec![Smoothed::default(); noise.live.len()];
-    // Run by run, each from its end.
-    let mut end = steps.len();
-    while end > 0 {
-        let begin = steps[..end].iter().rposition(|step| step.begins).unwrap_or(0);
-        for (k, state, variance) in backwards(&steps[begin..end], n) {
+    if all.is_empty() {
+        return all;
+    }
+    // Stretch by stretch, each from its end.
+    let mut later = None;
+    pass_backwards(drive, &model.car(), noise, readers, &mut |steps| {
+        for (k, state, variance) in backwards(steps, n, &mut later) {
             for (live, course) in all.iter_mut().enumerate() {
                 course.t.push(k as f64 * STEP_S);
                 course.value.push(state[BODY_STATES + live]);
                 course.std.push(variance[BODY_STATES + live].max(0.0).sqrt());
             }
         }
-        end = begin;
-    }
+    });
     for course in &mut all {
         course.t.reverse();
         course.value.reverse();
@@ -72,25 +70,38 @@ pub fn courses(drive: &Drive, model: &Model<'_>, noise: &Noise, readers: Readers
     all
 }
 
-/// Smoothed states and variances of a run, last step first.
-fn backwards(steps: &[Filtered], n: usize) -> Vec<(usize, DVector<f64>, DVector<f64>)> {
+/// A step with its smoothed state and covariance.
+type Later = (Filtered, DVector<f64>, DMatrix<f64>);
+
+/// Smoothed states and variances of a stretch, last step first; what comes `later` in its run, if anything does,
+/// is known, and the stretch's first step is put there for the one before.
+fn backwards(
+    steps: &[Filtered],
+    n: usize,
+    later: &mut Option<Later>,
+) -> Vec<(usize, DVector<f64>, DVector<f64>)> {
     let vector = |x: &[f64; FILTERED]| DVector::from_fn(n, |i, _| x[i]);
     let matrix = |p: &[[f64; FILTERED]; FILTERED]| DMatrix::from_fn(n, n, |i, j| p[i][j]);
     let mut out = Vec::with_capacity(steps.len());
-    let Some(last) = steps.last() else { return out };
-    let mut x = vector(&last.filtered.0);
-    let mut p = matrix(&last.filtered.1);
-    out.push((last.k, x.clone(), p.diagonal()));
-    for pair in steps.windows(2).rev() {
-        let (now, next) = (&pair[0], &pair[1]);
-        let filtered = matrix(&now.filtered.1);
-        let predicted = matrix(&next.predicted.1);
-        let a = matrix(&next.a);
-        let Some(inverse) = predicted.clone().cholesky().map(|c| c.inverse()) else { continue };
-        let gain = &filtered * a.transpose() * inverse;
-        x = vector(&now.filtered.0) + &gain * (x - vector(&next.predicted.0));
-        p = &filtered + &gain * (p - predicted) * gain.transpose();
-        out.push((now.k, x.clone(), p.diagonal()));
+    for now in steps.iter().rev() {
+        let filtered = (vector(&now.filtered.0), matrix(&now.filtered.1));
+        let smoothed = match later.take() {
+            None => filtered,
+            Some((next, mut x, mut p)) => {
+                let predicted = matrix(&next.predicted.1);
+                let Some(inverse) = predicted.clone().cholesky().map(|c| c.inverse()) else {
+                    *later = Some((*now, x, p));
+                    continue;
+                };
+                let gain = &filtered.1 * matrix(&next.a).transpose() * inverse;
+                x = &filtered.0 + &gain * (x - vector(&next.predicted.0));
+                p = &filtered.1 + &gain * (p - predicted) * gain.transpose();
+                (x, p)
+            }
+        };
+        out.push((now.k, smoothed.0.clone(), smoothed.1.diagonal()));
+        // Nothing leads from one run into another.
+        *later = (!now.begins).then_some((*now, smoothed.0, smoothed.1));
     }
     out
 }

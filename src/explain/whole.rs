@@ -27,7 +27,7 @@ const MOST_TIMES: usize = 2;
 /// Rounds of the plain model's first fit, of fits to a larger excerpt, and of fits to everything.
 const FIRST_ROUNDS: usize = 8;
 const AGAIN_ROUNDS: usize = 3;
-const WHOLE_ROUNDS: usize = 3;
+const WHOLE_ROUNDS: usize = 2;
 
 /// So near to where an excerpt's run begins or ends, s, an onset could as well be beyond.
 const NEAR_S: f64 = 6.0;
@@ -111,8 +111,7 @@ impl<'a> Search<'_, '_, 'a> {
     /// confirms.
     fn settled(&self, drives: &[Drive], selection: &Selection<'a>) -> Settled<'a> {
         let mut data = Data { split: selection.split.clone(), ..self.data.clone() };
-        let whole =
-            |data: &Data<'_>, fit: &Fit<'a>| data.fit(&fit.model, &fit.free, &fit.noise, WHOLE_ROUNDS);
+        let whole = |data: &Data<'_>, fit: &Fit<'a>| data.fit_again(fit, WHOLE_ROUNDS);
         let mut baseline = whole(&data, &selection.baseline);
         let mut extended = baseline.clone();
         let (mut chosen, mut kept): (Vec<Refitted<'a>>, Vec<Refitted<'a>>) = (Vec::new(), Vec::new());

@@ -199,15 +199,20 @@ impl Drive {
     /// theirs.
     pub fn acting(&self, t: f64, steering_delay: f64, torque_delay: f64) -> Recorded {
         let steering = self.around(t + steering_delay);
+        let steering_wheel = steering.of(|input| input.steering_wheel);
+        if !self.knows_torque {
+            return Recorded { steering_wheel, drive_torque: 0.0, brake_pressure: 0.0 };
+        }
         let torques = self.around(t - torque_delay);
         Recorded {
-            steering_wheel: steering.of(|input| input.steering_wheel),
+            steering_wheel,
             drive_torque: torques.of(|input| input.drive_torque),
             brake_pressure: torques.of(|input| input.brake_pressure),
         }
     }
 
     /// The inputs recorded around a time.
+    #[inline]
     fn around(&self, t: f64) -> Around<'_> {
         let last = self.inputs.len() - 1;
         let place = (t / STEP_S).clamp(0.0, last as f64);
@@ -238,8 +243,15 @@ struct Around<'a> {
 }
 
 impl Around<'_> {
+    #[inline]
     fn of(&self, value: impl Fn(&Recorded) -> f64) -> f64 {
-        let [before, from, to, after] = self.inputs.map(value);
+        let [before, from, to, after] = self.inputs;
+        let (before, from, to, after) = (value(before), value(from), value(to), value(after));
+        let [a, b, c, d] = self.weights;
+        let sum = before * a + from * b + to * c + after * d;
+        if sum.is_finite() {
+            return sum;
+        }
         // Beside a gap the nearest neighbour must do.
         let or = |value: f64, other: f64| if value.is_finite() { value } else { other };
         let (from, to) = (or(from, to), or(to, from));

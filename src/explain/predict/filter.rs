@@ -34,6 +34,7 @@ pub(super) struct Gain {
 }
 
 /// A run in progress: state and covariance of the filter, and the cars beside it.
+#[derive(Clone)]
 pub(super) struct Filter {
     pub(super) lane: Lane,
     p: Square,
@@ -68,7 +69,7 @@ impl Filter {
                 let state = car.settled(t, state, input, &before);
                 car.instant(t, &state, input, rate, &before, car::Ask::Readings)
             };
-            (Derivatives::of(&from, &noise.live, at), 0)
+            (Derivatives::of(&from, &noise.live, None, at), 0)
         });
         let a = transition(&derivatives.rates, n, noise);
         let mut p = sandwich(&a, &self.p, n);
@@ -90,7 +91,10 @@ impl Filter {
                 let state = car.settled(t + STEP_S, state, input, &first);
                 car.instant(t + STEP_S, &state, input, rate, &first, car::Ask::Readings)
             };
-            self.derivatives.insert((Derivatives::of(&predicted.next, &noise.live, at), 0))
+            // Where no effect has states of its own, that is what was predicted.
+            let settled = car.settled(t + STEP_S, &predicted.next, input, &first);
+            let here = (settled == predicted.next).then_some(predicted.end);
+            self.derivatives.insert((Derivatives::of(&predicted.next, &noise.live, here, at), 0))
         };
         let by = &derivatives.0.readings;
         let mut correction = [0.0; FILTERED];
@@ -102,11 +106,16 @@ impl Filter {
             if !noise.is_finite() || !ask.readers.see(at) {
                 continue;
             }
-            let c: Column = std::array::from_fn(|i| by[i][channel]);
-            let pc: Column = std::array::from_fn(|i| (0..n).map(|j| p[i][j] * c[j]).sum());
-            let own: f64 = (0..n).map(|i| c[i] * pc[i]).sum();
+            let (mut c, mut pc): (Column, Column) = ([0.0; FILTERED], [0.0; FILTERED]);
+            for (c, by) in c.iter_mut().zip(by) {
+                *c = by[channel];
+            }
+            for (pc, row) in pc.iter_mut().zip(&p) {
+                *pc = dot(row, &c, n);
+            }
+            let own = dot(&c, &pc, n);
             let s = own + noise * noise;
-            let shift: f64 = (0..n).map(|i| c[i] * correction[i]).sum();
+            let shift = dot(&c, &correction, n);
             let says = self.lane.reading(car, &predicted, channel, f64::from(reading.share));
             let error = reading.value - says - shift;
             let mut k_: Column = [0.0; FILTERED];
@@ -158,14 +167,16 @@ fn start_covariance(noise: &Noise) -> Square {
 const SERVES: usize = 2;
 
 /// Derivatives by the filtered states.
+#[derive(Clone)]
 struct Derivatives {
     rates: Square,
     readings: [Readings; FILTERED],
 }
 
 impl Derivatives {
-    fn of(state: &State, live: &[Live], at: impl Fn(&State) -> Instant) -> Self {
-        let here = at(state);
+    /// By differences from what is `here`, if that is known.
+    fn of(state: &State, live: &[Live], here: Option<Instant>, at: impl Fn(&State) -> Instant) -> Self {
+        let here = here.unwrap_or_else(|| at(state));
         let mut rates = [[0.0; FILTERED]; FILTERED];
         let mut readings = [[0.0; Quantity::COUNT]; FILTERED];
         for column in 0..BODY_STATES + live.len() {
@@ -214,7 +225,10 @@ fn transition(j: &Square, n: usize, noise: &Noise) -> Square {
     let mut a = [[0.0; FILTERED]; FILTERED];
     for i in 0..n {
         for k in 0..n {
-            let square: f64 = (0..BODY_STATES).map(|m| j[i][m] * j[m][k]).sum();
+            let mut square = 0.0;
+            for m in 0..BODY_STATES {
+                square += j[i][m] * j[m][k];
+            }
             a[i][k] = STEP_S * j[i][k] + 0.5 * STEP_S * STEP_S * square;
         }
         a[i][i] += 1.0;
@@ -225,18 +239,27 @@ fn transition(j: &Square, n: usize, noise: &Noise) -> Square {
     a
 }
 
+/// Σ aᵢ bᵢ over the first `n`: a loop, for it is at the bottom of everything here.
+#[inline(always)]
+pub(super) fn dot(a: &Column, b: &Column, n: usize) -> f64 {
+    a.iter().zip(b).take(n).fold(0.0, |sum, (a, b)| sum + a * b)
+}
+
 /// A P Aᵀ.
 fn sandwich(a: &Square, p: &Square, n: usize) -> Square {
     let mut ap = [[0.0; FILTERED]; FILTERED];
-    for i in 0..n {
-        for j in 0..n {
-            ap[i][j] = (0..n).map(|k| a[i][k] * p[k][j]).sum();
+    for (ap, a) in ap.iter_mut().zip(a).take(n) {
+        // Row by row: neighbours in memory are neighbours in the loop.
+        for (a, p) in a.iter().zip(p).take(n) {
+            for (ap, p) in ap.iter_mut().zip(p) {
+                *ap += a * p;
+            }
         }
     }
     let mut out = [[0.0; FILTERED]; FILTERED];
-    for i in 0..n {
-        for j in 0..n {
-            out[i][j] = (0..n).map(|k| ap[i][k] * a[j][k]).sum();
+    for (out, ap) in out.iter_mut().zip(&ap).take(n) {
+        for (out, a) in out.iter_mut().zip(a).take(n) {
+            *out = dot(ap, a, n);
         }
     }
     out

@@ -2,10 +2,10 @@
 
 use super::car::{self, BODY_STATES, Before, Car, Inputs, Instant, State};
 use super::drive::{Drive, STEP_S, points};
-use super::filter::{Column, FILTERED, Gain};
+use super::filter::{Column, FILTERED, Gain, dot};
 use super::free::Said;
 use super::noise::{Live, Noise};
-use crate::model::effect::Readings;
+use crate::model::effect::{Readings, Recorded};
 
 /// Readings may be so many grid points late.
 const LATEST: usize = points(0.64);
@@ -41,6 +41,8 @@ pub(super) struct Lane {
     /// What was a moment ago.
     pub(super) before: Before,
     rows: Option<Rows>,
+    /// The inputs at a grid point: the end of one step is the beginning of the next.
+    reached: Option<(usize, Recorded)>,
 }
 
 /// What the equations say of a step.
@@ -60,12 +62,16 @@ impl Lane {
         let t = k as f64 * STEP_S;
         let input = car.input(drive, t);
         let state = car.rolling(t, drive.speed[k], yaw_rate, &input);
-        Self { state, before: Before::default(), rows: None }
+        Self { state, before: Before::default(), rows: None, reached: None }
     }
 
     pub(super) fn predict(&mut self, car: &Car, drive: &Drive, k: usize, live: &[Live]) -> Predicted {
         let t = k as f64 * STEP_S;
-        let inputs = Inputs::new([0.0, 0.5, 1.0].map(|share| car.input(drive, t + share * STEP_S)), STEP_S);
+        let first = self.reached.filter(|(reached, _)| *reached == k).map(|(_, input)| input);
+        let first = first.unwrap_or_else(|| car.input(drive, t));
+        let last = car.input(drive, t + STEP_S);
+        self.reached = Some((k + 1, last));
+        let inputs = Inputs::new([first, car.input(drive, t + 0.5 * STEP_S), last], STEP_S);
         let (at, rate) = (&inputs.at, inputs.steering_rate);
         let first = car.instant(t, &self.state, &at[0], rate, &self.before, car::Ask::Readings);
         let substeps = (car.fastest_rate(self.state.body[0]) * STEP_S / 0.8).ceil().clamp(1.0, 20.0);
@@ -171,10 +177,9 @@ impl Lane {
             }
             let gain = &gains[errors.len()];
             let says = self.reading(car, &predicted, channel, f64::from(reading.share));
-            let shift: f64 = (0..n).map(|i| gain.c[i] * correction[i]).sum();
-            let error = reading.value - says - shift;
-            for (correction, k) in correction.iter_mut().zip(gain.k).take(n) {
-                *correction += k * error;
+            let error = reading.value - says - dot(&gain.c, &correction, n);
+            for (i, correction) in correction.iter_mut().enumerate().take(n) {
+                *correction += gain.k[i] * error;
             }
             errors.push(error);
         }

@@ -224,6 +224,43 @@ fn whitened(
     z
 }
 
+/// Steps of the filter that are kept at a time, on the way back.
+const KEPT: usize = points(60.0);
+
+/// Goes over a drive with one car only, and then shows its steps, stretch by stretch from the end: the steps of a
+/// stretch are made again, for those of an hour would fill the memory.
+pub fn pass_backwards(
+    drive: &Drive,
+    car: &Car,
+    noise: &Noise,
+    readers: Readers,
+    show: &mut impl FnMut(&[Filtered]),
+) {
+    let mut steps = Vec::new();
+    for &(from, to) in drive.runs.iter().rev() {
+        let mut filter = Filter::new(Lane::start(car, drive, from, yaw_rate_at(drive, from)), noise);
+        let mut out = Out::new(0, (from, to));
+        let mut go = |filter: &mut Filter, k: usize, steps: Option<&mut Vec<Filtered>>| {
+            let mut ask = Ask { readers, innovations: None, steps };
+            for step in k..(k + KEPT).min(to) {
+                out.gains.clear();
+                out.errors.clear();
+                filter.step((car, drive, noise), (step, step == from), &mut out, &mut ask);
+            }
+        };
+        let mut begins: Vec<(usize, Filter)> = Vec::new();
+        for k in (from..to).step_by(KEPT) {
+            begins.push((k, filter.clone()));
+            go(&mut filter, k, None);
+        }
+        for (k, mut filter) in begins.into_iter().rev() {
+            steps.clear();
+            go(&mut filter, k, Some(&mut steps));
+            show(&steps);
+        }
+    }
+}
+
 /// Goes over a drive with one car only; `watch` sees it at the beginning of each step: the step, the end of
 /// its run, and whether it begins one.
 pub(super) fn pass_with(

@@ -46,8 +46,13 @@ impl<'a> Told<'_, 'a> {
         };
         let differs = matches!(self.verdict, Verdict::MissingPhysics | Verdict::UnknownPhysics);
         let split = &self.data.split;
-        let before = proof::simulate(self.drives, baseline);
-        let after = if differs { proof::simulate(self.drives, differing) } else { before.clone() };
+        let simulated = |fit| proof::simulate(self.drives, fit);
+        let (before, after) = if differs {
+            rayon::join(|| simulated(baseline), || simulated(differing))
+        } else {
+            let before = simulated(baseline);
+            (before.clone(), before)
+        };
         let mut fits = Models { baseline: proof::fits(&before, split), extended: proof::fits(&after, split) };
         // Unknown forces say where something is missing, whether or not they help to simulate.
         let helps = self.verdict != Verdict::UnknownPhysics
@@ -65,8 +70,9 @@ impl<'a> Told<'_, 'a> {
         let traces = self.traces(&before, &after);
         // Of an hour either of them is a hundred megabytes.
         drop((before, after));
-        let plainly = self.innovations(baseline);
-        let differently = if differs { self.innovations(differing) } else { plainly.clone() };
+        let (plainly, differently) =
+            rayon::join(|| self.innovations(baseline), || differs.then(|| self.innovations(differing)));
+        let differently = differently.unwrap_or_else(|| plainly.clone());
         let place = self.place(&plainly, &differently);
         let predicted = proof::fits(&said(&plainly), split);
         let prediction_fit = Models {

@@ -110,12 +110,15 @@ impl<'d> Data<'d> {
     /// How much each equation misses: twice the log-likelihood ratio of its diffusion against the least there
     /// is (Kristensen, Madsen & Jørgensen 2004).
     pub fn missing(&self, fit: &Fit<'_>) -> [f64; BODY_STATES] {
-        std::array::from_fn(|place| {
+        let missing = |place: usize| {
             let mut noise = fit.noise.clone();
             noise.diffusion[place] = Noise::LEAST_DIFFUSION[place];
             let without = self.minus_two_ln(&self.pass(&fit.model, &[], &noise));
             (without - fit.minus_two_ln).max(0.0)
-        })
+        };
+        let mut all = [0.0; BODY_STATES];
+        all.par_iter_mut().enumerate().for_each(|(place, value)| *value = missing(place));
+        all
     }
 
     /// Variances of a fit's free numbers, in their coordinates: as the curvature of the likelihood has them, or,

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 use super::fit::Fit;
 use super::model::Model;
@@ -26,19 +27,21 @@ pub fn simulate(drives: &[Drive], fit: &Fit<'_>) -> Saids {
     let keeps = usize::from(!model.knows_torque);
     let has_courses = fit.noise.live.len() > keeps;
     drives
-        .iter()
+        .par_iter()
         .map(|drive| {
             let held = model.car();
             if !has_courses {
                 return run(drive, &held, &held, &fit.noise);
             }
-            let mut said = Vec::new();
-            for odd in [false, true] {
+            let of = |odd: bool| {
                 let told = told(drive, model, fit, keeps, Readers::EveryOther(odd));
                 let others = Readers::EveryOther(!odd);
-                let all = run(drive, &held, &told.car(), &fit.noise);
-                said.extend(all.into_iter().filter(|said| others.see(said.t)));
-            }
+                let mut said = run(drive, &held, &told.car(), &fit.noise);
+                said.retain(|said| others.see(said.t));
+                said
+            };
+            let (mut said, odd) = rayon::join(|| of(false), || of(true));
+            said.extend(odd);
             said.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.channel.cmp(&b.channel)));
             said
         })

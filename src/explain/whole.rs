@@ -25,7 +25,7 @@ use crate::Quantity;
 const MOST_TIMES: usize = 2;
 
 /// Rounds of the plain model's first fit, of fits to a larger excerpt, and of fits to everything.
-const FIRST_ROUNDS: usize = 8;
+const FIRST_ROUNDS: usize = 4;
 const AGAIN_ROUNDS: usize = 3;
 const WHOLE_ROUNDS: usize = 2;
 
@@ -87,14 +87,8 @@ impl<'a> Search<'_, '_, 'a> {
             let part = Data { split: whole.split.clone(), ..self.data.over(&drives) };
             let again = |fit: &Fit<'a>| part.fit(&fit.model, &fit.free, &fit.noise, AGAIN_ROUNDS);
             let baseline = again(&selection.baseline);
-            let mut earlier = baseline.clone();
-            let mut before = Vec::new();
-            for taken in settled.kept {
-                let fit = again(&taken.fit);
-                let taken = Refitted { evidence: taken.evidence, ..judged(&earlier, &taken.candidate, fit) };
-                earlier = taken.fit.clone();
-                before.push(taken);
-            }
+            let kept = settled.kept.into_iter();
+            let before = kept.map(|taken| Refitted { fit: again(&taken.fit), ..taken }).collect();
             tracing::debug!(share = part.share, "a larger excerpt is searched");
             let rounds = selection.rounds;
             selection = select(&part, (baseline, before), has, progress);

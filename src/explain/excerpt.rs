@@ -80,7 +80,8 @@ impl Excerpt {
         }
         let mut order: Vec<(Unit, f64)> = by_unit.into_iter().collect();
         order.sort_by(|a, b| b.1.total_cmp(&a.1));
-        tracing::debug!(worst = ?order.iter().take(6).collect::<Vec<_>>(), "where the model errs most");
+        let worst: Vec<_> = order.iter().take(5).collect();
+        tracing::debug!(?worst, units = ?self.units, "where the model errs most");
         let worth =
             order.into_iter().filter(|(unit, excess)| *excess > LEAST_EXCESS && !self.units.contains(unit));
         let found: Vec<Unit> = worth.take(MOST_LOCATED).map(|(unit, _)| unit).collect();

@@ -6,10 +6,9 @@ use rayon::prelude::*;
 use super::model::{Free, Model};
 use super::predict::Drive;
 use super::predict::car::BODY_STATES;
-use super::predict::noise::{Noise, floor};
+use super::predict::noise::Noise;
 use super::predict::pass::{Ask, Other, Sums, pass_run};
 use super::split::{Part, Split};
-use crate::Quantity;
 
 /// The drives and which of their blocks may be looked at.
 #[derive(Clone, Debug)]
@@ -139,38 +138,6 @@ impl<'d> Data<'d> {
         let robust = &fit.covariance * scatter * &fit.covariance;
         let after = fit.covariance.diagonal().sup(&robust.diagonal());
         before.zip(after.iter()).map(|(before, after)| after.min(before)).collect()
-    }
-
-    /// The noise with the sensors' as the innovations have it, or as their readings look, if either is more
-    /// probable.
-    fn with_sensors(&self, model: &Model<'_>, sums: &[Sums], noise: &Noise) -> Noise {
-        let looks = Noise { sensor: self.own_noise.sensor, ..noise.clone() };
-        let tried: Vec<(f64, Noise)> = [self.sensor_noise(sums, noise), looks]
-            .into_par_iter()
-            .map(|noise| (self.minus_two_ln(&self.pass(model, &[], &noise)), noise))
-            .collect();
-        let now = (self.minus_two_ln(sums), noise.clone());
-        tried.into_iter().chain([now]).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(noise.clone(), |best| best.1)
-    }
-
-    /// Noise of the sensors as the innovations have it.
-    fn sensor_noise(&self, sums: &[Sums], noise: &Noise) -> Noise {
-        let mut new = noise.clone();
-        for channel in Quantity::ALL {
-            let place = channel as usize;
-            let (mut excess, mut count) = (0.0, 0);
-            for sum in self.counted(sums) {
-                excess += sum.excess[place];
-                count += sum.of[place];
-            }
-            if count > 0 {
-                // What readings jump from one to the next is their noise, whatever the model says.
-                let own = self.own_noise.sensor[place];
-                let variance = (excess / count as f64).clamp(0.8 * own * own, 2.0 * own * own);
-                new.sensor[place] = variance.sqrt().max(floor(channel));
-            }
-        }
-        new
     }
 
     /// Fits until nothing gets better any more, noise included: what candidates are measured against must
@@ -305,38 +272,6 @@ impl<'d> Data<'d> {
             gradient[place] += weight * (free.mean - model.get(free.place));
         }
         (information, gradient)
-    }
-
-    /// Diffusion of each equation, size and length of each course, one after the other, by factors, as
-    /// long as it helps.
-    fn diffusion(&self, model: &Model<'_>, noise: &Noise, factors: &[f64]) -> Noise {
-        let mut best = noise.clone();
-        let value = |noise: &Noise| self.minus_two_ln(&self.pass(model, &[], noise));
-        let mut lowest = value(&best);
-        for factor in factors.iter().copied() {
-            for place in 0..best.scales() {
-                let tried: Vec<(f64, Noise, f64)> = [1.0 / factor, factor]
-                    .into_par_iter()
-                    .filter_map(|by: f64| {
-                        let noise = best.scaled(place, by)?;
-                        let value = value(&noise);
-                        Some((by, noise, value))
-                    })
-                    .collect();
-                let best_of = tried.into_iter().min_by(|a, b| a.2.total_cmp(&b.2));
-                let Some((by, mut noise, mut found)) = best_of else { continue };
-                let mut left = 6;
-                while found < lowest - 0.5 {
-                    (best, lowest) = (noise, found);
-                    // Go on in that direction.
-                    let Some(further) = best.scaled(place, by).filter(|_| left > 0) else { break };
-                    left -= 1;
-                    found = value(&further);
-                    noise = further;
-                }
-            }
-        }
-        best
     }
 }
 

@@ -26,6 +26,7 @@ mod explanation;
 mod finding;
 mod fit;
 mod gross;
+mod learn;
 mod locate;
 mod model;
 mod naming;

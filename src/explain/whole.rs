@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::candidates::Candidate;
 use super::excerpt::Excerpt;
-use super::fit::{Data, Fit};
+use super::fit::{Data, Fit, Learn};
 use super::gross;
 use super::model::{Free, Model};
 use super::naming::{Refitted, onset};
@@ -132,7 +132,16 @@ impl<'a> Search<'_, '_, 'a> {
             }
             let mut fitted: Vec<Refitted<'a>> = contenders
                 .par_iter()
-                .map(|contender| judged(&extended, &contender.candidate, whole(&data, &contender.fit)))
+                .map(|contender| {
+                    let of = |fit: Fit<'a>| judged(&extended, &contender.candidate, fit);
+                    let first = of(whole(&data, &contender.fit));
+                    if first.evidence > contender.evidence || is_gross {
+                        return first;
+                    }
+                    // The excerpt's numbers may lead astray: from those of everything without it, too.
+                    let second = of(beside(&data, &extended, contender));
+                    if second.evidence > first.evidence { second } else { first }
+                })
                 .collect();
             fitted.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
             prefer_the_simpler(&mut fitted);
@@ -237,6 +246,17 @@ fn gap_around(drives: &[Drive], at: f64) -> (f64, f64) {
         }
     }
     (from, to)
+}
+
+/// Fits what was chosen in an excerpt to everything, beside what everything says of the rest.
+fn beside<'a>(data: &Data<'_>, extended: &Fit<'a>, chosen: &Refitted<'a>) -> Fit<'a> {
+    let mut model = extended.model.clone();
+    model.effects.extend(chosen.fit.model.effects.last().cloned());
+    let mut noise = extended.noise.clone();
+    if chosen.candidate.live.is_some() {
+        noise.live.extend(chosen.fit.noise.live.last());
+    }
+    data.search(&model, &chosen.fit.free, &noise, WHOLE_ROUNDS, Learn::Rest)
 }
 
 /// A fit to everything, judged; gross errors have no numbers.

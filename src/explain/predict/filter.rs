@@ -226,8 +226,8 @@ fn transition(j: &Square, n: usize, noise: &Noise) -> Square {
     for i in 0..n {
         for k in 0..n {
             let mut square = 0.0;
-            for m in 0..BODY_STATES {
-                square += j[i][m] * j[m][k];
+            for (by, row) in j[i].iter().zip(j).take(BODY_STATES) {
+                square += by * row[k];
             }
             a[i][k] = STEP_S * j[i][k] + 0.5 * STEP_S * STEP_S * square;
         }

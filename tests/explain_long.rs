@@ -4,9 +4,9 @@
 use gripd::explain::{Case, Explanation, Recording, Verdict};
 use gripd::model::{Scenario, Simulation, Uncertain, Vehicle};
 
-/// Steering, driving and braking, the same over and over, for six minutes.
+/// Steering, driving and braking, the same over and over, for five minutes.
 const DRIVE: &str = r#"
-    duration_s = 362
+    duration_s = 306
     initial_speed_mps = 20
     seed = 11
     [vehicle]
@@ -49,7 +49,7 @@ const DRIVE: &str = r#"
     brake_pressure = { period_ms = 40.0 }
 "#;
 
-/// Where the wind blows, s: eight seconds in six minutes.
+/// Where the wind blows, s: eight seconds in five minutes.
 const GUST: [f64; 2] = [146.0, 154.0];
 
 fn driven(effect: &str) -> (Vehicle, Recording) {
@@ -76,7 +76,7 @@ fn explained(effect: &str) -> Explanation {
 }
 
 #[test]
-fn a_gust_of_eight_seconds_in_six_minutes_is_found_where_it_is() {
+fn a_gust_of_eight_seconds_in_five_minutes_is_found_where_it_is() {
     let [from, to] = GUST;
     let wind = format!("[[effect]]\nkind = \"crosswind\"\nvalue = 1200.0\nintervals = [[{from}, {to}]]");
     let explanation = explained(&wind);
@@ -90,7 +90,7 @@ fn a_gust_of_eight_seconds_in_six_minutes_is_found_where_it_is() {
         first.place
     );
     // Judged by all of the recording, not by what was searched.
-    assert!(explanation.seconds > 350.0);
+    assert!(explanation.seconds > 300.0);
     let held: f64 = explanation.split.iter().filter(|b| b.is_holdout).map(|b| b.t[1] - b.t[0]).sum();
-    assert!(held > 100.0, "{held}");
+    assert!(held > 90.0, "{held}");
 }

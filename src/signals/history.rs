@@ -85,8 +85,11 @@ impl History {
     #[inline]
     pub(super) fn at(&self, time: Micros, interpolate: bool, limit: Micros) -> At {
         let mut after: Option<Point> = None;
-        for age in 0..self.length {
-            let point = self.points[self.place(age)];
+        // From the newest back: those before the end of the ring, then those behind its beginning.
+        let (behind, before) = self.points.split_at(self.first);
+        let wrapped = (self.first + self.length).saturating_sub(self.points.len());
+        let older = &before[..self.length - wrapped];
+        for &point in behind[..wrapped].iter().rev().chain(older.iter().rev()) {
             if point.time > time {
                 after = Some(point);
                 continue;

@@ -319,7 +319,6 @@ impl Compiled {
     #[inline]
     fn fill(&mut self, time: Micros, estimates: &Estimates) -> Option<Frame> {
         let mut payload = [0; 64];
-        let payload = payload.get_mut(..self.length)?;
         let mut available = 0;
         for CompiledSlot { slot, own, needs, any } in &self.slots {
             let (mut bits, there) = slot.bits(estimates);
@@ -330,17 +329,17 @@ impl Compiled {
             if *needs != 0 && !vouched {
                 bits = 0;
             }
-            slot.codec.insert(payload, bits).ok()?;
+            slot.codec.insert(&mut payload, bits).ok()?;
         }
         if let Some(codec) = self.counter_codec {
-            codec.insert(payload, u64::from(self.counter)).ok()?;
+            codec.insert(&mut payload, u64::from(self.counter)).ok()?;
         }
         if let Some((codec, byte)) = self.crc {
             // The data ID is the identifier's lower 16 bits.
             let crc = e2e::profile_1_crc(self.id.number() as u16, payload.get(..self.protected)?, byte);
-            codec.insert(payload, u64::from(crc)).ok()?;
+            codec.insert(&mut payload, u64::from(crc)).ok()?;
         }
-        let frame = Frame::new(time, self.id, self.kind, payload).ok()?;
+        let frame = Frame::from_payload(time, self.id, self.kind, payload, self.length).ok()?;
         self.counter = e2e::next_counter(self.counter);
         Some(frame)
     }

@@ -86,11 +86,17 @@ impl Codec {
     #[inline]
     pub fn bits_from_physical(&self, value: f64) -> Result<u64, EncodeError> {
         let raw = (value - self.offset) / self.factor;
-        let mask = self.extractor.mask();
-        match (self.kind, nearest(raw)) {
-            (ValueKind::Unsigned, Some(code)) if 0 <= code && code as u64 <= mask => Ok(code as u64),
-            (ValueKind::Signed, Some(code)) if self.integer(code as u64) == code => Ok(code as u64 & mask),
-            _ => self.bits_of_any(raw, value),
+        self.usual_bits(raw).map_or_else(|| self.bits_of_any(raw, value), Ok)
+    }
+
+    /// Those of an integer that is no larger than nearly all are.
+    #[inline]
+    fn usual_bits(&self, raw: f64) -> Option<u64> {
+        let (code, mask) = (nearest(raw)?, self.extractor.mask());
+        match self.kind {
+            ValueKind::Unsigned if 0 <= code && code as u64 <= mask => Some(code as u64),
+            ValueKind::Signed if self.integer(code as u64) == code => Some(code as u64 & mask),
+            _ => None,
         }
     }
 

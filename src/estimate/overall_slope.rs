@@ -50,10 +50,6 @@ pub struct OverallSlope {
 impl OverallSlope {
     /// Samples that the learned noise remembers.
     const NOISE_MEMORY: f64 = 1000.0;
-    /// A compliance is uncertain by this share of itself at least when a drive begins.
-    const SURFACE: f64 = 0.3;
-    /// A slope this uncertain (relative) is not given out.
-    const UNKNOWN: f64 = 0.5;
     /// What of a slope no filter knows, relative: how the curve bends, how tires differ, and what load makes of them.
     const MODEL_STD: f64 = 0.1;
     /// Normalized force along the car from which a slope can be told, and up to which the curve is hardly bent.
@@ -70,7 +66,7 @@ impl OverallSlope {
     /// Starts from the vehicle's prior.
     pub fn new(car: &Car, sensors: &Sensors, config: &SlopeConfig, minimum_speed: f64) -> Self {
         let (slope, std) = Self::prior(car);
-        let start = Carried::new(slope, (std / slope).max(Self::SURFACE));
+        let start = Carried::new(slope, (std / slope).max(SlopeConfig::SURFACE_STD));
         Self {
             steady: start,
             quick: start,
@@ -107,9 +103,7 @@ impl OverallSlope {
         let Some(known) = learned.slope[Wheel::Fl as usize] else { return };
         let share = Self::share(&self.car, Wheel::Fl);
         let slope = Known { value: known.value / share, std: known.std / share };
-        // Half of what makes it valid has to be news.
-        let least = Self::SURFACE.max(std::f64::consts::SQRT_2 * self.config.valid_relative_std);
-        let start = Carried::new(slope.value, least.max(slope.std / slope.value));
+        let start = Carried::new(slope.value, self.config.earlier_std(slope));
         (self.steady, self.quick) = (start, start);
         self.settled = Some(slope);
     }
@@ -203,20 +197,16 @@ impl OverallSlope {
     /// Remembers a slope that is known well.
     fn settle(&mut self) {
         if self.age_s == 0.0
-            && let Some(slope) = self.overall().filter(|slope| self.is_known_well(slope))
+            && let Some(slope) = self.overall().filter(|slope| self.config.is_known_well(slope))
         {
             self.settled = Some(Known { value: slope.value, std: slope.std });
         }
     }
 
-    fn is_known_well(&self, slope: &Estimate) -> bool {
-        slope.std <= self.config.valid_relative_std * slope.value
-    }
-
     fn overall(&self) -> Option<Estimate> {
         let compliance = self.steady.0.mean[COMPLIANCE];
         let relative = (self.steady.0.std(COMPLIANCE) / compliance).hypot(Self::MODEL_STD);
-        (self.informed && compliance > 0.0 && relative < Self::UNKNOWN).then(|| Estimate {
+        (self.informed && compliance > 0.0 && relative < SlopeConfig::UNKNOWN_STD).then(|| Estimate {
             value: 1.0 / compliance,
             std: relative / compliance,
             age_s: self.age_s,
@@ -234,8 +224,7 @@ impl OverallSlope {
 
     /// It is known well, and lately.
     pub fn is_valid(&self) -> bool {
-        self.overall()
-            .is_some_and(|slope| self.is_known_well(&slope) && slope.age_s <= self.config.valid_age_s)
+        self.overall().is_some_and(|slope| self.config.is_valid(&slope))
     }
 }
 

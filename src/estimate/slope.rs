@@ -14,6 +14,31 @@ use crate::estimates::Estimate;
 use crate::filter::{Cusum, Gaussian, Innovation, InnovationMonitor, LearnedNoise};
 use crate::{Quantity, Sensors, Wheel};
 
+/// What holds for a slope by whatever means it was found.
+impl SlopeConfig {
+    /// A compliance is at first uncertain by this share of itself at least, however sure the data sheet or
+    /// an earlier drive: the surface is the road's.
+    pub(super) const SURFACE_STD: f64 = 0.3;
+    /// A slope this uncertain (relative) is not given out at all.
+    pub(super) const UNKNOWN_STD: f64 = 0.5;
+
+    /// How uncertain, relative, what an earlier drive knew is now: half of what makes it valid has to be news.
+    pub(super) fn earlier_std(&self, slope: Known) -> f64 {
+        let news = std::f64::consts::SQRT_2 * self.valid_relative_std;
+        Self::SURFACE_STD.max(news).max(slope.std / slope.value)
+    }
+
+    /// Sure enough to be worth keeping, and, as long as it is fresh, to be acted upon.
+    pub(super) fn is_known_well(&self, slope: &Estimate) -> bool {
+        slope.std <= self.valid_relative_std * slope.value
+    }
+
+    /// Known well, and lately.
+    pub(super) fn is_valid(&self, slope: &Estimate) -> bool {
+        self.is_known_well(slope) && slope.age_s <= self.valid_age_s
+    }
+}
+
 /// The slope filters of all driven wheels.
 #[derive(Clone, Debug)]
 pub struct SlopeEstimator {
@@ -133,12 +158,7 @@ impl SlopeEstimator {
     pub fn are_valid(&self, slopes: &[Option<Estimate>; 4]) -> bool {
         let mut driven = self.wheels.iter().zip(slopes).filter(|(wheel, _)| wheel.is_some()).peekable();
         driven.peek().is_some()
-            && driven.all(|(_, slope)| {
-                slope.is_some_and(|slope| {
-                    slope.std <= self.config.valid_relative_std * slope.value
-                        && slope.age_s <= self.config.valid_age_s
-                })
-            })
+            && driven.all(|(_, slope)| slope.is_some_and(|slope| self.config.is_valid(&slope)))
     }
 }
 
@@ -171,14 +191,9 @@ impl WheelSlope {
     const CHANGES: (f64, f64) = (0.6, 1.5);
     /// Up to this relative uncertainty a slope is known well enough to notice its change.
     const SETTLED: f64 = 0.08;
-    /// A slope this uncertain (relative) is not given out at all.
-    const UNKNOWN: f64 = 0.5;
     /// More force than this many times what the curve is known for may be off the line because the
     /// curve bends there: no evidence of another surface.
     const BEYOND: f64 = 1.4;
-    /// A compliance is at first uncertain by this share of itself at least, however sure the data sheet or
-    /// an earlier drive: the surface is the road's.
-    const SURFACE: f64 = 0.3;
     /// Between two drives the offset moves by this share of what tires may differ by at all: temperature,
     /// pressure, passengers.
     const BETWEEN_DRIVES: f64 = 0.03;
@@ -194,7 +209,7 @@ impl WheelSlope {
     const KNOWN_S: (f64, f64) = (4.0, 120.0);
 
     fn new((slope, slope_std): (f64, f64), config: &SlopeConfig) -> Self {
-        let compliance_std = (slope_std / (slope * slope)).max(Self::SURFACE / slope);
+        let compliance_std = (slope_std / (slope * slope)).max(SlopeConfig::SURFACE_STD / slope);
         Self {
             filter: Gaussian::new([1.0 / slope, 0.0], [compliance_std, config.initial_offset_std]),
             noise: LearnedNoise::new(Self::NOISE_MEMORY),
@@ -221,9 +236,7 @@ impl WheelSlope {
         }
         if let Some(slope) = slope {
             let compliance = (1.0 + mean[1]) / slope.value;
-            // Half of what makes it valid has to be news.
-            let least = Self::SURFACE.max(std::f64::consts::SQRT_2 * config.valid_relative_std);
-            (mean[0], std[0]) = (compliance, compliance * least.max(slope.std / slope.value));
+            (mean[0], std[0]) = (compliance, compliance * config.earlier_std(slope));
             self.settled = Some(slope);
         }
         self.filter = Gaussian::new(mean, std);
@@ -256,7 +269,7 @@ impl WheelSlope {
         self.age_s += elapsed_s;
         if self.age_s > config.unseen_after_s && elapsed_s.is_finite() {
             let walk = config.unseen_walk * self.filter.mean[0];
-            let limit = (Self::UNKNOWN * self.filter.mean[0]).powi(2);
+            let limit = (SlopeConfig::UNKNOWN_STD * self.filter.mean[0]).powi(2);
             if self.filter.covariance[(0, 0)] < limit {
                 self.filter.inflate(0, (walk * walk * elapsed_s).min(limit));
             }
@@ -332,7 +345,7 @@ impl WheelSlope {
     /// Remembers a slope that is known well.
     fn settle(&mut self, config: &SlopeConfig) {
         let Some(slope) = self.slope() else { return };
-        if slope.std <= config.valid_relative_std * slope.value {
+        if config.is_known_well(&slope) {
             let relative = self.filter.alone_std(0, &[0, 1]) / self.filter.mean[0];
             self.settled = Some(Known { value: slope.value, std: relative * slope.value });
         }
@@ -348,7 +361,7 @@ impl WheelSlope {
         let relative = self.filter.std(0) / compliance;
         // Slip is measured against a reference that the offset scales, too.
         let scale = 1.0 + self.filter.mean[1];
-        (self.informed && compliance > 0.0 && relative < Self::UNKNOWN).then(|| Estimate {
+        (self.informed && compliance > 0.0 && relative < SlopeConfig::UNKNOWN_STD).then(|| Estimate {
             value: scale / compliance,
             std: scale * relative / compliance,
             age_s: self.age_s,

@@ -9,7 +9,8 @@
 //!     cargo test --release --test vcan_service live_soak -- --nocapture
 //! ```
 
-use super::lateness::{Echo, Log, Sender, drive, heard, used_by};
+use super::lateness::{Echo, Sender, Wakes, drive, heard, used_by};
+use super::log::Log;
 use super::setting::setting;
 use super::*;
 
@@ -22,7 +23,7 @@ fn flaps_and_reloads_lose_nothing() {
     let log = Log::start(interface.0);
     let gripd = Gripd::start(car.path(), interface.0);
     gripd.wait_for_log("the input interface is up");
-    let echo = Echo::start(interface.0, false);
+    let echo = Echo::start(interface.0, Wakes::Question, &[]);
     let sender = Sender::start(interface.0, recording);
     let (mut flaps, mut reloads, mut early) = (0, 0, 0);
     let begun = Instant::now();

@@ -16,6 +16,7 @@ mod lateness;
 mod lifecycle;
 mod links;
 mod live_soak;
+mod log;
 mod metrics;
 mod monitor;
 mod process;

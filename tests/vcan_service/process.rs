@@ -24,6 +24,31 @@ pub fn gripd() -> &'static str {
     env!("CARGO_BIN_EXE_gripd")
 }
 
+/// What a test that is a process of its own is asked, a line each.
+const WORDS: &str = "GRIPD_TEST_WORDS";
+
+/// This program again, for one of its ignored tests, in a process of its own; `by` starts it otherwise scheduled.
+pub fn again(by: &[&str], test: &str, words: &[&str]) -> Child {
+    let myself = std::env::current_exe().unwrap();
+    let mut program = by_way_of(by, myself);
+    program.args([test, "--exact", "--ignored", "--nocapture"]).env(WORDS, words.join("\n"));
+    program.stdout(Stdio::null()).spawn().unwrap()
+}
+
+/// What [`again`] was given; none where a person starts such a test.
+pub fn asked<const COUNT: usize>() -> Option<[String; COUNT]> {
+    let words = std::env::var(WORDS).ok()?;
+    Some(words.lines().map(str::to_owned).collect::<Vec<_>>().try_into().unwrap())
+}
+
+/// A program, started by another one and its arguments (`nice`, `chrt`), or directly.
+pub fn by_way_of(by: &[&str], program: impl AsRef<std::ffi::OsStr>) -> Command {
+    let Some((first, rest)) = by.split_first() else { return Command::new(program) };
+    let mut command = Command::new(first);
+    command.args(rest).arg(program);
+    command
+}
+
 /// Killed when dropped.
 pub struct Gripd {
     child: Child,

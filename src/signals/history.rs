@@ -55,7 +55,8 @@ impl History {
             if point.time < last.time {
                 return false;
             }
-            let crowded = self.newest(1).is_some_and(|previous| point.time - previous.time < self.spacing)
+            let crowded = point.time - last.time < self.spacing
+                && self.newest(1).is_some_and(|previous| point.time - previous.time < self.spacing)
                 // An end of availability must not vanish in a crowd.
                 && last.value.is_nan() == point.value.is_nan();
             if point.time == last.time || crowded {

@@ -104,9 +104,15 @@ fn identifier(text: &[u8]) -> Option<(CanId, &[u8])> {
 /// Up to eight bytes, and how many digits there are of them before the newline.
 #[inline]
 fn data(text: &[u8]) -> Option<([u8; 8], usize)> {
-    let [low, high] = *text.first_chunk::<16>()?.as_chunks::<8>().0 else { return None };
+    let (words, after) = text.split_first_chunk::<16>()?;
+    let [low, high] = *words.as_chunks::<8>().0 else { return None };
+    // Most frames have all eight bytes.
+    if after.first() == Some(&b'\n')
+        && let (Some([a, b, c, d]), Some([e, f, g, h])) = (hexadecimal(low), hexadecimal(high))
+    {
+        return Some(([a, b, c, d, e, f, g, h], 16));
+    }
     let count = match (first(low, b'\n'), first(high, b'\n')) {
-        (8, 8) if text.get(16) == Some(&b'\n') => 16,
         (8, 8) => return None,
         (8, further) => 8 + further,
         (count, _) => count,

@@ -20,6 +20,15 @@ pub(in crate::can) fn first(text: [u8; 8], character: u8) -> usize {
     zeros.trailing_zeros() as usize / 8
 }
 
+/// The place of the first ASCII character that is this one or has a lower code; 8 if there is none.
+#[inline]
+pub(in crate::can) fn first_up_to(text: [u8; 8], character: u8) -> usize {
+    // Where one is, one more than that borrows.
+    let text = u64::from_le_bytes(text);
+    let few = text.wrapping_sub(all(character + 1)) & !text & TOP;
+    few.trailing_zeros() as usize / 8
+}
+
 /// Eight decimal digits: neighbours become pairs, pairs fours, fours the number.
 #[inline]
 pub(in crate::can) fn decimal(text: [u8; 8]) -> Option<i64> {
@@ -113,29 +122,94 @@ pub(in crate::can) fn push_hexadecimal(text: &mut Vec<u8>, value: u32, digits: u
 
 /// Appends a number's decimal digits.
 pub(in crate::can) fn push_decimal(text: &mut Vec<u8>, number: u64) {
-    let digits = to_decimal((number % 100_000_000) as u32);
-    match number / 100_000_000 {
-        0 => {
-            let zeros = (u64::from_le_bytes(digits) ^ all(b'0')).trailing_zeros() as usize / 8;
-            text.extend_from_slice(&digits[zeros.min(7)..]);
-            return;
-        }
-        // A day of this century has ten digits.
-        above @ 10..100 => text.extend_from_slice(&[b'0' + (above / 10) as u8, b'0' + (above % 10) as u8]),
-        above => push_decimal(text, above),
-    }
-    text.extend_from_slice(&digits);
+    text.extend_from_slice(Words::default().decimal(number).text());
 }
 
 /// Appends `seconds.micros`, six digits of them.
 pub(in crate::can) fn push_seconds(text: &mut Vec<u8>, time: Micros) {
-    if time.0 < 0 {
-        text.push(b'-');
+    text.extend_from_slice(Words::default().seconds(time).text());
+}
+
+/// A short text, put together word by word in one place and handed on as a whole.
+#[derive(Default)]
+pub(in crate::can) struct Words {
+    /// What is behind the text is overwritten by the next word.
+    text: [[u8; 8]; 5],
+    length: usize,
+}
+
+impl Words {
+    /// Adds the first so many characters of a word. What does not fit is left out.
+    #[inline]
+    pub fn word(&mut self, word: [u8; 8], count: usize) -> &mut Self {
+        if let Some(place) = self.text.as_flattened_mut()[self.length..].first_chunk_mut() {
+            *place = word;
+            self.length += count;
+        }
+        self
     }
-    let micros = time.0.unsigned_abs();
-    push_decimal(text, micros / 1_000_000);
-    text.push(b'.');
-    text.extend_from_slice(&to_decimal((micros % 1_000_000) as u32)[2..]);
+
+    /// Adds a character.
+    #[inline]
+    pub fn one(&mut self, character: u8) -> &mut Self {
+        self.word([character; 8], 1)
+    }
+
+    /// Adds so many hexadecimal digits, upper case; eight at most.
+    #[inline]
+    pub fn hexadecimal(&mut self, value: u32, digits: usize) -> &mut Self {
+        let text = u64::from_le_bytes(to_hexadecimal(value.to_be_bytes()));
+        self.word((text >> (8 * (8 - digits))).to_le_bytes(), digits)
+    }
+
+    /// Adds a number's decimal digits.
+    #[inline]
+    pub fn decimal(&mut self, number: u64) -> &mut Self {
+        let digits = to_decimal((number % 100_000_000) as u32);
+        match number / 100_000_000 {
+            0 => {
+                let text = u64::from_le_bytes(digits);
+                let zeros = ((text ^ all(b'0')).trailing_zeros() / 8).min(7);
+                return self.word((text >> (8 * zeros)).to_le_bytes(), 8 - zeros as usize);
+            }
+            // A day of this century has ten digits.
+            above @ 10..100 => {
+                let pair = [b'0' + (above / 10) as u8, b'0' + (above % 10) as u8];
+                self.word([pair[0], pair[1], 0, 0, 0, 0, 0, 0], 2)
+            }
+            above => self.one_by_one(above),
+        };
+        self.word(digits, 8)
+    }
+
+    #[cold]
+    fn one_by_one(&mut self, number: u64) -> &mut Self {
+        let mut power = 10_u64.pow(number.checked_ilog10().unwrap_or(0));
+        while power > 0 {
+            self.one(b'0' + (number / power % 10) as u8);
+            power /= 10;
+        }
+        self
+    }
+
+    /// Adds `seconds.micros`, six digits of them.
+    #[inline]
+    pub fn seconds(&mut self, time: Micros) -> &mut Self {
+        if time.0 < 0 {
+            self.one(b'-');
+        }
+        let micros = time.0.unsigned_abs();
+        // The point takes the place of the second of two leading zeros.
+        let digits = u64::from_le_bytes(to_decimal((micros % 1_000_000) as u32));
+        let fraction = digits >> 8 & !0xFF | u64::from(b'.');
+        self.decimal(micros / 1_000_000).word(fraction.to_le_bytes(), 7)
+    }
+
+    /// All of it.
+    #[inline]
+    pub fn text(&self) -> &[u8] {
+        &self.text.as_flattened()[..self.length]
+    }
 }
 
 #[cfg(test)]
@@ -146,6 +220,11 @@ mod tests {
     fn the_first_of_a_character_is_found() {
         for (text, place) in [(*b"abc.ef.h", 3), (*b"abcdefg.", 7), (*b"........", 0), (*b"abcd/-fg", 8)] {
             assert_eq!(first(text, b'.'), place);
+        }
+        for (text, place) in
+            [(*b"can0 123", 4), (*b"can0\t \n3", 4), (*b"\x80can\xff\n  ", 5), (*b"vcan1234", 8)]
+        {
+            assert_eq!(first_up_to(text, b' '), place);
         }
     }
 
@@ -166,6 +245,23 @@ mod tests {
             assert_eq!(text, format!("{number:08X}").as_bytes(), "{number}");
             assert_eq!(hexadecimal(text), Some(number.to_be_bytes()));
             assert_eq!(hexadecimal(text.map(|digit| digit.to_ascii_lowercase())), Some(number.to_be_bytes()));
+        }
+    }
+
+    #[test]
+    fn numbers_of_any_length_and_sign() {
+        let numbers = (0..20).flat_map(|digits| [0, 1, 9].map(|add| 10_u64.pow(digits) - 1 + add));
+        for number in numbers.chain([u64::MAX, 1_760_000_000]) {
+            let mut text = b"x".to_vec();
+            push_decimal(&mut text, number);
+            assert_eq!(text, format!("x{number}").as_bytes());
+            for time in [number as i64, (number as i64).wrapping_neg()] {
+                let mut text = Vec::new();
+                push_seconds(&mut text, Micros(time));
+                let (sign, micros) = (if time < 0 { "-" } else { "" }, time.unsigned_abs());
+                let expected = format!("{sign}{}.{:06}", micros / 1_000_000, micros % 1_000_000);
+                assert_eq!(text, expected.as_bytes());
+            }
         }
     }
 

@@ -113,7 +113,7 @@ impl Frame {
 
     /// As [`Frame::new`], for data that are already in place: the first `length` bytes of `data`.
     #[inline]
-    pub(super) fn from_payload(
+    pub(crate) fn from_payload(
         time: Micros,
         id: CanId,
         kind: FrameKind,
@@ -151,6 +151,13 @@ impl Frame {
     #[inline]
     pub fn data(&self) -> &[u8] {
         if self.kind == FrameKind::Remote { &[] } else { &self.data[..usize::from(self.length).min(64)] }
+    }
+
+    /// The first eight bytes, whatever the length: what is beyond it means nothing.
+    #[inline]
+    pub(super) fn first_eight(&self) -> [u8; 8] {
+        let [a, b, c, d, e, f, g, h, ..] = self.data;
+        [a, b, c, d, e, f, g, h]
     }
 
     /// Bytes carried, or asked for by a remote request.

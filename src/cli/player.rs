@@ -45,24 +45,32 @@ impl Player {
     }
 
     /// A frame of the recording.
+    #[inline]
     pub fn play(&mut self, frame: &Frame) {
-        self.wait_for(frame.time);
+        if let Some(speed) = self.speed {
+            self.wait_for(frame.time, speed);
+        }
         self.send(frame);
     }
 
     /// Sends a frame now. Frames that a real bus does not take from a program are left out.
+    #[inline]
     pub fn send(&mut self, frame: &Frame) {
-        let Some(bus) = &mut self.bus else { return };
-        if let Err(error) = bus.send(frame, Self::PATIENCE) {
-            self.refused += 1;
-            if self.refused.is_power_of_two() {
-                tracing::warn!("{error} ({} frames not sent so far)", self.refused);
-            }
+        if let Some(bus) = &mut self.bus
+            && let Err(error) = bus.send(frame, Self::PATIENCE)
+        {
+            self.refuse(&error);
         }
     }
 
-    fn wait_for(&mut self, time: Micros) {
-        let Some(speed) = self.speed else { return };
+    fn refuse(&mut self, error: &SendError) {
+        self.refused += 1;
+        if self.refused.is_power_of_two() {
+            tracing::warn!("{error} ({} frames not sent so far)", self.refused);
+        }
+    }
+
+    fn wait_for(&mut self, time: Micros, speed: f64) {
         let now = Instant::now();
         let (begun, first) = *self.start.get_or_insert((now, time));
         let due = (time - first).seconds() / speed;

@@ -83,28 +83,48 @@ impl Codec {
     ///
     /// # Errors
     /// If the value is not a number or no bit pattern is within half a step of it.
+    #[inline]
     pub fn bits_from_physical(&self, value: f64) -> Result<u64, EncodeError> {
         let raw = (value - self.offset) / self.factor;
-        let out_of_range = || {
-            let (low, high) = self.range();
-            EncodeError::OutOfRange { value, low, high }
-        };
-        if raw.is_nan() {
-            return Err(EncodeError::NotANumber);
+        self.usual_bits(raw).map_or_else(|| self.bits_of_any(raw, value), Ok)
+    }
+
+    /// Those of an integer that is no larger than nearly all are.
+    #[inline]
+    fn usual_bits(&self, raw: f64) -> Option<u64> {
+        let (code, mask) = (nearest(raw)?, self.extractor.mask());
+        match self.kind {
+            ValueKind::Unsigned if 0 <= code && code as u64 <= mask => Some(code as u64),
+            ValueKind::Signed if self.integer(code as u64) == code => Some(code as u64 & mask),
+            _ => None,
         }
+    }
+
+    /// The same for numbers of any kind and size.
+    fn bits_of_any(&self, raw: f64, value: f64) -> Result<u64, EncodeError> {
         let size = self.extractor.size();
-        // Powers of two are exact, also those that the greatest integers would be rounded to.
+        // Powers of two are exact, also those that the greatest integers would be rounded to. Nothing is less than
+        // what is not a number.
         let nearest = raw.round_ties_even();
         match self.kind {
             ValueKind::Unsigned if nearest >= 0.0 && nearest < power_of_two(size) => Ok(nearest as u64),
             ValueKind::Signed if nearest >= -power_of_two(size - 1) && nearest < power_of_two(size - 1) => {
                 Ok(nearest as i64 as u64 & self.extractor.mask())
             }
-            ValueKind::Unsigned | ValueKind::Signed => Err(out_of_range()),
             ValueKind::Float32 if (raw as f32).is_finite() => Ok(u64::from((raw as f32).to_bits())),
             ValueKind::Float64 if raw.is_finite() => Ok(raw.to_bits()),
-            ValueKind::Float32 | ValueKind::Float64 => Err(out_of_range()),
+            _ => Err(self.refusal(value, raw)),
         }
+    }
+
+    /// Why a value has no bits.
+    #[cold]
+    fn refusal(&self, value: f64, raw: f64) -> EncodeError {
+        if raw.is_nan() {
+            return EncodeError::NotANumber;
+        }
+        let (low, high) = self.range();
+        EncodeError::OutOfRange { value, low, high }
     }
 
     /// Stores a bit pattern, touching no other bits.
@@ -133,6 +153,16 @@ impl Codec {
         let (a, b) = (low * self.factor + self.offset, high * self.factor + self.offset);
         (a.min(b), a.max(b))
     }
+}
+
+/// The nearest integer, of two the even one; `None` beyond 2⁵¹.
+#[inline]
+fn nearest(raw: f64) -> Option<i64> {
+    // Between 2⁵² and 2⁵³ doubles lie one apart: what is added to this one is rounded as wanted, and stands in the
+    // lowest bits then.
+    const THERE: f64 = 1.5 * power_of_two(52);
+    let bits = (raw + THERE).to_bits().wrapping_sub(THERE.to_bits());
+    (raw.abs() < power_of_two(51)).then_some(bits as i64)
 }
 
 /// Two to the `exponent`, which is 64 or less.
@@ -176,6 +206,17 @@ mod tests {
         );
         assert_eq!(c.bits_from_physical(f64::NAN), Err(EncodeError::NotANumber));
         assert!(c.bits_from_physical(f64::INFINITY).is_err());
+    }
+
+    #[test]
+    fn the_nearest_integer_is_the_one_of_the_library() {
+        let near = (-4000..4000).map(|i| f64::from(i) / 16.0);
+        let wide = (0..64).flat_map(|e| [-0.75, -0.5, 0.0, 0.5, 0.75].map(|x| 2_f64.powi(e) + x));
+        for x in near.chain(wide).flat_map(|x| [x, -x, x.next_up(), x.next_down()]) {
+            let whole = (x.abs() < 2_f64.powi(51)).then_some(x.round_ties_even() as i64);
+            assert_eq!(nearest(x), whole, "{x}");
+        }
+        assert_eq!([f64::NAN, f64::INFINITY, -1e300].map(nearest), [None; 3]);
     }
 
     #[test]

@@ -108,6 +108,19 @@ impl Extractor {
         true
     }
 
+    /// Stores the bits likewise in a payload held as one little-endian word; `word` as it is then. For signals of
+    /// messages of at most eight bytes.
+    #[inline]
+    #[must_use]
+    pub fn set_in_word(self, word: u64, bits: u64) -> u64 {
+        let mask = self.mask();
+        let (mut place, mut bits) = (mask << self.shift, (bits & mask) << self.shift);
+        if self.big_endian {
+            (place, bits) = (place.swap_bytes(), bits.swap_bytes());
+        }
+        word & !place | bits
+    }
+
     #[cold]
     fn get_wide(self, data: &[u8]) -> u64 {
         let bytes: [u8; 16] = window(data, usize::from(self.window));
@@ -129,10 +142,10 @@ impl Extractor {
 /// The `N` bytes from `at`; what lies beyond the payload counts as zero.
 #[inline]
 fn window<const N: usize>(data: &[u8], at: usize) -> [u8; N] {
-    let rest = data.get(at..).unwrap_or_default();
-    match rest.first_chunk::<N>() {
+    match data.get(at..at + N).and_then(|window| window.first_chunk()) {
         Some(bytes) => *bytes,
         None => {
+            let rest = data.get(at..).unwrap_or_default();
             let mut bytes = [0; N];
             bytes.iter_mut().zip(rest).for_each(|(to, from)| *to = *from);
             bytes
@@ -178,6 +191,25 @@ mod tests {
         assert_eq!(second.get(&[1]), None);
         assert_eq!(second.get(&[1, 2]), Some(2));
         assert!(!second.set(&mut [0], 1));
+    }
+
+    #[test]
+    fn a_word_holds_what_eight_bytes_do() {
+        for order in [Intel, Motorola] {
+            for length in 1..=8 {
+                let all = (0..64).flat_map(|start| (1..=64).map(move |size| (start, size)));
+                for bits in all.filter_map(|(start, size)| Extractor::new(start, size, order, length)) {
+                    for (before, value) in
+                        [(0, u64::MAX), (u64::MAX, 0), (0x0123_4567_89AB_CDEF, 0x5A5A_A5A5_1234_5678)]
+                    {
+                        let mut data = u64::to_le_bytes(before);
+                        assert!(bits.set(&mut data[..length], value));
+                        let word = bits.set_in_word(before, value);
+                        assert_eq!(word.to_le_bytes()[..length], data[..length], "{bits:?}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]

@@ -251,8 +251,8 @@ fn largest(weights: &[f64]) -> f64 {
     let (rows, rest) = weights.as_chunks::<ABREAST>();
     let mut most = [0.0; ABREAST];
     for row in rows {
-        for (most, weight) in most.iter_mut().zip(row) {
-            *most = if weight > most { *weight } else { *most };
+        for (most, &weight) in most.iter_mut().zip(row) {
+            *most = if weight > *most { weight } else { *most };
         }
     }
     most.iter().chain(rest).fold(0.0, |most, weight| f64::max(most, *weight))

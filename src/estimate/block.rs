@@ -54,31 +54,37 @@ struct Sums {
     count: f64,
     time: f64,
     time_square: f64,
-    speed: Line,
-    wheels: [Line; 4],
-    differences: [Line; 2],
+    lines: Lines,
     yaw_rate: f64,
     lateral_acceleration: f64,
     road_angle: f64,
     longitudinal_acceleration: Optional,
-    longitudinal_line: Line,
     axle_torque: Optional,
     braking: Option<bool>,
 }
 
-/// Sums of a quantity, of its square, and of its product with time.
+/// Sums of quantities, of their squares, and of their products with time: side by side, as a processor takes them.
 #[derive(Clone, Copy, Debug, Default)]
-struct Line {
-    sum: f64,
-    square: f64,
-    product: f64,
+struct Lines {
+    sum: [f64; LINES],
+    square: [f64; LINES],
+    product: [f64; LINES],
 }
 
-impl Line {
-    fn add(&mut self, time: f64, value: f64) {
-        self.sum += value;
-        self.square += value * value;
-        self.product += time * value;
+/// Where each quantity is: the speed, the wheels, front less rear on both sides, and the longitudinal acceleration.
+const SPEED: usize = 0;
+const WHEELS: [usize; 4] = [1, 2, 3, 4];
+const DIFFERENCES: [usize; 2] = [5, 6];
+const LONGITUDINAL: usize = 7;
+const LINES: usize = 8;
+
+impl Lines {
+    fn add(&mut self, time: f64, values: [f64; LINES]) {
+        for (i, value) in values.into_iter().enumerate() {
+            self.sum[i] += value;
+            self.square[i] += value * value;
+            self.product[i] += time * value;
+        }
     }
 }
 
@@ -125,16 +131,9 @@ impl BlockBuilder {
         sums.count += 1.0;
         sums.time += time;
         sums.time_square += time * time;
-        sums.speed.add(time, speed);
-        for (line, wheel) in sums.wheels.iter_mut().zip(wheels) {
-            line.add(time, wheel);
-        }
-        for (line, side) in sums.differences.iter_mut().zip([0, 1]) {
-            line.add(time, wheels[side] - wheels[side + 2]);
-        }
-        if let Some(acceleration) = now.longitudinal_acceleration {
-            sums.longitudinal_line.add(time, acceleration);
-        }
+        let [fl, fr, rl, rr] = wheels;
+        let acceleration = now.longitudinal_acceleration.unwrap_or(0.0);
+        sums.lines.add(time, [speed, fl, fr, rl, rr, fl - rl, fr - rr, acceleration]);
         sums.yaw_rate += yaw_rate;
         sums.lateral_acceleration += lateral;
         sums.road_angle += angle;
@@ -166,21 +165,22 @@ impl Sums {
         if n < 3.0 || spread <= 0.0 {
             return None;
         }
-        let rate = |line: &Line| (line.product - self.time * line.sum / n) / spread;
-        let scatter = |line: &Line| {
-            let around_mean = line.square - line.sum * line.sum / n;
+        let Lines { sum, square, product } = &self.lines;
+        let rate = |line: usize| (product[line] - self.time * sum[line] / n) / spread;
+        let scatter = |line: usize| {
+            let around_mean = square[line] - sum[line] * sum[line] / n;
             let explained = rate(line).powi(2) * spread;
             ((around_mean - explained).max(0.0) / (n - 2.0)).sqrt()
         };
         Some(Block {
             samples: n,
             duration_s,
-            speed: self.speed.sum / n,
-            acceleration: rate(&self.speed),
-            wheels: self.wheels.map(|line| line.sum / n),
-            wheel_acceleration: [0, 1, 2, 3].map(|i| rate(&self.wheels[i])),
-            difference_std: self.differences.each_ref().map(scatter),
-            longitudinal_acceleration_std: scatter(&self.longitudinal_line),
+            speed: sum[SPEED] / n,
+            acceleration: rate(SPEED),
+            wheels: WHEELS.map(|line| sum[line] / n),
+            wheel_acceleration: WHEELS.map(rate),
+            difference_std: DIFFERENCES.map(scatter),
+            longitudinal_acceleration_std: scatter(LONGITUDINAL),
             yaw_rate: self.yaw_rate / n,
             lateral_acceleration: self.lateral_acceleration / n,
             road_angle: self.road_angle / n,

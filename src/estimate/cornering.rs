@@ -412,35 +412,6 @@ impl CorneringEstimator {
         self.state.covariance[(i, i)] = std * std;
     }
 
-    /// Random walks of what changes on its own, and the bank, which comes and goes.
-    fn walk(&mut self, elapsed_s: f64) {
-        let config = &self.config;
-        let walk = [FRONT, REAR].map(|i| config.stiffness_walk * self.state.mean[i]);
-        let common = Self::WALKS_TOGETHER * walk[0] * walk[1] * elapsed_s;
-        self.state.covariance[(FRONT, REAR)] += common;
-        self.state.covariance[(REAR, FRONT)] += common;
-        for (i, walk) in [FRONT, REAR].into_iter().zip(walk) {
-            self.state.inflate(i, walk * walk * elapsed_s);
-            let most = Self::UNKNOWN_STD * self.state.mean[i];
-            let shrink = most / self.state.std(i).max(most);
-            self.state.covariance.row_mut(i).scale_mut(shrink);
-            self.state.covariance.column_mut(i).scale_mut(shrink);
-        }
-        let step = Self::ERRORS_WALK * elapsed_s.sqrt();
-        for (i, most) in [
-            (ANGLE_OFFSET, config.steering_offset_std),
-            (AY_OFFSET, config.acceleration_offset_std),
-            (YAW_OFFSET, config.yaw_rate_offset_std),
-        ] {
-            self.state.inflate(i, (step * most).powi(2));
-        }
-        let kept = (-elapsed_s / config.bank_time_s).exp();
-        self.state.mean[BANK] *= kept;
-        self.state.covariance.row_mut(BANK).scale_mut(kept);
-        self.state.covariance.column_mut(BANK).scale_mut(kept);
-        self.state.inflate(BANK, config.bank_std.powi(2) * (1.0 - kept * kept));
-    }
-
     /// From the last window's middle to this one's, then both axles' equations.
     fn update(&mut self, now: &Means, belief: &Belief) -> bool {
         if self.running {
@@ -455,9 +426,14 @@ impl CorneringEstimator {
         if is_braked && self.driving_s > Self::FORWARD_SHOWS_S {
             return false;
         }
-        self.limit = self.bent_limit(now, belief);
+        let mut equation = self.equation(FRONT, now, belief);
+        self.limit = self.bent_limit([&equation, &self.equation(REAR, now, belief)], belief);
         for axle in [FRONT, REAR] {
-            match self.measure(axle, now, belief) {
+            if axle == REAR {
+                // By the state that the front axle has corrected.
+                equation = self.equation(REAR, now, belief);
+            }
+            match self.measure(&equation, now, belief) {
                 Said::Nothing => {}
                 Said::Surprise => surprised = true,
                 Said::Changed => changed = true,

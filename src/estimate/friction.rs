@@ -15,6 +15,7 @@ use super::mapping::MappedFriction;
 use super::saturation::LimitFriction;
 use super::{Car, FrictionConfig, Kinematics};
 use crate::estimates::{Friction, MuSource};
+use crate::filter::Fading;
 use crate::model::GRAVITY;
 
 /// Keeps what is believed of friction.
@@ -24,6 +25,8 @@ pub struct FrictionMonitor {
     config: FrictionConfig,
     /// Normalized forces, smoothed: longitudinal and lateral.
     smoothed: Option<[f64; 2]>,
+    smoothing: Fading,
+    surface: Fading,
     belief: Belief,
     /// What was measured last.
     measured: Option<Measured>,
@@ -31,6 +34,7 @@ pub struct FrictionMonitor {
     bound_age_s: f64,
     /// What is used while the ABS works, smoothed further.
     abs_used: f64,
+    abs_settling: Fading,
 }
 
 /// A measurement of mu_max.
@@ -108,6 +112,9 @@ impl FrictionMonitor {
             car: car.clone(),
             config: config.clone(),
             smoothed: None,
+            smoothing: Fading::over(Self::SMOOTHING_S),
+            surface: Fading::over(config.surface_lasts_s),
+            abs_settling: Fading::over(Self::ABS_SETTLES_S),
         }
     }
 
@@ -119,7 +126,7 @@ impl FrictionMonitor {
 
     /// Takes a sample; `acceleration` is the longitudinal one, measured or from the wheels.
     pub fn step(&mut self, now: &Kinematics, acceleration: Option<f64>, evidence: Evidence) -> Friction {
-        self.belief.forget(1.0 - (-now.elapsed_s / self.config.surface_lasts_s).exp());
+        self.belief.forget(1.0 - self.surface.left(now.elapsed_s));
         self.bound_age_s += now.elapsed_s;
         if let Some(measured) = &mut self.measured {
             measured.age_s += now.elapsed_s;
@@ -167,7 +174,7 @@ impl FrictionMonitor {
         let turning = now.yaw_rate.map_or(0.0, |r| (speed * r).abs()) + Self::LATERAL_TRANSIENT;
         let target = [longitudinal, ay.clamp(-turning, turning) / GRAVITY];
         let smoothed = self.smoothed.get_or_insert(target);
-        let weight = 1.0 - (-now.elapsed_s / Self::SMOOTHING_S).exp();
+        let weight = 1.0 - self.smoothing.left(now.elapsed_s);
         for (value, target) in smoothed.iter_mut().zip(target) {
             *value += weight * (target - *value);
         }
@@ -193,8 +200,8 @@ impl FrictionMonitor {
         // What is used across the car is missing along it, and looks like a curve that bends early.
         let is_straight = across.abs() < Self::STRAIGHT * along.abs();
         // Using more than the curve allows, in whatever direction, refutes it.
-        let is_refuted = self.belief.interval().0 > brush.mu + 1.96 * brush.std;
-        if using < self.config.brush_from_use || is_refuted || !is_straight {
+        let is_refuted = || self.belief.interval().0 > brush.mu + 1.96 * brush.std;
+        if using < self.config.brush_from_use || !is_straight || is_refuted() {
             return;
         }
         let model_std = Self::BRUSH_MODEL_ERROR * (1.0 - using) * brush.mu;
@@ -215,7 +222,7 @@ impl FrictionMonitor {
             self.abs_used = used;
             return;
         };
-        let weight = 1.0 - (-now.elapsed_s / Self::ABS_SETTLES_S).exp();
+        let weight = 1.0 - self.abs_settling.left(now.elapsed_s);
         self.abs_used += weight * (used - self.abs_used);
         // While the brakes build up, the tires at their limit are not all of them.
         let is_settled = used - self.abs_used < Self::ABS_SETTLED * used;
@@ -317,147 +324,4 @@ const LEAST_TOLD: f64 = 0.04;
 const MOST_TOLD: f64 = HIGHEST - 0.04;
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::Vehicle;
-
-    fn sample(ax: f64, ay: f64) -> Kinematics {
-        Kinematics {
-            elapsed_s: 0.01,
-            speed: Some(20.0),
-            wheels: Some([20.0; 4]),
-            yaw_rate: Some(ay / 20.0),
-            lateral_acceleration: Some(ay),
-            longitudinal_acceleration: Some(ax),
-            road_angle: Some(0.0),
-            axle_torque: None,
-            braking: None,
-            abs: None,
-        }
-    }
-
-    #[test]
-    fn gentle_driving_gives_a_bound_and_no_value() {
-        let car = Car::new(&Vehicle::thesis());
-        let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
-        let brush =
-            Some(BrushFriction { mu: 0.9, std: 0.01, is_bound: false, is_doubted: false, age_s: 0.0 });
-        let mut friction = Friction::default();
-        for _ in 0..200 {
-            friction = monitor.step(&sample(0.0, 2.0), Some(0.0), Evidence { brush, ..Evidence::default() });
-        }
-        assert_eq!(friction.source, MuSource::LowerBound);
-        assert_eq!((friction.max, friction.high, friction.valid), (None, None, false));
-        assert!((friction.low.unwrap() - 0.174).abs() < 0.01, "{friction:?}");
-    }
-
-    #[test]
-    fn an_offset_of_the_accelerometer_is_no_use_of_friction() {
-        let car = Car::new(&Vehicle::thesis());
-        let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
-        let straight = Kinematics { yaw_rate: Some(0.0), ..sample(0.0, -5.1) };
-        let mut friction = Friction::default();
-        for _ in 0..200 {
-            friction = monitor.step(&straight, Some(0.0), Evidence::default());
-        }
-        assert!(friction.low.is_none_or(|low| low < 0.05), "{friction:?}");
-    }
-
-    #[test]
-    fn the_bound_ages_and_a_change_of_surface_forgets_it() {
-        let car = Car::new(&Vehicle::thesis());
-        let config = FrictionConfig { surface_lasts_s: 10.0, ..FrictionConfig::default() };
-        let mut monitor = FrictionMonitor::new(&car, &config);
-        let after = |monitor: &mut FrictionMonitor, ay, samples| {
-            let mut friction = Friction::default();
-            for _ in 0..samples {
-                friction = monitor.step(&sample(0.0, ay), Some(0.0), Evidence::default());
-            }
-            friction
-        };
-        let turning = after(&mut monitor, 6.0, 200);
-        assert!((turning.low.unwrap() - 0.56).abs() < 0.02, "{turning:?}");
-        // With 45 % it is another surface by now, and all of those are as likely.
-        let later = after(&mut monitor, 0.0, 600);
-        assert!((later.low.unwrap() - 0.025 / 0.45 * 1.3).abs() < 0.03, "{later:?}");
-        after(&mut monitor, 6.0, 200);
-        monitor.surface_changed();
-        assert!(after(&mut monitor, 0.0, 1).low.is_none_or(|low| low < 0.56));
-        assert_eq!(after(&mut monitor, 0.0, 100).source, MuSource::LowerBound);
-        monitor.surface_changed();
-        assert_eq!(after(&mut monitor, 0.0, 1).source, MuSource::None);
-    }
-
-    #[test]
-    fn a_mapping_is_published_with_its_interval_and_never_as_certain() {
-        let car = Car::new(&Vehicle::thesis());
-        let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
-        let map = Some(MappedFriction { mu: 0.5, low: 0.35, high: 0.65 });
-        let evidence = Evidence { map, ..Evidence::default() };
-        let friction = monitor.step(&sample(0.0, 0.0), Some(0.0), evidence);
-        assert_eq!((friction.source, friction.valid), (MuSource::SlopeMap, false));
-        assert_eq!((friction.max, friction.low, friction.high), (Some(0.5), Some(0.35), Some(0.65)));
-        let limit = Some(LimitFriction { mu: 0.8, std: 0.02, age_s: 0.0 });
-        let measured = Evidence { limit, ..evidence };
-        assert_eq!(monitor.step(&sample(0.0, 0.0), Some(0.0), measured).source, MuSource::Limit);
-        // Using more than it allows refutes it.
-        let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
-        let mut braking = Friction::default();
-        for _ in 0..200 {
-            braking = monitor.step(&sample(0.0, 8.0), Some(0.0), evidence);
-        }
-        assert_eq!((braking.source, braking.max), (MuSource::LowerBound, None), "{braking:?}");
-    }
-
-    #[test]
-    fn an_abs_braking_is_believed_for_a_while_and_then_widens() {
-        let car = Car::new(&Vehicle::thesis());
-        let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
-        let braking = Kinematics { abs: Some(true), ..sample(-4.0, 0.0) };
-        let brake = |monitor: &mut FrictionMonitor| {
-            let step = |i: i32| {
-                let abs_working_s = Some(0.01 * f64::from(i));
-                let working = Evidence { abs_working_s, brakes_at_limit: Some(true), ..Evidence::default() };
-                monitor.step(&braking, Some(-4.0), working)
-            };
-            (0..150).map(step).last().unwrap()
-        };
-        let mut all = vec![brake(&mut monitor)];
-        all.extend((0..2000).map(|_| monitor.step(&sample(0.0, 0.0), Some(0.0), Evidence::default())));
-        assert!(all[0].valid && all[0].source == MuSource::Abs, "{:?}", all[0]);
-        assert!((all[0].max.unwrap() - 0.4).abs() < 0.01);
-        assert_eq!(all[0].age_s, Some(0.0));
-        let width = |friction: &Friction| friction.high.unwrap_or(2.0) - friction.low.unwrap_or(0.0);
-        assert!(all.windows(2).all(|pair| width(&pair[1]) > width(&pair[0]) - 1e-3));
-        let opened = all.iter().position(|friction| !friction.valid).unwrap();
-        assert!(all[opened..].iter().all(|friction| !friction.valid));
-        assert_eq!(all[2000].max, None);
-        // Using more than it gave is another surface.
-        brake(&mut monitor);
-        let mut turning = Friction::default();
-        for _ in 0..100 {
-            turning = monitor.step(&sample(0.0, 8.0), Some(0.0), Evidence::default());
-        }
-        assert_eq!((turning.source, turning.max), (MuSource::LowerBound, None));
-        assert!(turning.low > Some(0.7));
-    }
-
-    #[test]
-    fn an_abs_that_works_for_one_wheel_bounds_nothing_from_above() {
-        let car = Car::new(&Vehicle::thesis());
-        let braking = Kinematics { abs: Some(true), ..sample(-4.0, 0.0) };
-        let brake = |brakes_at_limit: Option<bool>| {
-            let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
-            let step = |i: i32| {
-                let abs_working_s = Some(0.01 * f64::from(i));
-                let working = Evidence { abs_working_s, brakes_at_limit, ..Evidence::default() };
-                monitor.step(&braking, Some(-4.0), working)
-            };
-            (0..150).map(step).last().unwrap()
-        };
-        let [refuted, unseen, seen] = [Some(false), None, Some(true)].map(brake);
-        assert_eq!((refuted.source, refuted.high), (MuSource::LowerBound, None));
-        assert!(!unseen.valid && unseen.high > Some(0.75), "{unseen:?}");
-        assert!(seen.valid && seen.high < Some(0.55), "{seen:?}");
-    }
-}
+mod tests;

@@ -291,11 +291,11 @@ fn forward_speed(sample: &Sample, car: &Car, yaw_rate: f64, road_angle: f64) -> 
         (Some(left), Some(right)) => Some(0.5 * (left + right)),
         (one, other) => one.or(other),
     };
-    let (front, rear) = (mean(Wheel::Fl, Wheel::Fr), mean(Wheel::Rl, Wheel::Rr));
+    let (front, rear) = (|| mean(Wheel::Fl, Wheel::Fr), || mean(Wheel::Rl, Wheel::Rr));
     match car.driven_axle {
-        DrivenAxle::Front => rear,
-        DrivenAxle::Rear => front,
-        DrivenAxle::All => front.zip(rear).map(|(front, rear)| front.min(rear)),
+        DrivenAxle::Front => rear(),
+        DrivenAxle::Rear => front(),
+        DrivenAxle::All => front().zip(rear()).map(|(front, rear)| front.min(rear)),
     }
 }
 

@@ -19,6 +19,7 @@ use super::slope::SlopeEstimator;
 use super::traction::{Traction, TractionPoint};
 use super::{Car, EstimatorsConfig, Kinematics, LateralVelocitySource};
 use crate::estimates::{Estimates, LateralVelocities, Motion, State};
+use crate::filter::Fading;
 use crate::model::{DrivenAxle, Vehicle};
 use crate::{Faults, Quantity, Sample, Sensors};
 
@@ -88,7 +89,7 @@ impl Pipeline {
             saturation: SaturationDetector::new(&car, sensors),
             friction: FrictionMonitor::new(&car, &config.friction),
             mapping: config.mapping.as_ref().and_then(Mapping::new),
-            excitation: [Excitation::default(); 2],
+            excitation: [Excitation::NONE; 2],
             block_acceleration: None,
             unchanged_s: f64::INFINITY,
             driving_s: 0.0,
@@ -345,17 +346,20 @@ impl Pipeline {
 }
 
 /// Running rms of a normalized force.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Excitation {
     square: f64,
+    fading: Fading,
 }
 
 impl Excitation {
     /// Time constant, s.
     const MEMORY_S: f64 = 10.0;
 
+    const NONE: Self = Self { square: 0.0, fading: Fading::over(Self::MEMORY_S) };
+
     fn step(&mut self, mu: f64, elapsed_s: f64) {
-        let weight = 1.0 - (-elapsed_s / Self::MEMORY_S).exp();
+        let weight = 1.0 - self.fading.left(elapsed_s);
         self.square += weight * (mu * mu - self.square);
     }
 

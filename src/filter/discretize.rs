@@ -19,10 +19,10 @@ pub fn zero_order_hold<const N: usize>(
     let mut term = SMatrix::<f64, N, N>::identity();
     let mut transition = term;
     let mut integral = term;
-    for k in 1..=TERMS {
-        term = times(&term, &scaled) * (1.0 / k as f64);
+    for k in 1..TERMS + 1 {
+        term = times(&term, &scaled) * SHARES[k];
         transition += term;
-        integral += term * (1.0 / (k + 1) as f64);
+        integral += term * SHARES[k + 1];
     }
     integral *= step;
     for _ in 0..doublings {
@@ -44,14 +44,14 @@ pub fn zero_order_hold_plane(a: &Matrix2<f64>, step: f64) -> (Matrix2<f64>, Matr
     // Aᵏ/k!, F and Γ/T, each as its multiples of the identity and of A.
     let mut term = [1.0, 0.0];
     let (mut transition, mut integral) = (term, term);
-    for k in 1..=TERMS {
+    for k in 1..TERMS + 1 {
         // What does not wait for the term before is reckoned meanwhile.
-        let share = 1.0 / k as f64;
+        let share = SHARES[k];
         let (of_trace, of_determinant) = (share * trace, -share * determinant);
         term = [of_determinant * term[1], share * term[0] + of_trace * term[1]];
         for i in 0..2 {
             transition[i] += term[i];
-            integral[i] += term[i] * (1.0 / (k + 1) as f64);
+            integral[i] += term[i] * SHARES[k + 1];
         }
     }
     let product = |a: [f64; 2], b: [f64; 2]| {
@@ -80,14 +80,14 @@ pub fn zero_order_hold_space(a: &Matrix3<f64>, step: f64) -> (Matrix3<f64>, Matr
     // Aᵏ/k!, F and Γ/T, each as its multiples of the identity, of A and of A².
     let mut term = [1.0, 0.0, 0.0];
     let (mut transition, mut integral) = (term, term);
-    for k in 1..=TERMS {
-        let share = 1.0 / k as f64;
+    for k in 1..TERMS + 1 {
+        let share = SHARES[k];
         let [of_identity, of_a, of_square] = term;
         term = [determinant * of_square, of_identity - minors * of_square, of_a + trace * of_square]
             .map(|factor| share * factor);
         for i in 0..3 {
             transition[i] += term[i];
-            integral[i] += term[i] * (1.0 / (k + 1) as f64);
+            integral[i] += term[i] * SHARES[k + 1];
         }
     }
     let matrix = |[identity, of_a, of_square]: [f64; 3]| {
@@ -103,6 +103,17 @@ pub fn zero_order_hold_space(a: &Matrix3<f64>, step: f64) -> (Matrix3<f64>, Matr
 
 /// Terms of the series: below a norm of 1/4 they leave less than 1e-14.
 const TERMS: usize = 10;
+
+/// 1/k: dividing takes longer than all else that a term needs.
+const SHARES: [f64; 20] = {
+    let mut shares = [f64::INFINITY; 20];
+    let mut k = 1;
+    while k < shares.len() {
+        shares[k] = 1.0 / k as f64;
+        k += 1;
+    }
+    shares
+};
 
 /// The step halved until the norm of what happens in it is at most so much, and how often that was.
 fn halved(mut step: f64, norm: f64, most: f64) -> (f64, u32) {

@@ -3,6 +3,7 @@
 pub mod consistency;
 pub mod cusum;
 pub mod discretize;
+pub mod fading;
 pub mod gaussian;
 pub mod noise;
 pub mod observability;
@@ -12,6 +13,7 @@ pub mod whiteness;
 
 pub use consistency::Consistency;
 pub use cusum::{Alarm, Cusum};
+pub use fading::Fading;
 pub use gaussian::{Gaussian, Innovation};
 pub use noise::LearnedNoise;
 pub use observability::{Observability, Spectrum};

@@ -273,11 +273,14 @@ impl Engine {
     }
 
     /// The latest estimates, unless nothing came for so long that they are of another moment.
+    #[inline]
     fn current(&self, now: Micros) -> Estimates {
-        let latest = *self.pipeline.latest();
-        if now - latest.time <= Self::STALE_AFTER {
-            return latest;
-        }
+        let latest = self.pipeline.latest();
+        if now - latest.time <= Self::STALE_AFTER { *latest } else { Self::nothing_since(latest) }
+    }
+
+    #[cold]
+    fn nothing_since(latest: &Estimates) -> Estimates {
         Estimates {
             time: latest.time,
             // Without any sample: after a reload, until there is one.

@@ -223,8 +223,9 @@ impl Checksum {
                 after = &picked;
             }
         }
-        let data = data.iter().enumerate().filter(|(index, _)| *index != self.at).map(|(_, byte)| byte);
-        before.iter().chain(data).chain(after).fold(init, |sum, byte| step(sum, *byte))
+        let (start, rest) = data.split_at(self.at.min(data.len()));
+        let parts = [before, start, rest.get(1..).unwrap_or_default(), after];
+        parts.into_iter().flatten().fold(init, |sum, byte| step(sum, *byte))
     }
 }
 

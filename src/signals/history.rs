@@ -55,7 +55,8 @@ impl History {
             if point.time < last.time {
                 return false;
             }
-            let crowded = self.newest(1).is_some_and(|previous| point.time - previous.time < self.spacing)
+            let crowded = point.time - last.time < self.spacing
+                && self.newest(1).is_some_and(|previous| point.time - previous.time < self.spacing)
                 // An end of availability must not vanish in a crowd.
                 && last.value.is_nan() == point.value.is_nan();
             if point.time == last.time || crowded {
@@ -85,8 +86,11 @@ impl History {
     #[inline]
     pub(super) fn at(&self, time: Micros, interpolate: bool, limit: Micros) -> At {
         let mut after: Option<Point> = None;
-        for age in 0..self.length {
-            let point = self.points[self.place(age)];
+        // From the newest back: those before the end of the ring, then those behind its beginning.
+        let (behind, before) = self.points.split_at(self.first);
+        let wrapped = (self.first + self.length).saturating_sub(self.points.len());
+        let older = &before[..self.length - wrapped];
+        for &point in behind[..wrapped].iter().rev().chain(older.iter().rev()) {
             if point.time > time {
                 after = Some(point);
                 continue;

@@ -119,7 +119,8 @@ struct Compiled {
     /// Values first, then the flags that depend on them.
     slots: Vec<CompiledSlot>,
     counter_codec: Option<Codec>,
-    crc: Option<(Codec, usize)>,
+    /// The byte of the checksum.
+    crc: Option<usize>,
     counter: u8,
 }
 
@@ -302,7 +303,7 @@ impl Compiled {
         };
         let padded = FD_LENGTHS.into_iter().find(|length| *length >= message.length);
         let length = if message.length > 8 { padded.unwrap_or(64) } else { message.length };
-        let crc = crc.and_then(|codec| Some((codec, crc_byte(&codec)?)));
+        let crc = crc.as_ref().and_then(crc_byte);
         Self {
             name: fields.name,
             id,
@@ -319,30 +320,44 @@ impl Compiled {
     #[inline]
     fn fill(&mut self, time: Micros, estimates: &Estimates) -> Option<Frame> {
         let mut payload = [0; 64];
-        let payload = payload.get_mut(..self.length)?;
+        if self.length <= 8 {
+            let mut word = 0;
+            self.signals(estimates, |codec, bits| word = codec.extractor.set_in_word(word, bits));
+            payload[..8].copy_from_slice(&u64::to_le_bytes(word));
+        } else {
+            let mut fits = true;
+            self.signals(estimates, |codec, bits| fits &= codec.extractor.set(&mut payload, bits));
+            fits.then_some(())?;
+        }
+        if let Some(byte) = self.crc {
+            // The data ID is the identifier's lower 16 bits.
+            let crc = e2e::profile_1_crc(self.id.number() as u16, payload.get(..self.protected)?, byte);
+            *payload.get_mut(byte)? = crc;
+        }
+        let frame = Frame::from_payload(time, self.id, self.kind, payload, self.length).ok()?;
+        self.counter = e2e::next_counter(self.counter);
+        Some(frame)
+    }
+
+    /// All signals but the checksum, and their bits.
+    #[inline]
+    fn signals(&self, estimates: &Estimates, mut put: impl FnMut(&Codec, u64)) {
         let mut available = 0;
         for CompiledSlot { slot, own, needs, any } in &self.slots {
-            let (mut bits, there) = slot.bits(estimates);
+            let (bits, there) = slot.bits(estimates);
             if there {
                 available |= own;
             }
-            let vouched = if *any { available & needs != 0 } else { available & needs == *needs };
-            if *needs != 0 && !vouched {
-                bits = 0;
-            }
-            slot.codec.insert(payload, bits).ok()?;
+            let is_vouched_for = match (*needs, *any) {
+                (0, _) => true,
+                (needs, true) => available & needs != 0,
+                (needs, false) => available & needs == needs,
+            };
+            put(&slot.codec, if is_vouched_for { bits } else { 0 });
         }
-        if let Some(codec) = self.counter_codec {
-            codec.insert(payload, u64::from(self.counter)).ok()?;
+        if let Some(codec) = &self.counter_codec {
+            put(codec, u64::from(self.counter));
         }
-        if let Some((codec, byte)) = self.crc {
-            // The data ID is the identifier's lower 16 bits.
-            let crc = e2e::profile_1_crc(self.id.number() as u16, payload.get(..self.protected)?, byte);
-            codec.insert(payload, u64::from(crc)).ok()?;
-        }
-        let frame = Frame::new(time, self.id, self.kind, payload).ok()?;
-        self.counter = e2e::next_counter(self.counter);
-        Some(frame)
     }
 }
 

@@ -145,11 +145,15 @@ impl Sampler {
     ///
     /// Of a needed identifier any data frame will do, classic or FD, that has at least the bytes the DBC
     /// gives the message; remote requests and shorter frames are dropped with [`Faults::FRAME`].
+    #[inline]
     pub fn push(&mut self, frame: &Frame) -> Pushed {
-        if frame.kind == FrameKind::Error {
-            return Pushed::Ignored;
+        match self.index.find(frame.id) {
+            Some(index) if frame.kind != FrameKind::Error => self.push_needed(frame, index),
+            _ => Pushed::Ignored,
         }
-        let Some(index) = self.index.find(frame.id) else { return Pushed::Ignored };
+    }
+
+    fn push_needed(&mut self, frame: &Frame, index: usize) -> Pushed {
         match self.grid.advance(frame.time) {
             Step::Onward => {}
             Step::Late if self.grid.last().is_some_and(|sampled| frame.time <= sampled) => {

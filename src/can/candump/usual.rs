@@ -5,7 +5,7 @@
 //! which knows the whole grammar and says what is wrong.
 
 use crate::Micros;
-use crate::can::digits::{decimal, digit, first, hexadecimal};
+use crate::can::digits::{decimal, digit, first, first_up_to, hexadecimal};
 use crate::can::{CanId, Frame, FrameKind};
 
 /// What a usual line says, and where it ends.
@@ -32,10 +32,13 @@ pub(super) fn parse<'a>(text: &'a [u8], second: &mut Second) -> Option<Usual<'a>
     let (time, rest) = stamp(text.strip_prefix(b"(")?, second)?;
     let rest = rest.strip_prefix(b" ")?;
     // Names of interfaces are shorter than eight characters, but for some.
-    let space = match first(*rest.first_chunk()?, b' ') {
+    let space = match first_up_to(*rest.first_chunk()?, b' ') {
         8 => rest.iter().position(|byte| *byte == b' ' || *byte == b'\n')?,
         space => space,
     };
+    if space == 0 {
+        return None;
+    }
     let (interface, rest) = rest.split_at(space);
     let (id, digits) = identifier(rest.strip_prefix(b" ")?)?;
     let (bytes, count) = data(digits)?;
@@ -43,7 +46,7 @@ pub(super) fn parse<'a>(text: &'a [u8], second: &mut Second) -> Option<Usual<'a>
     payload[..8].copy_from_slice(&bytes);
     let frame = Frame::from_payload(time, id, FrameKind::Data, payload, count / 2).ok()?;
     let length = text.len() - digits.len() + count + 1;
-    (space > 0 && !interface.contains(&b'\n')).then_some(Usual { interface, frame, length })
+    Some(Usual { interface, frame, length })
 }
 
 /// `1760000000.000584)`: seconds of up to twelve digits and whole microseconds.
@@ -54,9 +57,11 @@ pub(super) fn stamp<'a>(text: &'a [u8], second: &mut Second) -> Option<(Micros, 
     if !is_the_same {
         *second = seconds(start)?;
     }
-    let (fraction, rest) = text[second.count + 1..].split_first_chunk::<7>()?;
-    let [a, b, c, d, e, f, b')'] = *fraction else { return None };
-    let micros = decimal([b'0', b'0', a, b, c, d, e, f])?;
+    let (fraction, rest) = text[second.count..].split_first_chunk::<8>()?;
+    let [.., b')'] = fraction else { return None };
+    // The parenthesis is pushed out at the end; zeros take the place of the point and of what was before it.
+    let digits = u64::from_le_bytes(*fraction) << 8 & !0xFFFF | u64::from_le_bytes(*b"00\0\0\0\0\0\0");
+    let micros = decimal(digits.to_le_bytes())?;
     Some((Micros(second.time.0 + micros), rest))
 }
 
@@ -99,9 +104,15 @@ fn identifier(text: &[u8]) -> Option<(CanId, &[u8])> {
 /// Up to eight bytes, and how many digits there are of them before the newline.
 #[inline]
 fn data(text: &[u8]) -> Option<([u8; 8], usize)> {
-    let [low, high] = *text.first_chunk::<16>()?.as_chunks::<8>().0 else { return None };
+    let (words, after) = text.split_first_chunk::<16>()?;
+    let [low, high] = *words.as_chunks::<8>().0 else { return None };
+    // Most frames have all eight bytes.
+    if after.first() == Some(&b'\n')
+        && let (Some([a, b, c, d]), Some([e, f, g, h])) = (hexadecimal(low), hexadecimal(high))
+    {
+        return Some(([a, b, c, d, e, f, g, h], 16));
+    }
     let count = match (first(low, b'\n'), first(high, b'\n')) {
-        (8, 8) if text.get(16) == Some(&b'\n') => 16,
         (8, 8) => return None,
         (8, further) => 8 + further,
         (count, _) => count,

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use super::LogError;
-use crate::can::digits::{push_hexadecimal, push_seconds, to_hexadecimal};
+use crate::can::digits::{Words, to_hexadecimal};
 use crate::can::recording::TextOutput;
 use crate::can::wire::{ERROR, fd_flags};
 use crate::can::{Frame, FrameKind};
@@ -80,33 +80,46 @@ impl Writer {
 ///
 /// Seconds are not padded to ten digits (candump pads, which shows before September 2001 only).
 pub fn write_line(text: &mut Vec<u8>, interface: &str, frame: &Frame) {
-    text.push(b'(');
-    push_seconds(text, frame.time);
-    text.extend_from_slice(b") ");
+    let mut stamp = Words::default();
+    stamp.one(b'(').seconds(frame.time).word(*b")       ", 2);
+    text.extend_from_slice(stamp.text());
     text.extend_from_slice(interface.as_bytes());
-    text.push(b' ');
+    let mut rest = Words::default();
     let number = frame.id.number();
     match frame.kind {
-        FrameKind::Error => push_hexadecimal(text, number | ERROR, 8),
-        _ if frame.id.is_extended() => push_hexadecimal(text, number, 8),
-        _ => push_hexadecimal(text, number, 3),
-    }
-    text.push(b'#');
+        FrameKind::Error => rest.one(b' ').hexadecimal(number | ERROR, 8),
+        _ if frame.id.is_extended() => rest.one(b' ').hexadecimal(number, 8),
+        _ => rest.one(b' ').hexadecimal(number, 3),
+    };
+    rest.one(b'#');
     if frame.kind == FrameKind::Remote {
-        text.push(b'R');
+        rest.one(b'R');
         if frame.length() > 0 {
-            push_hexadecimal(text, frame.length() as u32, 1);
+            rest.hexadecimal(frame.length() as u32, 1);
         }
     } else if let Some(flags) = fd_flags(frame.kind) {
-        text.push(b'#');
-        push_hexadecimal(text, u32::from(flags), 1);
+        rest.one(b'#').hexadecimal(u32::from(flags), 1);
     }
-    let (fours, rest) = frame.data().as_chunks::<4>();
+    let data = frame.data();
+    if data.len() > 8 {
+        text.extend_from_slice(rest.text());
+        push_bytes(text, data);
+        text.push(b'\n');
+        return;
+    }
+    let [a, b, c, d, e, f, g, h] = frame.first_eight();
+    rest.word(to_hexadecimal([a, b, c, d]), (2 * data.len()).min(8));
+    rest.word(to_hexadecimal([e, f, g, h]), (2 * data.len()).saturating_sub(8));
+    text.extend_from_slice(rest.one(b'\n').text());
+}
+
+/// Appends bytes of any number.
+fn push_bytes(text: &mut Vec<u8>, bytes: &[u8]) {
+    let (fours, rest) = bytes.as_chunks::<4>();
     for &bytes in fours {
         text.extend_from_slice(&to_hexadecimal(bytes));
     }
     let mut last = [0; 4];
     last[..rest.len()].copy_from_slice(rest);
     text.extend_from_slice(&to_hexadecimal(last)[..2 * rest.len()]);
-    text.push(b'\n');
 }

@@ -63,8 +63,12 @@ impl TextOutput {
     ///
     /// # Errors
     /// If the output fails.
+    #[inline]
     pub fn write(&mut self, text: &[u8]) -> Result<(), LogError> {
-        let result = self.packer.as_write().write_all(text);
+        let result = match &mut self.packer {
+            Packer::Plain(output) => output.write_all(text),
+            packer => packer.as_write().write_all(text),
+        };
         self.check(result)
     }
 
@@ -89,6 +93,7 @@ impl TextOutput {
             .map_err(|source| LogError::Write { name, source })
     }
 
+    #[inline]
     fn check(&self, result: io::Result<()>) -> Result<(), LogError> {
         result.map_err(|source| LogError::Write { name: self.name.clone(), source })
     }

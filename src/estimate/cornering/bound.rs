@@ -5,8 +5,7 @@
 
 use super::measure::Equation;
 use super::sliding::{self, Excess, LateralLimit};
-use super::{AY_OFFSET, Belief, CorneringEstimator, FRONT, GRAVITY, REAR, Row};
-use crate::estimate::window::Means;
+use super::{AY_OFFSET, Belief, CorneringEstimator, FRONT, GRAVITY, Row};
 
 impl CorneringEstimator {
     /// Further off its direction of travel (rad) a car spins, and its wheels pull in directions of their own.
@@ -21,11 +20,10 @@ impl CorneringEstimator {
     /// The friction by axles that slip further than their forces account for: by the motion as it is believed, and by
     /// how much further one slips than the other, δ − (a + b) r/v_x. That needs no lateral velocity, which nobody
     /// knows well while both bend; the other slips as far as its own force has it, or further.
-    pub(super) fn bent_limit(&self, now: &Means, belief: &Belief) -> Option<LateralLimit> {
-        let [front, rear] = [FRONT, REAR].map(|axle| self.equation(axle, now, belief));
+    pub(super) fn bent_limit(&self, [front, rear]: [&Equation; 2], belief: &Belief) -> Option<LateralLimit> {
         let noise = |of: &Equation| self.axles[of.axle - FRONT].noise.variance(of.promised);
         let mut narrowest = None;
-        for (own, its) in [(&front, &rear), (&rear, &front)] {
+        for (own, its) in [(front, rear), (rear, front)] {
             let alone = self.bound_by(own, own.angle, &own.motion, noise(own), belief);
             let mut row = own.motion - its.motion;
             row[its.axle] += its.force;

@@ -3,7 +3,7 @@
 use super::sliding::Excess;
 use super::{
     ANGLE_OFFSET, ANGLE_SCALE, AY_OFFSET, Axle, BANK, Belief, CorneringEstimator, Doubt, FRONT, GRAVITY,
-    LateralMotion, Row, SPEED_SCALE, STATES, Said, VY, YAW_OFFSET,
+    LateralMotion, REAR, Row, SPEED_SCALE, STATES, Said, VY, YAW_OFFSET,
 };
 use crate::estimate::window::{Means, Path};
 
@@ -70,6 +70,35 @@ impl CorneringEstimator {
         self.walk(path.time);
     }
 
+    /// Random walks of what changes on its own, and the bank, which comes and goes.
+    pub(super) fn walk(&mut self, elapsed_s: f64) {
+        let config = &self.config;
+        let walk = [FRONT, REAR].map(|i| config.stiffness_walk * self.state.mean[i]);
+        let common = Self::WALKS_TOGETHER * walk[0] * walk[1] * elapsed_s;
+        self.state.covariance[(FRONT, REAR)] += common;
+        self.state.covariance[(REAR, FRONT)] += common;
+        for (i, walk) in [FRONT, REAR].into_iter().zip(walk) {
+            self.state.inflate(i, walk * walk * elapsed_s);
+            let most = Self::UNKNOWN_STD * self.state.mean[i];
+            let shrink = most / self.state.std(i).max(most);
+            self.state.covariance.row_mut(i).scale_mut(shrink);
+            self.state.covariance.column_mut(i).scale_mut(shrink);
+        }
+        let step = Self::ERRORS_WALK * elapsed_s.sqrt();
+        for (i, most) in [
+            (ANGLE_OFFSET, config.steering_offset_std),
+            (AY_OFFSET, config.acceleration_offset_std),
+            (YAW_OFFSET, config.yaw_rate_offset_std),
+        ] {
+            self.state.inflate(i, (step * most).powi(2));
+        }
+        let kept = (-elapsed_s / config.bank_time_s).exp();
+        self.state.mean[BANK] *= kept;
+        self.state.covariance.row_mut(BANK).scale_mut(kept);
+        self.state.covariance.column_mut(BANK).scale_mut(kept);
+        self.state.inflate(BANK, config.bank_std.powi(2) * (1.0 - kept * kept));
+    }
+
     /// Change of v_y along a path, m/s.
     fn along(&self, path: &Path) -> f64 {
         let x = &self.state.mean;
@@ -78,9 +107,8 @@ impl CorneringEstimator {
     }
 
     /// Takes one axle's equation, unless the axle slides.
-    pub(super) fn measure(&mut self, axle: usize, now: &Means, belief: &Belief) -> Said {
-        let equation = self.equation(axle, now, belief);
-        let Equation { h, force, used, straight, residual, promised, .. } = equation;
+    pub(super) fn measure(&mut self, equation: &Equation, now: &Means, belief: &Belief) -> Said {
+        let Equation { axle, h, force, used, straight, residual, promised, .. } = *equation;
         let monitor = &mut self.axles[axle - FRONT];
         let redundancy = monitor.noise.redundancy();
         let variance = monitor.noise.variance(promised) + equation.bend_variance;

@@ -52,8 +52,12 @@ impl Default for Span {
 
 impl Span {
     fn include(&mut self, value: f64) {
-        self.low = self.low.min(value);
-        self.high = self.high.max(value);
+        if value < self.low {
+            self.low = value;
+        }
+        if value > self.high {
+            self.high = value;
+        }
     }
 
     /// Minus infinity while empty.
@@ -80,19 +84,19 @@ impl StuckCheck {
         let speeds = sample.wheel_speeds();
         let moving = wheels.speed.is_some_and(|speed| speed > SLOW);
         for quantity in WATCHED {
-            let run = runs[quantity as usize];
+            let run = &runs[quantity as usize];
             let watch = &mut self.watched[quantity as usize];
             if watch.run.since != run.since {
                 *watch = Watch { distrust_s: watch.distrust_s, ..Watch::default() };
             }
-            watch.run = run;
+            watch.run = *run;
             watch.distrust_s = (watch.distrust_s - sample.elapsed_s).max(0.0);
             let Some(value) = sample.get(quantity) else { continue };
             if !moving {
-                *watch = Watch { run, distrust_s: watch.distrust_s, ..Watch::default() };
+                *watch = Watch { run: *run, distrust_s: watch.distrust_s, ..Watch::default() };
                 continue;
             }
-            let lasted = (run.until - run.since).seconds();
+            let lasted = |seconds| (run.until - run.since).seconds() > seconds;
             let stuck = match quantity {
                 Quantity::YawRate => {
                     let (Some(yaw), Some(steering)) =
@@ -102,14 +106,14 @@ impl StuckCheck {
                     };
                     watch.first.include(yaw);
                     watch.second.include(steering);
-                    lasted > 2.0 && watch.first.width() > 0.15 && watch.second.width() > 0.15
+                    watch.first.width() > 0.15 && watch.second.width() > 0.15 && lasted(2.0)
                 }
                 Quantity::LateralAcceleration => {
                     let (Some(yaw), Some(speed)) = (sample.get(Quantity::YawRate), wheels.speed) else {
                         continue;
                     };
                     watch.first.include(yaw * speed);
-                    lasted > 2.0 && watch.first.width() > 2.0
+                    watch.first.width() > 2.0 && lasted(2.0)
                 }
                 Quantity::SteeringWheelAngle => {
                     // A wheel held still while the car turns from left to right and back is not held.
@@ -119,7 +123,7 @@ impl StuckCheck {
                     watch.first.include(yaw);
                     watch.second.include(other);
                     let both_ways = |span: &Span| span.low < -0.1 && span.high > 0.1;
-                    lasted > 5.0 && both_ways(&watch.first) && both_ways(&watch.second)
+                    both_ways(&watch.first) && both_ways(&watch.second) && lasted(5.0)
                 }
                 _ => {
                     let (Some(wheel), Some(speeds)) = (quantity.wheel(), speeds) else { continue };
@@ -127,7 +131,7 @@ impl StuckCheck {
                     watch.first.include(others.map(|other| speeds[other as usize]).sum::<f64>() / 3.0);
                     // At standstill a wheel is locked rather than its sensor stuck.
                     let moved = watch.first.width() > 3.0 + 0.2 * watch.first.high;
-                    lasted > 1.0 && value.abs() > 1.0 && moved
+                    value.abs() > 1.0 && moved && lasted(1.0)
                 }
             };
             if stuck && run.frames >= FRAMES {

@@ -17,7 +17,8 @@ pub struct Incoming {
     is_fd: bool,
     signals: Vec<Readable>,
     counter: Option<Codec>,
-    crc: Option<(Codec, usize)>,
+    /// The byte of the checksum.
+    crc: Option<usize>,
 }
 
 #[derive(Clone, Debug)]
@@ -91,10 +92,10 @@ impl Incoming {
         if !frame.is_data() || frame.is_fd() != self.is_fd || data.len() < self.length {
             return Err(Refused::Shape);
         }
-        if let Some((codec, byte)) = self.crc {
+        if let Some(byte) = self.crc {
             let covered = data.get(..self.length).ok_or(Refused::Shape)?;
             let right = e2e::profile_1_crc(self.id.number() as u16, covered, byte);
-            if codec.bits(data) != Some(u64::from(right)) {
+            if data.get(byte) != Some(&right) {
                 return Err(Refused::Checksum);
             }
         }

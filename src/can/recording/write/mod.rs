@@ -74,6 +74,7 @@ impl Writer {
     ///
     /// # Errors
     /// If the output fails.
+    #[inline]
     pub fn write(&mut self, frame: &Frame) -> Result<(), LogError> {
         let interface = std::mem::take(&mut self.interface);
         let result = self.write_as(&interface, frame);

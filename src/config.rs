@@ -183,6 +183,11 @@ impl Config {
         Ok(())
     }
 
+    /// The files it names: none of them may become a result.
+    pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        self.dbc.input.iter().chain(&self.dbc.output).chain(&self.service.state_file)
+    }
+
     /// The car's DBC files as one database.
     ///
     /// # Errors

@@ -3,6 +3,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
+#[path = "support/program.rs"]
+mod program;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -108,8 +111,8 @@ impl Garage {
     }
 
     fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_gripd"));
-        command.args(arguments).current_dir(self.0.path()).env_remove("RUST_LOG");
+        let mut command = program::gripd();
+        command.args(arguments).current_dir(self.0.path());
         command
     }
 
@@ -143,6 +146,38 @@ fn the_good_car_is_good() {
     garage.gripd(&["check", "-c", "car.toml"]).with(0, &[]);
     garage.gripd(&["check", "-c", "car.toml", "drive.log"]).with(0, &[]);
     garage.gripd(&["replay", "-c", "car.toml", "drive.log"]).with(0, &[]);
+}
+
+#[test]
+fn no_result_goes_over_what_it_is_made_of() {
+    let garage = Garage::with("[vehicle]", "[service]\nstate_file = \"learned\"\n[vehicle]");
+    garage.write("learned", "kept");
+    garage.write("drive.toml", SCENARIO);
+    let names = ["car.toml", "car.dbc", "learned", "drive.log", "drive.toml"];
+    let contents = || names.map(|name| std::fs::read(garage.path(name)).unwrap());
+    let before = contents();
+    let car = ["-c", "car.toml", "drive.log"];
+    for (command, option) in [
+        ("check", "--json"),
+        ("replay", "-o"),
+        ("replay", "--estimates"),
+        ("replay", "--stats"),
+        ("identify", "--json"),
+        ("identify", "--html"),
+        ("explain", "--json"),
+        ("explain", "--html"),
+        ("explain", "--apply"),
+    ] {
+        for result in &names[..4] {
+            let arguments = [&[command], &car[..], &[option, result]].concat();
+            garage.gripd(&arguments).with(2, &[result, "another name"]);
+        }
+    }
+    for result in ["car.toml", "car.dbc", "drive.toml"] {
+        let arguments = ["simulate", "drive.toml", "-c", "car.toml", "-o", result];
+        garage.gripd(&arguments).with(2, &[result, "another name"]);
+    }
+    assert!(contents() == before);
 }
 
 // ---- recordings ----

@@ -36,8 +36,8 @@ pub struct Calibrate {
 impl Calibrate {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        outputs_are_no_inputs(self.logs.iter().chain([&self.config]), &self.json)?;
         let config = super::for_the_service(&self.config)?;
+        outputs_are_no_inputs(self.logs.iter().chain([&self.config]).chain(config.files()), &self.json)?;
         if !config.signals.quantities.contains_key(&Quantity::AbsActive) {
             return Err(Failure::usage(format_args!(
                 "{}: signals.abs_active: is not mapped; it is by this signal that ABS brakings are found",

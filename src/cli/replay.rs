@@ -78,11 +78,12 @@ impl Replay {
         if let Some(speed) = self.realtime.filter(|speed| !(speed.is_finite() && *speed > 0.0)) {
             return Err(Failure::usage(format_args!("--realtime={speed}: must be a positive number")));
         }
-        outputs_are_no_inputs(
-            self.logs.iter().chain([&self.config]),
-            [&self.out, &self.estimates, &self.samples, &self.stats, &self.state].into_iter().flatten(),
-        )?;
         let config = super::for_the_service(&self.config)?;
+        // A state is read before it is written, and what is none is refused then.
+        outputs_are_no_inputs(
+            self.logs.iter().chain([&self.config]).chain(&self.state).chain(config.files()),
+            [&self.out, &self.estimates, &self.samples, &self.stats].into_iter().flatten(),
+        )?;
         let mut engine = Engine::new(&config)?;
         let state = self.state.as_deref().map(|path| SavedState::new(path, &config));
         if let Some(state) = &state {

@@ -49,6 +49,7 @@ impl Simulate {
         let (config, database) = match &self.config {
             Some(path) => {
                 let config = Config::load(path)?;
+                outputs_are_no_inputs(config.files(), [&self.out].into_iter().chain(&self.truth))?;
                 let database = config.input_database()?;
                 (config, database)
             }

@@ -52,11 +52,11 @@ pub struct Explain {
 impl Explain {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
+        let config = Config::load(&self.config)?;
         outputs_are_no_inputs(
-            self.logs.iter().chain(&self.holdout).chain([&self.config]),
+            self.logs.iter().chain(&self.holdout).chain([&self.config]).chain(config.files()),
             self.json.iter().chain(&self.html).chain(&self.apply),
         )?;
-        let config = Config::load(&self.config)?;
         let logs: Vec<PathBuf> = self.logs.iter().chain(&self.holdout).cloned().collect();
         let read = recordings::read(&logs, &config)?;
         let case = Case {

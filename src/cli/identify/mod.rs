@@ -59,8 +59,11 @@ pub(super) struct Story<'a> {
 impl Identify {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        outputs_are_no_inputs(self.logs.iter().chain([&self.config]), self.json.iter().chain(&self.html))?;
         let config = Config::load(&self.config)?;
+        outputs_are_no_inputs(
+            self.logs.iter().chain([&self.config]).chain(config.files()),
+            self.json.iter().chain(&self.html),
+        )?;
         let used = self.settings(&config.identify)?;
         let (records, broken) = recordings::read(&self.logs, &config.clone().with_true_signals())?;
         let progress = Progress::of_share();

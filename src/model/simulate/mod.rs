@@ -30,29 +30,28 @@
 //! # }
 //! ```
 
+mod commands;
 mod driver;
 mod effects;
 mod input;
+mod random;
 mod sensor;
 mod shake;
 mod surface;
 mod tooth_wheel;
 mod truth;
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
-
 pub(super) use effects::OWN_STATES;
 pub use truth::{Truth, TruthWriter};
 
-use self::driver::{Abs, Demand, Driver};
+use self::commands::{Commands, Known};
 use self::effects::{Effects, Plain};
-use self::input::Input;
+use self::random::{Stream, random};
 use self::sensor::{History, Pending, Sensor};
 use self::shake::Shake;
 use self::surface::Surface;
 use self::tooth_wheel::ToothWheel;
-use super::scenario::{Piece, Scenario, ScenarioError};
+use super::scenario::{Scenario, ScenarioError};
 use super::tire::Contact;
 use super::{Conditions, Controls, Plant, Response, State, effect, integrate};
 use crate::{Micros, Quantity, Wheel};
@@ -81,30 +80,15 @@ pub struct Tick<'a> {
     pub effects: &'a [f64],
 }
 
-/// How torques reach the wheels: a share of the total for each wheel.
-#[derive(Clone, Copy, Debug)]
-struct Shares {
-    drive: [f64; 4],
-    brake: [f64; 4],
-    /// Brake torque of all wheels per bar, N m; none without the vehicle's figures.
-    brake_nm_per_bar: Option<f64>,
-}
-
 /// A drive in progress. Deterministic: scenario and seed decide every bit.
 #[derive(Clone, Debug)]
 pub struct Simulation {
     plant: Plant,
     effects: Option<Effects>,
     effect_columns: Vec<String>,
-    shares: Shares,
+    commands: Commands,
     steering_ratio: f64,
     drive_torque_ratio: f64,
-    steering: Input,
-    drive: Input,
-    brake: Input,
-    pressure: Input,
-    driver: Option<Driver>,
-    abs: Option<Abs>,
     surface: Surface,
     /// Of a rough road, and by how much it makes each wheel turn faster now, rad/s.
     shake: Option<Shake>,
@@ -129,35 +113,12 @@ pub struct Simulation {
     steer: f64,
     response: Response,
     pose: [f64; 3],
-    /// Brake pressure asked for, bar.
-    pressure_bar: f64,
-    abs_active: bool,
 
     history: History,
     pending: Vec<Pending>,
     readings: Vec<Reading>,
     truth: Truth,
     effect_series: Vec<f64>,
-}
-
-/// Places in the seed's space, so that a change of one random thing leaves the others as they were.
-#[derive(Clone, Copy)]
-enum Stream {
-    Steering = 1,
-    Drive,
-    Brake,
-    Pressure,
-    Speed,
-    Noise,
-    Teeth,
-    Jitter,
-    Shake,
-}
-
-fn random(seed: u64, stream: Stream, index: u64) -> ChaCha8Rng {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    rng.set_stream(((stream as u64) << 40) | (index & 0xFF_FFFF_FFFF));
-    rng
 }
 
 impl Simulation {
@@ -172,14 +133,7 @@ impl Simulation {
         for (radius, difference) in plant.radius.iter_mut().zip(scenario.radius_difference.to_array()) {
             *radius *= 1.0 + difference;
         }
-        let input = |pieces: &[Piece], stream: Stream| {
-            Input::new(pieces, scenario.duration_s, |piece| random(seed, stream, piece as u64))
-        };
-        let driver = scenario
-            .driver
-            .as_ref()
-            .map(|config| Driver::new(config, input(&config.speed_mps, Stream::Speed)));
-        let steering = input(&scenario.steering_wheel_angle, Stream::Steering);
+        let commands = Commands::new(scenario, seed, &plant);
         let mut surface = Surface::new(&plant.nominal.contact, &scenario.road);
         let on_road = surface.at(0.0);
         let mut effects = Effects::new(&scenario.effect, vehicle.steering_ratio.value);
@@ -187,7 +141,7 @@ impl Simulation {
             None => State::rolling(&plant, scenario.initial_speed_mps),
             Some(effects) => {
                 let plain = Plain { plant: &plant, contact: &on_road };
-                effects.begin(&plain, scenario.initial_speed_mps, steering.at(0.0))
+                effects.begin(&plain, scenario.initial_speed_mps, commands.steering_wheel_angle(0.0))
             }
         };
         let step_us = i64::from(scenario.step_us);
@@ -196,15 +150,9 @@ impl Simulation {
         // Readings look back by their delay; interpolation and scheduling need a few rows more.
         let look_back = sensors.iter().map(Sensor::delay_s).fold(0.0, f64::max);
         let mut simulation = Self {
-            shares: Shares::new(scenario, &plant),
+            commands,
             steering_ratio: vehicle.steering_ratio.value,
             drive_torque_ratio: vehicle.drive_torque_ratio.value,
-            steering,
-            drive: input(&scenario.drive_torque, Stream::Drive),
-            brake: input(&scenario.brake_torque, Stream::Brake),
-            pressure: input(&scenario.brake_pressure, Stream::Pressure),
-            driver,
-            abs: scenario.abs.as_ref().map(Abs::new),
             surface,
             shake: Shake::new(&scenario.road, random(seed, Stream::Shake, 0)),
             shaken: [0.0; 4],
@@ -224,8 +172,6 @@ impl Simulation {
             steer: 0.0,
             response: Response::default(),
             pose: [0.0; 3],
-            pressure_bar: 0.0,
-            abs_active: false,
             history: History::new(step_s, look_back + 4.0 * step_s),
             pending: Vec::with_capacity(64 + 16 * sensors.len()),
             readings: Vec::with_capacity(64 + 16 * sensors.len()),
@@ -301,29 +247,11 @@ impl Simulation {
         self.observe();
     }
 
-    /// What driver, inputs and anti-lock brake command at `t`, from the state as it is known.
+    /// What is commanded at `t`, to the state as it is known.
     fn command(&mut self, t: f64) -> Controls {
         let h = self.step_us as f64 * 1e-6;
-        let vx = self.state.velocity.vx;
-        let per_bar = self.shares.brake_nm_per_bar;
-        let pressed = self.brake.at(t).max(0.0) + per_bar.unwrap_or(0.0) * self.pressure.at(t).max(0.0);
-        let demand = self
-            .driver
-            .as_mut()
-            .map_or_else(Demand::default, |driver| driver.step(t, h, vx, pressed > 0.0, &self.plant));
-        let drive = demand.drive_nm + self.drive.at(t);
-        let brake = demand.brake_nm + pressed;
-        self.pressure_bar = per_bar.map_or(f64::NAN, |per_bar| brake / per_bar);
-        let mut brake_torque = self.shares.brake.map(|share| share * brake);
-        if let Some(abs) = &mut self.abs {
-            let now = (&self.state, &self.response);
-            self.abs_active = abs.step(t, h, now, &self.car, &self.conditions, &mut brake_torque);
-        }
-        Controls {
-            steer: self.steering.at(t) / self.steering_ratio,
-            drive_torque: self.shares.drive.map(|share| share * drive),
-            brake_torque,
-        }
+        let Self { state, response, plant, car, conditions, .. } = self;
+        self.commands.at(t, h, &Known { state, response, plant, car, conditions })
     }
 
     /// Heading and place, from the velocities at both ends of the step.
@@ -387,15 +315,15 @@ impl Simulation {
             self.response.acceleration.ax,
             self.controls.drive_torque.iter().sum::<f64>() / self.drive_torque_ratio,
             brake,
-            self.pressure_bar,
+            self.commands.pressure_bar,
             self.state.velocity.vx,
             f64::from(u8::from(self.brake_active(brake))),
-            f64::from(u8::from(self.abs_active)),
+            f64::from(u8::from(self.commands.abs_active)),
         ]
     }
 
     fn brake_active(&self, brake_nm: f64) -> bool {
-        self.abs_active || brake_nm > 0.0
+        self.commands.abs_active || brake_nm > 0.0
     }
 
     /// Moves the readings that have come into `readings`.
@@ -422,10 +350,10 @@ impl Simulation {
         let used = |i: usize| response.fx[i].hypot(response.fy[i]) / load[i];
         let brake: f64 = controls.brake_torque.iter().sum();
         let offset = |wheel: Wheel| {
-            let (own, other) = (wheel as usize, wheel.same_side() as usize);
-            if self.shares.drive[own] == 0.0 {
+            if !self.commands.drives(wheel) {
                 return f64::NAN;
             }
+            let (own, other) = (wheel as usize, wheel.same_side() as usize);
             self.car.radius[other] / self.car.radius[own] - 1.0
         };
         Truth {
@@ -455,32 +383,14 @@ impl Simulation {
             steer: self.steer,
             drive_torque: controls.drive_torque.iter().sum(),
             brake_torque: brake,
-            brake_pressure: self.pressure_bar,
+            brake_pressure: self.commands.pressure_bar,
             brake_active: f64::from(u8::from(self.brake_active(brake))),
-            abs_active: f64::from(u8::from(self.abs_active)),
+            abs_active: f64::from(u8::from(self.commands.abs_active)),
             wheel_speed: state.wheel_speed,
             slip: response.slip,
             fx: response.fx,
             fy: response.fy,
             fz: *load,
-        }
-    }
-}
-
-impl Shares {
-    fn new(scenario: &Scenario, plant: &Plant) -> Self {
-        let vehicle = &scenario.vehicle;
-        let driven = Wheel::ALL.map(|wheel| f64::from(u8::from(vehicle.driven_axle.drives(wheel))));
-        let count: f64 = driven.iter().sum();
-        let per_bar = vehicle.brake_torque_per_bar_front_nm.zip(vehicle.brake_torque_per_bar_rear_nm);
-        let brake = per_bar.map_or(plant.nominal.load, |(front, rear)| {
-            Wheel::ALL.map(|wheel| if wheel.is_front() { front.value } else { rear.value })
-        });
-        let total: f64 = brake.iter().sum();
-        Self {
-            drive: driven.map(|driven| driven / count),
-            brake: brake.map(|brake| brake / total),
-            brake_nm_per_bar: per_bar.map(|_| total),
         }
     }
 }

@@ -120,6 +120,19 @@ pub(in crate::can) fn push_hexadecimal(text: &mut Vec<u8>, value: u32, digits: u
     text.extend_from_slice(&to_hexadecimal(value.to_be_bytes())[8 - digits..]);
 }
 
+/// Appends as many hexadecimal digits as the number has, at least one.
+pub(in crate::can) fn push_short_hexadecimal(text: &mut Vec<u8>, value: u32) {
+    push_hexadecimal(text, value, (32 - value.leading_zeros() as usize).div_ceil(4).max(1));
+}
+
+/// Appends bytes as two hexadecimal digits each, with a blank before each.
+pub(in crate::can) fn push_bytes(text: &mut Vec<u8>, bytes: &[u8]) {
+    for byte in bytes {
+        text.push(b' ');
+        push_hexadecimal(text, u32::from(*byte), 2);
+    }
+}
+
 /// Appends a number's decimal digits.
 pub(in crate::can) fn push_decimal(text: &mut Vec<u8>, number: u64) {
     text.extend_from_slice(Words::default().decimal(number).text());

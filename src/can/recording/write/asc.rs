@@ -3,7 +3,7 @@
 use super::loss::Loss;
 use super::start::Start;
 use super::{Sink, loss_of_error};
-use crate::can::digits::{push_decimal, push_hexadecimal, push_seconds};
+use crate::can::digits::{push_bytes, push_decimal, push_hexadecimal, push_seconds, push_short_hexadecimal};
 use crate::can::recording::{LogError, TextOutput, fd_code};
 use crate::can::{CanId, Frame, FrameKind};
 
@@ -107,17 +107,8 @@ fn push_channel(line: &mut Vec<u8>, channel: u8) {
 
 /// As many digits as it has; an `x` marks an extended one.
 fn push_id(line: &mut Vec<u8>, id: CanId) {
-    let number = id.number();
-    push_hexadecimal(line, number, (32 - number.leading_zeros() as usize).div_ceil(4).max(1));
+    push_short_hexadecimal(line, id.number());
     if id.is_extended() {
         line.push(b'x');
-    }
-}
-
-/// Each with a blank before it.
-pub fn push_bytes(line: &mut Vec<u8>, bytes: &[u8]) {
-    for byte in bytes {
-        line.push(b' ');
-        push_hexadecimal(line, u32::from(*byte), 2);
     }
 }

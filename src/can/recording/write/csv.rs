@@ -2,7 +2,7 @@
 
 use super::loss::Loss;
 use super::{Sink, loss_of_error};
-use crate::can::digits::{push_decimal, push_hexadecimal, push_seconds};
+use crate::can::digits::{push_decimal, push_seconds, push_short_hexadecimal};
 use crate::can::recording::{LogError, TextOutput};
 use crate::can::{Frame, FrameKind};
 
@@ -26,8 +26,7 @@ impl Sink for Csv {
         line.clear();
         push_seconds(line, frame.time);
         line.extend_from_slice(b",0x");
-        let number = frame.id.number();
-        push_hexadecimal(line, number, (32 - number.leading_zeros() as usize).div_ceil(4).max(1));
+        push_short_hexadecimal(line, frame.id.number());
         for set in [frame.id.is_extended(), frame.kind == FrameKind::Remote, is_error] {
             line.extend_from_slice(if set { b",1" } else { b",0" });
         }

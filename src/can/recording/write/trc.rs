@@ -1,11 +1,10 @@
 //! Peak's text format, version 2.1, with the columns that its documentation calls usual.
 
-use super::asc::push_bytes;
 use super::loss::Loss;
 use super::start::Start;
 use super::{Sink, loss_of_error};
 use crate::Micros;
-use crate::can::digits::{push_decimal, push_hexadecimal, to_decimal};
+use crate::can::digits::{push_bytes, push_decimal, push_hexadecimal, to_decimal};
 use crate::can::recording::{LogError, TextOutput, fd_code};
 use crate::can::{Frame, FrameKind};
 

@@ -5,31 +5,28 @@
 
 #[path = "support/counting.rs"]
 mod counting;
+#[path = "support/program.rs"]
+mod program;
 
 use std::io::Cursor;
-use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::OnceLock;
 
 use gripd::can::Frame;
 use gripd::can::candump::Reader;
 use gripd::service::{Engine, Keeper, SavedState, Sink};
 use gripd::{Config, Estimates, Micros, Sample};
+use program::project;
 
 /// How often the allocator was called meanwhile, by this thread.
 fn requests_of(work: impl FnOnce()) -> u64 {
     counting::asked_by(work).requests
 }
 
-fn project(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
-
 /// The demo drive of 120 s, as a log.
 fn demo_drive() -> &'static str {
     static TEXT: OnceLock<String> = OnceLock::new();
     TEXT.get_or_init(|| {
-        let mut simulate = Command::new(env!("CARGO_BIN_EXE_gripd"));
+        let mut simulate = program::gripd();
         simulate.arg("simulate").arg(project("config/scenarios/demo.toml")).args(["-o", "-"]);
         let output = simulate.output().unwrap();
         assert!(output.status.success());

@@ -3,6 +3,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+#[path = "support/program.rs"]
+mod program;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,19 +13,17 @@ use std::process::{Command, Output};
 
 use gripd::cli::reproduce::abs_tests::{AbsTest, scenario};
 use gripd::model::TireKind;
+use program::{gripd, project};
 use serde_json::Value;
 use tempfile::TempDir;
 
 const ASPHALT: AbsTest = AbsTest::settled(0.95, 95.0);
 const GRAVEL: AbsTest = AbsTest::settled(0.55, 50.0);
 
-fn project(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
-
-fn gripd() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gripd"));
-    command.env_remove("RUST_LOG").arg("--quiet");
+/// `gripd`, which says nothing but what goes wrong.
+fn quiet() -> Command {
+    let mut command = gripd();
+    command.arg("--quiet");
     command
 }
 
@@ -52,7 +53,7 @@ impl Place {
         let toml = self.path("scenario.toml");
         fs::write(&toml, toml::to_string(&drive).unwrap()).unwrap();
         let log = self.path(name);
-        let output = gripd()
+        let output = quiet()
             .arg("simulate")
             .arg(toml)
             .arg("-o")
@@ -65,7 +66,7 @@ impl Place {
 
     fn calibrate(&self, logs: &[PathBuf]) -> (Output, Value) {
         let json = self.path("result.json");
-        let mut command = gripd();
+        let mut command = quiet();
         command.arg("calibrate").arg("-c").arg(project("config/demo.toml")).args(logs);
         let output = command.arg("--json").arg(&json).output().unwrap();
         let value = fs::read(json).map_or(Value::Null, |text| serde_json::from_slice(&text).unwrap());
@@ -75,7 +76,7 @@ impl Place {
     /// The estimates, row by row.
     fn replay(&self, car: &Path, drive: &Path) -> Vec<BTreeMap<String, String>> {
         let estimates = self.path("estimates.csv");
-        let mut command = gripd();
+        let mut command = quiet();
         command.args(["replay", "-c"]).arg(car).arg(drive).arg("--estimates").arg(&estimates);
         let replay = command.output().unwrap();
         assert_eq!(replay.status.code(), Some(0), "{}", text(&replay.stderr));
@@ -167,7 +168,7 @@ fn without_brakings_or_the_signal_it_says_what_is_missing() {
         .replace("duration_s = 120.0", "duration_s = 12.0");
     fs::write(place.path("gentle.toml"), gentle).unwrap();
     let log = place.path("gentle.log");
-    gripd().arg("simulate").arg(place.path("gentle.toml")).arg("-o").arg(&log).output().unwrap();
+    quiet().arg("simulate").arg(place.path("gentle.toml")).arg("-o").arg(&log).output().unwrap();
     let (output, json) = place.calibrate(std::slice::from_ref(&log));
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains("no ABS braking"), "{}", text(&output.stderr));
@@ -186,12 +187,12 @@ fn without_brakings_or_the_signal_it_says_what_is_missing() {
     let config = fs::read_to_string(project("config/demo.toml")).unwrap();
     let without = place.path("without.toml");
     fs::write(&without, config.replace("abs_active = \"DRIVE.AbsActive\"", "")).unwrap();
-    let output = gripd().args(["calibrate", "-c"]).arg(&without).arg(&log).output().unwrap();
+    let output = quiet().args(["calibrate", "-c"]).arg(&without).arg(&log).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("signals.abs_active"), "{}", text(&output.stderr));
 
     let config = project("config/demo.toml");
-    let output = gripd().args(["calibrate", "-c"]).arg(config).arg(&log).arg("--json").arg(&log).output();
+    let output = quiet().args(["calibrate", "-c"]).arg(config).arg(&log).arg("--json").arg(&log).output();
     assert_eq!(output.unwrap().status.code(), Some(2));
     assert!(fs::metadata(&log).unwrap().len() > 1000, "the recording is still there");
 }
@@ -203,7 +204,7 @@ fn a_mapping_that_cannot_be_is_a_configuration_error_with_its_key() {
         + "\n[estimators.mapping]\nkind = \"linear\"\ncoefficients = [0.008, 0.2]\ncovariance = [[1e-6, 0.0], \
            [0.0, 1e-3]]\nresidual_std = 0.04\nslope_range = [90.0, 50.0]\npairs = 9\n";
     fs::write(place.path("car.toml"), config).unwrap();
-    let output = gripd().args(["check", "-c"]).arg(place.path("car.toml")).output().unwrap();
+    let output = quiet().args(["check", "-c"]).arg(place.path("car.toml")).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("estimators.mapping.slope_range"), "{}", text(&output.stderr));
 }

@@ -3,11 +3,13 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
+#[path = "support/program.rs"]
+mod program;
 #[path = "support/town.rs"]
 mod town;
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use std::sync::OnceLock;
 
 use gripd::explain::chain::{ChainReport, Confidence, Finding, audit};
@@ -306,7 +308,7 @@ fn shared() -> Option<PathBuf> {
 }
 
 fn check(arguments: &[&Path]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gripd")).args(["-q", "check", "-c"]).args(arguments).output().unwrap()
+    program::gripd().args(["-q", "check", "-c"]).args(arguments).output().unwrap()
 }
 
 /// Runs it and reads its JSON.

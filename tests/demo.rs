@@ -7,16 +7,19 @@
     reason = "helpers of tests may fail loudly"
 )]
 
+#[path = "support/program.rs"]
+mod program;
+
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use gripd::can::Frame;
 use gripd::can::candump::Reader;
 use gripd::signals::publish::built_in_database;
 
 fn gripd(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gripd")).args(arguments).current_dir(folder).output().unwrap()
+    program::gripd().args(arguments).current_dir(folder).output().unwrap()
 }
 
 /// Runs it in memory; the results of vcan0 are another test's.

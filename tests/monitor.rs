@@ -4,6 +4,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+#[path = "support/program.rs"]
+mod program;
+
 use std::fs;
 use std::io::Write;
 use std::num::NonZeroU16;
@@ -21,7 +24,7 @@ const CAR: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/config/demo.toml");
 const PATIENCE: Duration = Duration::from_secs(60);
 
 fn gripd(arguments: &[&str]) -> Output {
-    Command::new(GRIPD).args(arguments).env_remove("RUST_LOG").output().unwrap()
+    program::gripd().args(arguments).output().unwrap()
 }
 
 /// 20 s of the demo drive.

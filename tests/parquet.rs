@@ -3,22 +3,16 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+#[path = "support/program.rs"]
+mod program;
+
 use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
-
-fn project(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
-
-fn gripd(folder: &Path, arguments: &str) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gripd"));
-    command.env_remove("RUST_LOG").current_dir(folder).args(arguments.split_whitespace()).output().unwrap()
-}
+use program::{gripd_in, project};
 
 /// A cell as the CSV has it.
 fn text(column: &str, field: &Field) -> String {
@@ -60,14 +54,14 @@ fn the_parquet_twin_says_what_the_csv_says() {
     // More than one group of rows.
     let long = fs::read_to_string(scenario).unwrap().replace("duration_s = 120.0", "duration_s = 400.0");
     fs::write(path.join("drive.toml"), long).unwrap();
-    assert!(gripd(path, "simulate drive.toml -o drive.log").status.success());
+    assert!(gripd_in(path, "simulate drive.toml -o drive.log").status.success());
     let config = project("config/demo.toml");
     for extension in ["csv", "parquet"] {
         let arguments = format!(
             "replay -c {} drive.log --estimates e.{extension} --samples s.{extension}",
             config.display()
         );
-        let output = gripd(path, &arguments);
+        let output = gripd_in(path, &arguments);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
     let estimates = compare(&path.join("e.csv"), &path.join("e.parquet"));
@@ -98,7 +92,7 @@ fn a_replay_that_fails_leaves_the_table_that_was_there() {
     let path = folder.path();
     fs::write(path.join("e.parquet"), "old").unwrap();
     let config = project("config/demo.toml");
-    let output = gripd(path, &format!("replay -c {} missing.log --estimates e.parquet", config.display()));
+    let output = gripd_in(path, &format!("replay -c {} missing.log --estimates e.parquet", config.display()));
     assert_eq!(output.status.code(), Some(1));
     assert_eq!(fs::read(path.join("e.parquet")).unwrap(), b"old");
     assert_eq!(fs::read_dir(path).unwrap().count(), 1);

@@ -1,6 +1,5 @@
 //! The demo's car and a drive of it, as frames.
 
-use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use gripd::can::Frame;
@@ -10,10 +9,7 @@ use gripd::service::Engine;
 use gripd::signals::Outputs;
 use gripd::{Config, Micros};
 
-/// A file of the project.
-pub fn project(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
+use super::program::project;
 
 pub fn text() -> String {
     std::fs::read_to_string(project("config/demo.toml")).unwrap()

@@ -8,14 +8,14 @@ use gripd::can::Frame;
 use gripd::model::Reading;
 use gripd::{Config, Estimates, Faults, Micros, Quantity};
 
-use super::car;
 use super::fault::{Case, FROM, Fault};
 use super::heard::{self, Heard};
+use super::{car, program};
 
 /// Runs all of them, prints their rows, and looks for these in the guide.
 pub fn check(config: &Config, readings: &[Reading], cases: &[Case]) {
     let clean = run(config, car::frames_of(config, readings));
-    let guide = std::fs::read_to_string(car::project("src/guide/when-things-go-wrong.md")).unwrap();
+    let guide = std::fs::read_to_string(program::project("src/guide/when-things-go-wrong.md")).unwrap();
     let mut problems = Vec::new();
     for case in cases {
         let frames = match case.fault {

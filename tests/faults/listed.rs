@@ -5,7 +5,7 @@ use gripd::{Config, Faults};
 use super::fault::content::changed;
 use super::fault::frame::instead;
 use super::fault::{Case, Fault, content, frame, sensor, timing};
-use super::{car, case};
+use super::{car, case, program};
 
 #[test]
 fn faults_of_frames() {
@@ -36,7 +36,7 @@ fn faults_of_timing() {
 /// The demo's car with a steering angle in floating point and a brake pressure on a page of its own.
 fn other_car() -> (Config, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
-    let dbc = std::fs::read_to_string(car::project("dbc/demo.dbc")).unwrap();
+    let dbc = std::fs::read_to_string(program::project("dbc/demo.dbc")).unwrap();
     let edits = [
         ("STEERING: 4 EPS", "STEERING: 8 EPS"),
         ("Angle : 0|16@1- (0.1,0) [-1000|1000] \"deg\"", "Angle : 0|32@1- (1,0) [0|0] \"deg\""),

@@ -16,5 +16,7 @@ mod heard;
 mod listed;
 mod output;
 mod process;
+#[path = "../support/program.rs"]
+mod program;
 mod reload;
 mod service;

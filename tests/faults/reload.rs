@@ -9,9 +9,9 @@ use gripd::estimates::State;
 use gripd::service::Survived;
 use gripd::{Config, Faults, Micros};
 
-use super::car;
 use super::heard::{self, Heard};
 use super::service::{self, Happens};
+use super::{car, program};
 
 /// The drive, through one engine up to a frame and through another from there on.
 fn drive_across(config: &Config, place: usize) -> (Heard, Survived) {
@@ -121,7 +121,7 @@ fn what_is_published_can_change() {
 }
 
 fn broken() -> Result<Config, ConfigError> {
-    Config::parse("[dbc]\ninput = 3", &car::project("config/demo.toml"))
+    Config::parse("[dbc]\ninput = 3", &program::project("config/demo.toml"))
 }
 
 /// A frame each millisecond, so that files are read meanwhile.

@@ -31,6 +31,8 @@ mod frames;
 #[allow(dead_code, reason = "the tests of faults use the rest")]
 mod heard;
 mod mutate;
+#[path = "../support/program.rs"]
+mod program;
 mod recordings;
 mod run;
 mod sampler;

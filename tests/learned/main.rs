@@ -3,12 +3,14 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+#[path = "../support/program.rs"]
+mod program;
 mod service;
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Output;
 use std::sync::OnceLock;
 
 use gripd::can::Frame;
@@ -16,16 +18,11 @@ use gripd::can::candump::Reader;
 use gripd::service::saved::Refusal;
 use gripd::service::{Engine, SavedState, Sink};
 use gripd::{Config, Estimates, Sample};
+use program::project;
 use tempfile::TempDir;
 
-fn project(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
-
 fn gripd(arguments: &[&str], folder: &Path) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gripd"));
-    command.env_remove("RUST_LOG").env_remove("STATE_DIRECTORY").current_dir(folder);
-    command.args(arguments).output().unwrap()
+    program::gripd().env_remove("STATE_DIRECTORY").current_dir(folder).args(arguments).output().unwrap()
 }
 
 /// The demo car's first 44 s, on asphalt, with sensors a good deal off.

@@ -7,13 +7,15 @@ mod support;
 
 mod car;
 mod command;
+#[path = "../support/program.rs"]
+mod program;
 mod real;
 mod simulated;
 #[path = "../support/town.rs"]
 mod town;
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 use gripd::Quantity;
 use gripd::can::recording::Reader;
@@ -23,11 +25,7 @@ use gripd::propose::{Confidence, Drive, Mapped, Proposal, propose};
 use car::Car;
 
 fn gripd(arguments: &[&dyn AsRef<std::ffi::OsStr>]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gripd"))
-        .arg("-q")
-        .args(arguments.iter().map(|a| a.as_ref()))
-        .output()
-        .unwrap()
+    program::gripd().arg("-q").args(arguments.iter().map(|a| a.as_ref())).output().unwrap()
 }
 
 fn of_files(dbc: &Path, logs: &[PathBuf]) -> Proposal {

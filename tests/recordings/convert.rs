@@ -1,16 +1,10 @@
 //! `gripd convert`, and commands that take every format.
 
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
 
 use super::blf_file::{classic, container, file};
 use super::mf4_file::unsorted;
-
-fn gripd(folder: &Path, arguments: &str) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gripd"));
-    command.env_remove("RUST_LOG").current_dir(folder).args(arguments.split_whitespace()).output().unwrap()
-}
+use super::program::gripd_in;
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
@@ -26,13 +20,13 @@ fn a_recording_of_any_format_becomes_a_candump_log() {
     fs::write(path.join("a.mf4"), unsorted(&frames, true)).unwrap();
     let expected = "(1760000000.000000) can1 123#0102\n(1760000000.001000) can1 124#03\n";
     for name in ["a.blf", "a.mf4"] {
-        let output = gripd(path, &format!("convert {name} -o -"));
+        let output = gripd_in(path, &format!("convert {name} -o -"));
         assert!(output.status.success(), "{}", text(&output.stderr));
         assert_eq!(text(&output.stdout), expected);
         assert!(text(&output.stderr).contains("2 frames"), "{}", text(&output.stderr));
-        let output = gripd(path, &format!("convert {name} -i vcan7 -o {name}.log.gz"));
+        let output = gripd_in(path, &format!("convert {name} -i vcan7 -o {name}.log.gz"));
         assert!(output.status.success(), "{}", text(&output.stderr));
-        let output = gripd(path, &format!("convert {name}.log.gz -o -"));
+        let output = gripd_in(path, &format!("convert {name}.log.gz -o -"));
         assert_eq!(text(&output.stdout), expected.replace("can1", "vcan7"));
     }
 }
@@ -45,14 +39,14 @@ fn a_candump_log_becomes_a_recording_of_any_format_and_comes_back() {
                (1760000000.002000) can0 123##5112233445566778899AABBCC\n";
     fs::write(path.join("a.log"), log).unwrap();
     for name in ["a.asc", "a.asc.gz", "a.blf", "a.mf4", "a.trc", "a.trc.zst", "b -f blf", "c.asc -f mf4"] {
-        let output = gripd(path, &format!("convert a.log -o {name}"));
+        let output = gripd_in(path, &format!("convert a.log -o {name}"));
         assert!(output.status.success(), "{name}: {}", text(&output.stderr));
         assert!(!text(&output.stderr).contains("WARN"), "{}", text(&output.stderr));
-        let output = gripd(path, &format!("convert {} -o -", name.split(' ').next().unwrap()));
+        let output = gripd_in(path, &format!("convert {} -o -", name.split(' ').next().unwrap()));
         assert_eq!(text(&output.stdout), log, "{name}");
     }
     // What is lost is said, and no result is half there.
-    let output = gripd(path, "convert a.log -f csv -o -");
+    let output = gripd_in(path, "convert a.log -f csv -o -");
     let told = text(&output.stderr);
     assert!(text(&output.stdout).starts_with("timestamp,arbitration_id,extended,remote,error,dlc,data\n"));
     assert!(told.contains("1 of 3 frames written without its interface"), "{told}");
@@ -60,7 +54,7 @@ fn a_candump_log_becomes_a_recording_of_any_format_and_comes_back() {
     for (arguments, word) in
         [("-o x.blf.gz", "plain file"), ("-f mf4 -o -", "plain file"), ("-f xyz -o x", "xyz")]
     {
-        let output = gripd(path, &format!("convert a.log {arguments}"));
+        let output = gripd_in(path, &format!("convert a.log {arguments}"));
         assert_eq!(output.status.code(), Some(2), "{arguments}");
         assert!(text(&output.stderr).contains(word), "{}", text(&output.stderr));
         assert!(!path.join("x.blf.gz").exists() && !path.join("x").exists());
@@ -76,7 +70,7 @@ fn what_was_skipped_is_counted_with_its_reason() {
         "base hex timestamps absolute\n 0.1 1 100 Rx d 1 00\n 0.2 1 100 Rx d 2 00\n 0.3 1 900 Rx d 0\n 0.4 1 100 Rx d 1\n",
     )
     .unwrap();
-    let output = gripd(path, "convert a.asc -o a.log");
+    let output = gripd_in(path, "convert a.asc -o a.log");
     let told = text(&output.stderr);
     assert!(output.status.success(), "{told}");
     assert!(told.contains("1 frames") && told.contains("3 lines skipped"), "{told}");
@@ -90,7 +84,7 @@ fn a_cut_off_recording_is_converted_as_far_as_it_goes_and_fails() {
     let path = folder.path();
     let bytes = file(&[container(&classic(0, 1, &[1]), 2), container(&classic(1, 1, &[2]), 2)]);
     fs::write(path.join("a.blf"), &bytes[..bytes.len() - 10]).unwrap();
-    let output = gripd(path, "convert a.blf -o a.log");
+    let output = gripd_in(path, "convert a.blf -o a.log");
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains("cut off"), "{}", text(&output.stderr));
     assert!(fs::read_to_string(path.join("a.log")).unwrap().starts_with("(1760000000.000000) can1 001#01\n"));
@@ -109,7 +103,7 @@ fn wrong_use_is_told_from_wrong_files() {
         ("convert a.zip -o b", 1, "zip"),
         ("convert a.asc -o b", 1, "Vector ASC"),
     ] {
-        let output = gripd(path, arguments);
+        let output = gripd_in(path, arguments);
         assert_eq!(output.status.code(), Some(code), "{arguments}: {}", text(&output.stderr));
         assert!(text(&output.stderr).contains(word), "{arguments}: {}", text(&output.stderr));
     }

@@ -13,6 +13,8 @@ mod blf_file;
 mod convert;
 mod mf4;
 mod mf4_file;
+#[path = "../support/program.rs"]
+mod program;
 mod text;
 mod writing;
 

@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output};
 
 /// A file of the project.
 pub fn project(path: &str) -> PathBuf {
@@ -15,4 +15,9 @@ pub fn gripd() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_gripd"));
     command.env_remove("RUST_LOG");
     command
+}
+
+/// `gripd` in a folder, until it ends.
+pub fn gripd_in(folder: &Path, arguments: &str) -> Output {
+    gripd().current_dir(folder).args(arguments.split_whitespace()).output().unwrap()
 }

@@ -20,6 +20,8 @@ mod log;
 mod metrics;
 mod monitor;
 mod process;
+#[path = "../support/program.rs"]
+mod program;
 mod reload;
 #[path = "../support/setting.rs"]
 mod setting;
@@ -41,14 +43,11 @@ use gripd::can::{CanId, Frame};
 use gripd::{Micros, dbc::Database};
 use nix::sys::signal::Signal::{SIGHUP, SIGINT, SIGTERM};
 use process::{Gripd, gripd};
+use program::project;
 use traffic::{Recorder, Traffic};
 use vcan_support::{Interface, PATIENCE, run};
 
-/// A file of the project.
-fn project(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
-
+/// The demo car's configuration.
 fn demo_car() -> PathBuf {
     project("config/demo.toml")
 }

@@ -5,6 +5,7 @@
 
 #[path = "support/program.rs"]
 mod program;
+mod support;
 #[path = "support/town.rs"]
 mod town;
 
@@ -298,15 +299,6 @@ fn nothing_and_almost_nothing_are_answered() {
 
 // ---- the command ----
 
-fn shared() -> Option<PathBuf> {
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
-    let path = std::env::var_os("GRIPD_SHARED").map_or(own, PathBuf::from);
-    if !path.is_dir() {
-        println!("skipped: no shared data at {}", path.display());
-    }
-    path.is_dir().then_some(path)
-}
-
 fn check(arguments: &[&Path]) -> Output {
     program::gripd().args(["-q", "check", "-c"]).args(arguments).output().unwrap()
 }
@@ -334,7 +326,7 @@ fn certain(report: &serde_json::Value) -> Vec<String> {
 
 #[test]
 fn the_trials_get_no_certain_finding_but_their_own() {
-    let Some(shared) = shared() else { return };
+    let Some(shared) = support::shared(".") else { return };
     let folder = shared.join("trials/practice");
     let truth: serde_json::Value =
         serde_json::from_slice(&std::fs::read(folder.join("truth.json")).unwrap()).unwrap();
@@ -380,7 +372,7 @@ fn recorded_car(folder: &Path, shared: &Path, signals: &str, vehicle: &str) -> P
 
 #[test]
 fn the_real_recordings_tell_what_is_wrong_with_them() {
-    let Some(shared) = shared() else { return };
+    let Some(shared) = support::shared(".") else { return };
     let folder = tempfile::tempdir().unwrap();
     let recordings = shared.join("recordings");
     let car = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/rav4.toml");

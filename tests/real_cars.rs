@@ -1,7 +1,9 @@
 //! Real cars: what comes out, and what must not be claimed. Skipped without the recordings.
 #![allow(clippy::unwrap_used, clippy::expect_used)] // Tests.
 
-use std::path::{Path, PathBuf};
+mod support;
+
+use std::path::Path;
 
 use gripd::can::Frame;
 use gripd::can::candump::Reader;
@@ -10,17 +12,6 @@ use gripd::identify::{Drive, Identifier, IdentifyConfig};
 use gripd::service::{Engine, Sink, sensors};
 use gripd::signals::{Inputs, Sampler};
 use gripd::{Config, Estimates, Sample};
-
-fn recordings() -> Option<PathBuf> {
-    let shared = std::env::var_os("GRIPD_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
-    let folder = shared.join("recordings");
-    if !folder.is_dir() {
-        println!("skipped: no recordings in {}", folder.display());
-        return None;
-    }
-    Some(folder)
-}
 
 #[derive(Default)]
 struct Record(Vec<Estimates>);
@@ -76,7 +67,7 @@ longitudinal_stiffness = { value = 30.0, std = 15.0 }
 
 #[test]
 fn the_zoe_scenes_agree_on_the_slope() {
-    let Some(folder) = recordings() else { return };
+    let Some(folder) = support::shared("recordings") else { return };
     let config = Config::parse(ZOE, &folder.join("zoe.toml")).unwrap();
     let mut scenes: Vec<_> =
         std::fs::read_dir(folder.join("zoe")).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -112,7 +103,7 @@ fn the_zoe_scenes_agree_on_the_slope() {
 
 #[test]
 fn nothing_unknowable_is_claimed_of_the_cruising_rav4() {
-    let Some(folder) = recordings() else { return };
+    let Some(folder) = support::shared("recordings") else { return };
     let config = Config::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("config/rav4.toml")).unwrap();
     let rows = replay(&config, &folder.join("rav4/bus0.log.gz"));
     assert!(rows.len() > 5900);
@@ -149,7 +140,7 @@ fn zoe_records(folder: &Path, config: &Config, scenes: &[&str]) -> Vec<gripd::id
 
 #[test]
 fn both_zoes_have_the_same_tires_as_far_as_they_tell() {
-    let Some(folder) = recordings() else { return };
+    let Some(folder) = support::shared("recordings") else { return };
     let text = ZOE.replace("[vehicle]", "[signals.sampling]\nperiod_ms = 20\n[vehicle]");
     let config = Config::parse(&text, &folder.join("zoe.toml")).unwrap();
     let names = "longitudinal_stiffness lateral_stiffness_front lateral_stiffness_rear steering_ratio \

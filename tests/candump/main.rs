@@ -11,6 +11,8 @@ mod grammar;
 mod hard_input;
 mod packed;
 mod real_recordings;
+#[path = "../support/mod.rs"]
+mod support;
 mod writing;
 
 use std::fs;

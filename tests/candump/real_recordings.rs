@@ -2,16 +2,6 @@
 
 use super::*;
 
-fn shared() -> Option<PathBuf> {
-    let folder = std::env::var_os("GRIPD_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: no recordings at {} (GRIPD_SHARED names another place)", folder.display());
-    None
-}
-
 fn logs(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).unwrap() {
@@ -43,14 +33,14 @@ fn comes_back_the_same(path: &Path) {
 
 #[test]
 fn every_recording_reads_without_loss_and_is_rewritten_byte_for_byte() {
-    let Some(shared) = shared() else { return };
-    let recordings = logs(&shared.join("recordings"));
+    let Some(shared) = support::shared("recordings") else { return };
+    let recordings = logs(&shared);
     assert!(recordings.len() >= 3, "{recordings:?}");
     recordings.iter().for_each(|path| comes_back_the_same(path));
 }
 
 #[test]
 fn so_do_some_of_the_trials() {
-    let Some(shared) = shared() else { return };
-    logs(&shared.join("trials")).iter().step_by(8).for_each(|path| comes_back_the_same(path));
+    let Some(shared) = support::shared("trials") else { return };
+    logs(&shared).iter().step_by(8).for_each(|path| comes_back_the_same(path));
 }

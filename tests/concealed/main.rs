@@ -40,6 +40,8 @@ mod set;
 #[path = "../support/setting.rs"]
 mod setting;
 mod share;
+#[path = "../support/mod.rs"]
+mod support;
 mod table;
 mod tire;
 mod trust;

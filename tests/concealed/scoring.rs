@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use super::dice::Dice;
 use super::part;
 use super::score::{self, Score, overlap, score};
-use super::table;
+use super::{support, table};
 
 fn truth(kind: &str, cause: &str, ratio: f64) -> Value {
     json!({
@@ -233,15 +233,12 @@ fn random_answer(dice: &mut Dice) -> Value {
 
 /// `score.py` of the shared data, where it and a Python are there.
 fn script() -> Option<PathBuf> {
-    let root = std::env::var_os("GRIPD_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
-    let script = root.join("trials/score.py");
+    let script = support::shared("trials/score.py")?;
     let python = Command::new("python3").arg("--version").output().is_ok_and(|o| o.status.success());
-    if script.exists() && python {
-        return Some(script);
+    if !python {
+        eprintln!("skipped: no python3");
     }
-    eprintln!("skipped: no {} (set GRIPD_SHARED), or no python3", script.display());
-    None
+    python.then_some(script)
 }
 
 #[test]

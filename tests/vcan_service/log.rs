@@ -10,7 +10,7 @@ use gripd::can::candump::Writer;
 use gripd::can::{Event, SocketCan, SocketCanConfig};
 
 use super::process::{self, again};
-use super::{SIGTERM, data, traffic, wait_for};
+use super::{data, traffic, wait_for};
 
 /// Between two fetches.
 const BETWEEN: Duration = Duration::from_millis(100);
@@ -45,9 +45,15 @@ impl Log {
             std::mem::replace(&mut length, now) == now
         });
         assert!(self.child.try_wait().unwrap().is_none(), "the recorder ended before it should");
-        process::send_signal(&self.child, SIGTERM);
-        let _ = self.child.wait();
         self.file.clone()
+    }
+}
+
+impl Drop for Log {
+    fn drop(&mut self) {
+        // What was fetched is in the file.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
     }
 }
 

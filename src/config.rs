@@ -79,7 +79,11 @@ pub struct DbcConfig {
 #[derive(Debug, Error)]
 pub enum ConfigError {
     /// The file cannot be read.
-    #[error("cannot read the configuration {path}: {source}")]
+    #[error("cannot read the configuration {path}: {source}{}", if source.kind() == std::io::ErrorKind::NotFound {
+        "; give its path with -c (`gripd map` proposes one for a car's DBC)"
+    } else {
+        ""
+    })]
     Read {
         /// The file.
         path: PathBuf,

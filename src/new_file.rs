@@ -6,6 +6,7 @@ use std::io;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A file being written aside, under a hidden name in the same folder. [`NewFile::commit`] makes sure
 /// that it is on the disk and gives it its name; dropped before that it goes away, and what was there
@@ -72,15 +73,22 @@ impl Aside {
         let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let temporary = temporary_name(&target).ok_or(io::ErrorKind::InvalidFilename)?;
         let file = OpenOptions::new().write(true).create_new(true).open(&temporary)?;
+        begun().push(temporary.clone());
         Ok((file, Self { temporary, target }))
     }
 
     fn commit(mut self, file: &File) -> io::Result<()> {
         file.sync_all()?;
         fs::rename(&self.temporary, &self.target)?;
-        self.temporary = PathBuf::new();
+        self.forget();
         let folder = self.target.parent().filter(|folder| !folder.as_os_str().is_empty());
         File::open(folder.unwrap_or(Path::new(".")))?.sync_all()
+    }
+
+    /// There is nothing left under the hidden name.
+    fn forget(&mut self) {
+        let gone = std::mem::take(&mut self.temporary);
+        begun().retain(|other| *other != gone);
     }
 }
 
@@ -89,7 +97,21 @@ impl Drop for Aside {
         if !self.temporary.as_os_str().is_empty() {
             // Nothing could be done about a failure here, and the name tells what it is.
             let _ = fs::remove_file(&self.temporary);
+            self.forget();
         }
+    }
+}
+
+/// What is being written, under its hidden names.
+fn begun() -> MutexGuard<'static, Vec<PathBuf>> {
+    static BEGUN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+    BEGUN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes all that is being written, for a process that is about to end.
+pub fn abandon_all() {
+    for temporary in begun().drain(..) {
+        let _ = fs::remove_file(temporary);
     }
 }
 
@@ -143,7 +165,7 @@ mod tests {
         // As if the power had gone.
         let (file, mut aside) = Aside::create(&path).unwrap();
         drop(file);
-        aside.temporary = PathBuf::new();
+        aside.forget();
         let others =
             [".state.part", ".state.1-x.part", ".state.1-.part", ".other.1-2.part", "state.1-2.part"];
         for name in others {

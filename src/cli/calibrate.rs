@@ -8,7 +8,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::Failure;
-use super::output::{outputs_are_no_inputs, write_json};
+use super::output::{check_outputs, write_json};
 use super::progress::Progress;
 use crate::can::Frame;
 use crate::can::recording::Reader;
@@ -37,7 +37,7 @@ impl Calibrate {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
         let config = super::for_the_service(&self.config)?;
-        outputs_are_no_inputs(self.logs.iter().chain([&self.config]).chain(config.files()), &self.json)?;
+        check_outputs(self.logs.iter().chain([&self.config]).chain(config.files()), &self.json)?;
         if !config.signals.quantities.contains_key(&Quantity::AbsActive) {
             return Err(Failure::usage(format_args!(
                 "{}: signals.abs_active: is not mapped; it is by this signal that ABS brakings are found",

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use super::output::outputs_are_no_inputs;
+use super::output::check_outputs;
 use super::progress::Progress;
 use super::{Failure, recordings};
 use crate::can::recording::{Format, Reader, Writer};
@@ -34,7 +34,7 @@ pub struct Convert {
 impl Convert {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        outputs_are_no_inputs([&self.recording], [&self.out])?;
+        check_outputs([&self.recording], [&self.out])?;
         if let Some(name) = &self.interface {
             name.parse::<crate::can::InterfaceName>().map_err(Failure::usage)?;
         }
@@ -62,10 +62,11 @@ impl Convert {
             return Err(Failure::Work(broken));
         }
         let stats = reader.stats();
-        if stats.frames == 0 && stats.skipped_lines > 0 {
-            return Err(Failure::Work(recordings::nothing_in(&reader)));
+        match (stats.frames, stats.skipped_lines) {
+            (0, 0) => Err(Failure::Work(format!("{}: there is nothing in it", reader.name()))),
+            (0, _) => Err(Failure::Work(recordings::nothing_in(&reader))),
+            _ => Ok(()),
         }
-        Ok(())
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::output::{outputs_are_no_inputs, write_json, write_text};
+use super::output::{check_outputs, write_json, write_text};
 use super::progress::Progress;
 use super::{Failure, recordings};
 use crate::Quantity;
@@ -33,10 +33,7 @@ pub struct Map {
 impl Map {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        outputs_are_no_inputs(
-            std::iter::once(&self.dbc).chain(&self.logs),
-            self.out.iter().chain(&self.json),
-        )?;
+        check_outputs(std::iter::once(&self.dbc).chain(&self.logs), self.out.iter().chain(&self.json))?;
         if let Some(out) =
             self.out.as_deref().filter(|out| out.as_os_str() != "-" && out.symlink_metadata().is_ok())
         {
@@ -84,10 +81,16 @@ impl Map {
         if missing.is_empty() {
             return Ok(());
         }
-        Err(Failure::Work(format!(
-            "not found, and needed: {}; the comments say what is nearest",
-            missing.join(", ")
-        )))
+        // What is missing may stand in a line that was not understood.
+        for warning in database.warnings().iter().take(3) {
+            tracing::warn!("{warning}");
+        }
+        let has_nearest = proposal
+            .quantities
+            .iter()
+            .any(|choice| choice.mapping.is_some() || !choice.alternatives.is_empty());
+        let hint = if has_nearest { "the comments say what is nearest" } else { "nothing is called so" };
+        Err(Failure::Work(format!("not found, and needed: {}; {hint}", missing.join(", "))))
     }
 
     /// Reads the recordings once. What could be read of a broken one is used; the reason comes second.

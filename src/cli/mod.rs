@@ -8,6 +8,7 @@ mod demo;
 mod demo_car;
 mod explain;
 mod identify;
+mod interrupted;
 mod log;
 mod man;
 mod map;
@@ -69,6 +70,10 @@ impl From<io::Error> for Failure {
     fn from(error: io::Error) -> Self {
         match error.kind() {
             io::ErrorKind::BrokenPipe => Self::ReaderGone,
+            // The system's own word, of what has no name.
+            _ if error.raw_os_error().is_some() => {
+                Self::work(format_args!("cannot write to the standard output: {error}"))
+            }
             _ => Self::work(error),
         }
     }
@@ -150,6 +155,10 @@ pub fn main() -> ExitCode {
     // Clap itself ends with 2 on bad usage and 0 on --help.
     let arguments = Arguments::parse();
     let log = set_up_logging(&arguments);
+    // These end in their own way.
+    if !matches!(arguments.command, Command::Run(_) | Command::Monitor(_) | Command::View(_)) {
+        interrupted::tidies_up();
+    }
     let result = match arguments.command {
         Command::Demo(command) => command.run(),
         Command::Run(command) => command.run(),

@@ -45,7 +45,12 @@ impl Output {
 
 /// The error with the name of the file it is about.
 fn naming(path: &Path, error: io::Error) -> io::Error {
-    io::Error::new(error.kind(), format!("cannot write {}: {error}", path.display()))
+    let hint = match error.kind() {
+        io::ErrorKind::NotFound => "; is there such a folder?",
+        _ => "",
+    };
+    let name = if path.as_os_str() == "-" { "to the standard output".into() } else { path.to_string_lossy() };
+    io::Error::new(error.kind(), format!("cannot write {name}: {error}{hint}"))
 }
 
 impl Write for Output {
@@ -85,8 +90,9 @@ fn same_file(one: &Path, other: &Path) -> bool {
     }
 }
 
-/// An input is never overwritten by what is made of it, nor one result by another.
-pub fn outputs_are_no_inputs<'p>(
+/// An input is never overwritten by what is made of it, nor one result by another; and what cannot be written is
+/// better known before the work than after it.
+pub fn check_outputs<'p>(
     inputs: impl IntoIterator<Item = &'p PathBuf>,
     outputs: impl IntoIterator<Item = &'p PathBuf>,
 ) -> Result<(), Failure> {
@@ -101,6 +107,11 @@ pub fn outputs_are_no_inputs<'p>(
         }
         if outputs[..place].iter().any(|other| same_file(other, output)) {
             return Err(Failure::usage(format_args!("two results cannot both go to {}", output.display())));
+        }
+        // Opening a pipe would begin to write it.
+        let is_plain = output.metadata().map_or(true, |there| there.is_file() || there.is_dir());
+        if is_plain && output.as_os_str() != "-" {
+            Output::create(output)?;
         }
     }
     Ok(())

@@ -8,7 +8,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::Failure;
-use super::output::{Output, outputs_are_no_inputs, write_json};
+use super::output::{Output, check_outputs, write_json};
 use super::player::Player;
 use super::progress::Progress;
 use super::tables::{EstimatesTable, SamplesTable, TableFormat};
@@ -80,7 +80,7 @@ impl Replay {
         }
         let config = super::for_the_service(&self.config)?;
         // A state is read before it is written, and what is none is refused then.
-        outputs_are_no_inputs(
+        check_outputs(
             self.logs.iter().chain([&self.config]).chain(&self.state).chain(config.files()),
             [&self.out, &self.estimates, &self.samples, &self.stats].into_iter().flatten(),
         )?;
@@ -199,13 +199,13 @@ impl Results {
             Ok(Recording { path: path.clone(), format, writer })
         });
         let estimates = command.estimates.as_ref().map(|path| {
-            let output = Output::create(path)?;
-            EstimatesTable::new(output, TableFormat::of(path)).map_err(Failure::work)
+            let format = TableFormat::of(path)?;
+            EstimatesTable::new(Output::create(path)?, format).map_err(Failure::work)
         });
         let samples = command.samples.as_ref().map(|path| {
             let quantities = config.signals.quantities.keys().copied().collect();
-            let output = Output::create(path)?;
-            SamplesTable::new(output, TableFormat::of(path), quantities).map_err(Failure::work)
+            let format = TableFormat::of(path)?;
+            SamplesTable::new(Output::create(path)?, format, quantities).map_err(Failure::work)
         });
         Ok(Self {
             out: out.transpose().map_err(|error: LogError| Failure::from(error))?,

@@ -1,12 +1,14 @@
 //! `gripd simulate`: a scenario to a recording, and what was true beside it.
 
+use std::io;
 use std::path::PathBuf;
 
 use clap::Args;
 
 use super::Failure;
 use super::demo_car;
-use super::output::{Output, outputs_are_no_inputs};
+use super::output::{Output, check_outputs};
+use super::tables::TableFormat;
 use crate::can::Frame;
 use crate::can::recording::{Format, Writer};
 use crate::model::{Scenario, Simulation, TruthWriter};
@@ -36,7 +38,7 @@ pub struct Simulate {
 impl Simulate {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        outputs_are_no_inputs(
+        check_outputs(
             [&self.scenario].into_iter().chain(&self.config),
             [&self.out].into_iter().chain(&self.truth),
         )?;
@@ -49,7 +51,7 @@ impl Simulate {
         let (config, database) = match &self.config {
             Some(path) => {
                 let config = Config::load(path)?;
-                outputs_are_no_inputs(config.files(), [&self.out].into_iter().chain(&self.truth))?;
+                check_outputs(config.files(), [&self.out].into_iter().chain(&self.truth))?;
                 let database = config.input_database()?;
                 (config, database)
             }
@@ -63,24 +65,29 @@ impl Simulate {
         let mut log = Writer::create(&self.out, format, &config.bus.interface)?;
         let mut truth = match &self.truth {
             Some(path) => {
+                if TableFormat::of(path)? != TableFormat::Csv {
+                    return Err(Failure::usage(format_args!(
+                        "{}: the truth is written as CSV; give it a name that ends in .csv",
+                        path.display()
+                    )));
+                }
                 let columns = simulation.effect_columns();
                 Some(TruthWriter::with_effects(Output::create(path)?, columns).map_err(Failure::work)?)
             }
             None => None,
         };
-        let mut failure = None;
         while let Some(tick) = simulation.next_tick() {
+            let mut written = Ok(());
             frames.take(tick.readings, &mut |frame| {
-                if let Err(error) = log.write(frame) {
-                    failure.get_or_insert(error);
+                if written.is_ok() {
+                    written = log.write(frame);
                 }
             });
+            written?;
             if let Some(truth) = &mut truth {
-                truth.write_with(tick.truth, tick.effects).map_err(Failure::work)?;
+                let row = truth.write_with(tick.truth, tick.effects);
+                row.map_err(|error| Failure::from(io::Error::from(error)))?;
             }
-        }
-        if let Some(error) = failure {
-            return Err(Failure::work(error));
         }
         let written = log.finish()?;
         super::recordings::tell_losses(&self.out, format, &written);

@@ -13,6 +13,7 @@ use std::path::Path;
 use self::csv::Csv;
 use self::mf4::Mf4;
 use self::parquet::Parquet;
+use super::Failure;
 use crate::estimates::Estimate;
 use crate::{Estimates, Micros, Quantity, Sample, Wheel};
 
@@ -59,13 +60,17 @@ pub enum TableFormat {
 }
 
 impl TableFormat {
-    /// By the extension of a file's name.
-    pub fn of(path: &Path) -> Self {
-        let ends_in = |what| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(what));
-        match () {
-            () if ends_in("parquet") => Self::Parquet,
-            () if ends_in("mf4") => Self::Mf4,
-            () => Self::Csv,
+    /// By the extension of a file's name; CSV where that says nothing.
+    pub fn of(path: &Path) -> Result<Self, Failure> {
+        let ends_in = |what: &&str| path.extension().is_some_and(|end| end.eq_ignore_ascii_case(what));
+        match ["parquet", "mf4", "gz", "zst"].iter().find(|what| ends_in(what)) {
+            Some(&"parquet") => Ok(Self::Parquet),
+            Some(&"mf4") => Ok(Self::Mf4),
+            Some(packed) => Err(Failure::usage(format_args!(
+                "{}: tables are not written as .{packed}; Parquet is packed (.parquet)",
+                path.display()
+            ))),
+            None => Ok(Self::Csv),
         }
     }
 }

@@ -24,7 +24,11 @@ pub fn propose(database: &Database, drive: Option<&Drive>) -> Proposal {
     for quantity in Quantity::ALL {
         if !choices.0.iter().any(|choice| choice.quantity == quantity) {
             let picked = chooser.pick(quantity);
-            choices.0.push(chooser.choice(quantity, picked));
+            let place = picked.best.as_ref().map(|best| best.chosen.place);
+            let choice = chooser.choice(quantity, picked);
+            // Nothing measures two things.
+            chooser.taken.extend(place.filter(|_| choice.confidence > Confidence::NotFound));
+            choices.0.push(choice);
         }
     }
     let (mut quantities, mut notes) = choices;

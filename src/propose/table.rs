@@ -18,12 +18,12 @@ pub fn table(proposal: &Proposal, dbc: &[&Path]) -> String {
         &format!("# Proposed by `gripd map` from {founded}. Look at every line before you use it."),
     );
     for note in &proposal.notes {
-        comment(&mut out, &format!("Note: {note}."));
+        let end = if note.ends_with(['.', '?', '!']) { "" } else { "." };
+        comment(&mut out, &format!("Note: {note}{end}"));
     }
     line(&mut out, "");
-    if proposal.fd {
-        line(&mut out, "[bus]\nfd = true\n");
-    }
+    let fd = if proposal.fd { "\nfd = true" } else { "" };
+    line(&mut out, &format!("[bus]\ninterface = \"can0\"   # that of the gateway on this bus{fd}\n"));
     let files: Vec<String> = dbc.iter().map(|path| quoted(&path.to_string_lossy())).collect();
     line(&mut out, &format!("[dbc]\ninput = [{}]\n\n[signals]", files.join(", ")));
     for choice in &proposal.quantities {

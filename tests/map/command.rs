@@ -3,7 +3,7 @@
 use gripd::{Config, Quantity};
 
 use super::car::{Car, DRIVE};
-use super::gripd;
+use super::{gripd, program};
 
 #[test]
 fn the_command_writes_what_check_accepts_and_overwrites_nothing() {
@@ -63,4 +63,19 @@ fn what_is_missing_or_foreign_ends_with_its_code() {
     assert_eq!(mapped.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&mapped.stderr).contains("is it the right bus"));
     assert_eq!(gripd(&[&"map", &folder.path().join("none.dbc")]).status.code(), Some(2));
+}
+
+#[test]
+fn the_demo_cars_own_file_is_mapped_by_its_names() {
+    let mapped = gripd(&[&"map", &program::project("dbc/demo.dbc")]);
+    assert_eq!(mapped.status.code(), Some(0), "{}", String::from_utf8_lossy(&mapped.stderr));
+    let text = String::from_utf8_lossy(&mapped.stdout);
+    let config = Config::parse(&text, std::path::Path::new("car.toml")).unwrap();
+    let signal =
+        |quantity| config.signals.quantities.get(&quantity).and_then(|mapped| mapped.signal.as_deref());
+    assert_eq!(signal(Quantity::SteeringWheelAngle), Some("STEERING.Angle"));
+    assert_eq!(signal(Quantity::DriveTorque), Some("DRIVE.AxleTorque"));
+    // Its comment says that brakes are not in it; and nothing measures two things.
+    assert_eq!(signal(Quantity::BrakeTorque), None);
+    assert_eq!(config.bus.interface, "can0");
 }

@@ -4,6 +4,7 @@
 set -eu
 gripd=$1 count=$2 folder=$3
 cd "$(dirname "$0")/../.."
+mkdir -p "$folder"
 export gripd folder
 one=$(cat <<'SH'
 "$gripd" simulate config/scenarios/demo.toml --seed "$1" -o - |

@@ -109,7 +109,7 @@ pub enum LogError {
         format: Format,
     },
     /// Reading failed.
-    #[error("{name}: cannot be read beyond line {line}: {source}")]
+    #[error("{name}: cannot be read{}: {source}", beyond(*line))]
     Read {
         /// The file.
         name: String,
@@ -126,6 +126,11 @@ pub enum LogError {
         /// Why.
         source: io::Error,
     },
+}
+
+/// Where in the text; nothing was read before the first line.
+fn beyond(line: u64) -> String {
+    if line == 0 { String::new() } else { format!(" beyond line {line}") }
 }
 
 impl LogError {

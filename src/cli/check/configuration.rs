@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use crate::can::CanId;
 use crate::dbc::{Database, Warning};
-use crate::signals::Inputs;
 use crate::signals::publish::Publisher;
+use crate::signals::{Inputs, SignalsConfig};
 use crate::{Config, Quantity};
 
 /// Everything about a usable configuration.
@@ -21,10 +21,14 @@ pub struct ConfigurationReport {
     pub quantities: Vec<QuantityReport>,
     /// Optional quantities that are not configured.
     pub missing: Vec<Missing>,
+    /// What is suspicious in `[signals]`.
+    pub mapping_warnings: Vec<String>,
     /// What of the needed messages could not be used.
     pub dbc_warnings: Vec<String>,
     /// Warnings about messages that are not needed.
     pub other_dbc_warnings: usize,
+    /// The first of these.
+    pub first_other_dbc_warning: Option<String>,
     /// What the output DBC lacks or has in vain.
     pub publish_warnings: Vec<String>,
     /// Frames that will be published.
@@ -140,6 +144,12 @@ impl Parts {
                 ));
             }
         }
+        if let Some(database) = database.as_ref().ok().filter(|_| !problems.is_empty()) {
+            // What was not found may stand in a line that was not understood.
+            problems.extend(
+                database.warnings().iter().take(3).map(|warning| format!("{place}: dbc.input: {warning}")),
+            );
+        }
         match (inputs, publisher, database, output) {
             (Some(inputs), Some(publisher), Ok(database), Ok(output)) if problems.is_empty() => {
                 Ok(Self { inputs, publisher, database, output })
@@ -163,8 +173,10 @@ impl Parts {
             interface: config.bus.interface.clone(),
             quantities,
             missing,
+            mapping_warnings: used_twice(&config.signals),
             dbc_warnings: needed.iter().map(ToString::to_string).collect(),
             other_dbc_warnings: others.len(),
+            first_other_dbc_warning: others.first().map(ToString::to_string),
             publish_warnings: self.publisher.warnings().iter().map(ToString::to_string).collect(),
             published: self.published(config),
             publish_period_ms: config.publish.period_ms,
@@ -218,6 +230,24 @@ impl Parts {
             .map(|(message, id)| Published { message: message.name.clone(), id: id.to_string() })
             .collect()
     }
+}
+
+/// Signals that are taken for two quantities.
+fn used_twice(signals: &SignalsConfig) -> Vec<String> {
+    let used: Vec<(Quantity, &String)> = signals
+        .quantities
+        .iter()
+        .flat_map(|(quantity, mapped)| {
+            mapped.signal.iter().chain(mapped.sum.iter().flatten()).map(|name| (*quantity, name))
+        })
+        .collect();
+    let twice = used.iter().enumerate().filter_map(|(place, (quantity, name))| {
+        let (other, _) = used[..place].iter().find(|(other, taken)| taken == name && other != quantity)?;
+        Some(format!(
+            "signals.{quantity}: {name} is signals.{other}, too; one of them measures something else"
+        ))
+    });
+    twice.collect()
 }
 
 /// What the estimators lose without a quantity.

@@ -13,7 +13,7 @@ use serde::Serialize;
 use self::configuration::{ConfigurationReport, Parts};
 use self::recording::{Recorder, RecordingReport};
 use super::Failure;
-use super::output::{outputs_are_no_inputs, write_json};
+use super::output::{check_outputs, write_json};
 use super::progress::Progress;
 use crate::can::recording::Reader;
 use crate::explain::chain::{self, ChainReport};
@@ -50,7 +50,7 @@ impl Check {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
         let config = Config::load(&self.config)?;
-        outputs_are_no_inputs(self.logs.iter().chain([&self.config]).chain(config.files()), &self.json)?;
+        check_outputs(self.logs.iter().chain([&self.config]).chain(config.files()), &self.json)?;
         let parts =
             Parts::build(&config, &self.config).map_err(|problems| Failure::Usage(list(&problems)))?;
         let text = std::fs::read_to_string(&self.config).map_err(Failure::usage)?;

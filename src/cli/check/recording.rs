@@ -313,7 +313,7 @@ impl Channel {
             quantity: quantity.name(),
             frames: self.frames,
             period_ms: median.map(|us| 1e-3 * us),
-            rate_hz: median.filter(|us| *us > 0.0).map(|us| 1e6 / us),
+            rate_hz: mean(&without_gaps).filter(|us| *us > 0.0).map(|us| 1e6 / us),
             jitter_ms: std(&without_gaps).map(|us| 1e-3 * us),
             longest_gap_s: self.longest.map(|(us, _)| 1e-6 * us as f64),
             longest_gap_at_s: self.longest.map(|(_, at)| at),
@@ -353,10 +353,11 @@ fn median_of_second_differences(second: &mut [f32]) -> Option<f64> {
     Some((squares / second.len() as f64 / 6.0).sqrt())
 }
 
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
 fn std(values: &[f64]) -> Option<f64> {
-    if values.len() < 2 {
-        return None;
-    }
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let mean = mean(values).filter(|_| values.len() > 1)?;
     Some((values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64).sqrt())
 }

@@ -84,11 +84,15 @@ fn configuration(out: &mut impl Write, report: &ConfigurationReport) -> io::Resu
             writeln!(out, "  {:<26} {}", missing.quantity, missing.cost)?;
         }
     }
+    for warning in &report.mapping_warnings {
+        writeln!(out, "\n{warning}")?;
+    }
     for warning in &report.dbc_warnings {
         writeln!(out, "\nDBC: {warning}")?;
     }
-    if report.other_dbc_warnings > 0 {
-        writeln!(out, "\nDBC: {} warnings about messages that are not needed", report.other_dbc_warnings)?;
+    if let Some(first) = &report.first_other_dbc_warning {
+        let count = report.other_dbc_warnings;
+        writeln!(out, "\nDBC: {count} warnings about messages that are not needed, the first: {first}")?;
     }
     for warning in &report.publish_warnings {
         writeln!(out, "output DBC: {warning}")?;

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::Failure;
-use super::output::{outputs_are_no_inputs, write_json, write_text};
+use super::output::{check_outputs, write_json, write_text};
 use super::progress::Progress;
 use crate::Config;
 use crate::explain::Case;
@@ -53,7 +53,7 @@ impl Explain {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
         let config = Config::load(&self.config)?;
-        outputs_are_no_inputs(
+        check_outputs(
             self.logs.iter().chain(&self.holdout).chain([&self.config]).chain(config.files()),
             self.json.iter().chain(&self.html).chain(&self.apply),
         )?;

@@ -14,7 +14,7 @@ use serde::de::value::{Error as ValueError, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
 use super::Failure;
-use super::output::{outputs_are_no_inputs, write_json, write_text};
+use super::output::{check_outputs, write_json, write_text};
 use super::progress::Progress;
 use crate::Config;
 use crate::identify::{Drive, Identification, Identifier, IdentifyConfig, IdentifyError, Method, Record};
@@ -60,7 +60,7 @@ impl Identify {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
         let config = Config::load(&self.config)?;
-        outputs_are_no_inputs(
+        check_outputs(
             self.logs.iter().chain([&self.config]).chain(config.files()),
             self.json.iter().chain(&self.html),
         )?;

@@ -8,7 +8,7 @@ mod server;
 mod watcher;
 
 use std::io::Write;
-use std::net::SocketAddr;
+use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 use std::thread;
 
@@ -29,8 +29,16 @@ pub struct View {
     #[command(flatten)]
     watched: Watched,
     /// Where the page is served: a port of the loopback interface. Port 0: any that is free.
-    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:8470")]
+    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:8470", value_parser = address)]
     listen: SocketAddr,
+}
+
+/// An address with its port, or a port of the loopback.
+fn address(text: &str) -> Result<SocketAddr, &'static str> {
+    let of_port = |port| SocketAddr::from((Ipv4Addr::LOCALHOST, port));
+    text.parse()
+        .or_else(|_| text.parse().map(of_port))
+        .map_err(|_| "write ADDRESS:PORT, as 127.0.0.1:8470, or PORT")
 }
 
 impl View {

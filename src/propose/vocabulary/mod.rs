@@ -267,11 +267,12 @@ impl Vocabulary {
         if spoken.signal.any(self.worse) || spoken.message.any(self.worse) {
             score *= 0.75;
         }
-        if !(spoken.signal.any(self.better) || spoken.message.any(self.better)) {
-            score *= 0.9;
-        }
         // Words of which nothing is known may turn it into anything.
         let strangers = spoken.signal.others(self.groups).min(6);
+        let is_better = spoken.signal.any(self.better) || spoken.message.any(self.better);
+        if !is_better && strangers > 0 {
+            score *= 0.9;
+        }
         score * (1.0 - 0.015 * strangers as f64)
     }
 }

@@ -86,7 +86,7 @@ pub(super) const STEERING: Vocabulary = Vocabulary {
             "vinkel",
         ],
     ],
-    better: &["comp", "wheel", "lenkrad~", "lrw"],
+    better: &["comp", "wheel", "lenkrad~", "lrw", "sw", "coarse"],
     worse: &["raw", "rel*", "sub", "lta", "related", "alt", "torque", "itt", "rb"],
     not: &[
         "rate", "speed*", "spd", "gesch~", "vel*", "torq*", "tq", "moment*", "brk", "park*", "heat*", "ext*",
@@ -160,7 +160,10 @@ pub(super) const BRAKE_TORQUE: Vocabulary = Vocabulary {
     groups: &[TORQUE, BRAKE],
     better: &["tot*", "actl", "actual"],
     worse: &["tsk"],
-    not: &["park*", "regen*", "rgen*", "pla", "pl", "steer*", "ste", "acc", "lsmc", "prpl*"],
+    not: &[
+        "park*", "regen*", "rgen*", "pla", "pl", "steer*", "ste", "acc", "lsmc", "prpl*", "drive",
+        "antrieb*", "eng*",
+    ],
 };
 pub(super) const BRAKE_PRESSURE: Vocabulary = Vocabulary {
     groups: &[

@@ -10,6 +10,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::de::value::{Error as ValueError, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
@@ -37,11 +38,11 @@ pub struct Identify {
     /// Identify these, by their names in [vehicle]; `lateral_stiffness` means both axles' as one.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     parameters: Option<Vec<String>>,
-    /// How segments of the recordings are tied: auto, free_run or segments.
-    #[arg(long, value_parser = word::<Method>)]
+    /// How segments of the recordings are tied.
+    #[arg(long, value_parser = one_of::<Method>(&["auto", "free_run", "segments"]))]
     method: Option<Method>,
-    /// What the longitudinal forces come from: torque, wheel_speeds or slips.
-    #[arg(long, value_parser = word::<Drive>)]
+    /// What the longitudinal forces come from.
+    #[arg(long, value_parser = one_of::<Drive>(&["torque", "wheel_speeds", "slips"]))]
     drive: Option<Drive>,
     /// Search from so many starts.
     #[arg(long, value_name = "N")]
@@ -103,10 +104,15 @@ impl Identify {
     }
 }
 
-/// A word of the configuration's as an option; the error lists the words there are.
-fn word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
-    let text: StrDeserializer<ValueError> = text.into_deserializer();
-    T::deserialize(text).map_err(|error| error.to_string())
+/// Words of the configuration's as an option.
+fn one_of<T>(words: &'static [&'static str]) -> impl TypedValueParser<Value = T>
+where
+    T: DeserializeOwned + Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(words).try_map(|word| {
+        let word: StrDeserializer<ValueError> = word.as_str().into_deserializer();
+        T::deserialize(word)
+    })
 }
 
 /// Who has to do something about it: who wrote the configuration, or who drove.

@@ -54,7 +54,7 @@ pub fn draw(frame: &mut Frame, teller: &Teller, mode: Mode, note: Option<&str>) 
         };
         column(frame, teller, body, all);
     }
-    frame.render_widget(Paragraph::new(footer(teller, mode)), bottom);
+    frame.render_widget(Paragraph::new(footer(teller, mode, area.width)), bottom);
     if mode.help {
         help(frame, teller, area);
     }
@@ -101,13 +101,18 @@ fn rows(sections: &[Section]) -> u16 {
     u16::try_from(rows).unwrap_or(u16::MAX)
 }
 
-/// Sections below one another; what does not fit is left out.
+/// Sections below one another; how much does not fit is said.
 fn column(frame: &mut Frame, teller: &Teller, area: Rect, sections: impl Fn(&Teller) -> Vec<Section>) {
     let width = usize::from(area.width);
     let mut lines = Vec::new();
     for section in sections(&Teller { width, ..*teller }) {
         lines.push(heading(teller, &section, width));
         lines.extend(section.lines);
+    }
+    if let Some(room) = usize::from(area.height).checked_sub(1).filter(|room| lines.len() > room + 1) {
+        let more = format!("… {} more lines on a larger terminal", lines.len() - room);
+        lines.truncate(room);
+        lines.push(Line::from(teller.look.text(Tone::Quiet, more)));
     }
     frame.render_widget(Paragraph::new(lines), area);
 }
@@ -134,17 +139,21 @@ fn heading(teller: &Teller, section: &Section, width: usize) -> Line<'static> {
     Line::from(spans)
 }
 
-fn footer(teller: &Teller, mode: Mode) -> Line<'static> {
-    let mut spans = Vec::new();
+/// As many of the keys as there is room for.
+fn footer(teller: &Teller, mode: Mode, width: u16) -> Line<'static> {
+    let mut spans: Vec<Span<'static>> = Vec::new();
     if mode.paused {
         spans.push(teller.look.text(Tone::Doubtful, "PAUSED  "));
     }
     if mode.over {
         spans.push(teller.look.text(Tone::Doubtful, "the recording is over  "));
     }
-    for (key, what) in [("q", "quit"), ("p", "pause"), ("e", "whose estimates"), ("?", "help")] {
-        spans.push(teller.look.text(Tone::Title, key));
-        spans.push(teller.look.text(Tone::Quiet, format!(" {what}   ")));
+    for (key, what) in [("q", "quit"), ("p", "pause"), ("?", "help"), ("e", "whose estimates")] {
+        let taken: usize = spans.iter().map(Span::width).sum();
+        if taken + key.len() + 1 + what.len() <= usize::from(width) {
+            spans.push(teller.look.text(Tone::Title, key));
+            spans.push(teller.look.text(Tone::Quiet, format!(" {what}   ")));
+        }
     }
     Line::from(spans)
 }

@@ -99,6 +99,7 @@ fn everything_has_room_on_the_smallest_usual_terminal() {
     let watch = watch(Estimator::Bus, frames());
     let text = text(&watch, (80, 24), Mode::default());
     println!("{text}");
+    assert!(!text.contains("more lines"), "{text}");
     assert_shows(&text, &["vcan0: up", "as a gripd on this bus publishes", "no faults", "q quit"]);
     assert_shows(&text, &["450 frames/s", "6 of 6 come, 50/s each", "all frames sound"]);
     for input in watch.inputs() {
@@ -137,6 +138,11 @@ fn no_size_is_too_small() {
         screen(&watch, size, Mode::default(), true);
         screen(&watch, size, help, true);
     }
+    let small = text(&watch, (60, 15), Mode { paused: true, ..Mode::default() });
+    assert_shows(&small, &["PAUSED", "more lines on a larger terminal", "q quit", "? help"]);
+    let narrow = text(&watch, (20, 12), Mode::default());
+    assert_shows(&narrow, &["q quit"]);
+    assert!(!narrow.contains("whose"), "{narrow}");
 }
 
 #[test]

@@ -2,11 +2,13 @@
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, OpenOptions};
-use std::io;
+use std::io::{self, Write};
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use nix::fcntl::{PosixFadviseAdvice, posix_fadvise};
 
 /// A file being written aside, under a hidden name in the same folder. [`NewFile::commit`] makes sure
 /// that it is on the disk and gives it its name; dropped before that it goes away, and what was there
@@ -48,6 +50,14 @@ impl NewFile {
         self.file.try_clone()
     }
 
+    /// Where to write what is written from its beginning to its end and not looked at meanwhile.
+    ///
+    /// # Errors
+    /// If the process has no file descriptor left.
+    pub fn stream(&self) -> io::Result<Stream> {
+        Ok(Stream { file: self.writer()?, written: 0, handed_on: 0 })
+    }
+
     /// The contents first, then the name: after a power cut there is the old file or the new one.
     ///
     /// # Errors
@@ -57,6 +67,44 @@ impl NewFile {
             Some(aside) => aside.commit(&self.file),
             None => Ok(()),
         }
+    }
+}
+
+/// What is written goes on to the disk while more is made: to wait for all of it at the end takes a tenth of the time
+/// of a replay.
+#[derive(Debug)]
+pub struct Stream {
+    file: File,
+    written: u64,
+    /// So much of it the kernel was asked to write.
+    handed_on: u64,
+}
+
+impl Stream {
+    /// So many bytes are handed on at a time.
+    const STRETCH: u64 = 1 << 20;
+
+    fn hand_on(&mut self) {
+        let (start, length) = (self.handed_on as i64, (self.written - self.handed_on) as i64);
+        // That nobody needs it in memory makes Linux begin to write it, and forget none of it before. An advice only:
+        // a pipe has no use for it, and what was not written by then `commit` waits for.
+        let _ = posix_fadvise(&self.file, start, length, PosixFadviseAdvice::POSIX_FADV_DONTNEED);
+        self.handed_on = self.written;
+    }
+}
+
+impl Write for Stream {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.file.write(bytes)?;
+        self.written += count as u64;
+        if self.written - self.handed_on >= Self::STRETCH {
+            self.hand_on();
+        }
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
     }
 }
 
@@ -156,7 +204,6 @@ fn temporary_name(target: &Path) -> Option<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::Write;
 
     #[test]
     fn only_leftovers_of_that_file_are_removed() {
@@ -191,5 +238,18 @@ mod tests {
         new.commit().unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "new");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_stream_of_several_stretches_is_there_as_a_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("recording");
+        let text: Vec<u8> = (0..3 * Stream::STRETCH + 5).map(|place| (place % 251) as u8).collect();
+        let new = NewFile::create(&path).unwrap();
+        let mut stream = new.stream().unwrap();
+        text.chunks(100_000).for_each(|piece| stream.write_all(piece).unwrap());
+        assert!(stream.handed_on >= 2 * Stream::STRETCH);
+        new.commit().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), text);
     }
 }

@@ -130,6 +130,16 @@ impl Quantity {
         }
     }
 
+    /// The required ones, as bits.
+    pub(crate) const REQUIRED: u16 = {
+        let (mut bits, mut place) = (0, 0);
+        while place < Self::COUNT {
+            bits |= (Self::ALL[place].is_required() as u16) << place;
+            place += 1;
+        }
+        bits
+    };
+
     /// Without these there is nothing to estimate; all others are optional.
     pub const fn is_required(self) -> bool {
         self.wheel().is_some()
@@ -242,6 +252,12 @@ impl Sample {
             self.get(Quantity::WheelSpeedRl)?,
             self.get(Quantity::WheelSpeedRr)?,
         ])
+    }
+
+    /// All that are required are known.
+    #[inline]
+    pub fn is_complete(&self) -> bool {
+        self.present & Quantity::REQUIRED == Quantity::REQUIRED
     }
 
     /// No quantity is known.

@@ -25,6 +25,7 @@ impl Micros {
     }
 
     /// In seconds. Exact to the microsecond for any date of this century.
+    #[inline]
     pub fn seconds(self) -> f64 {
         self.0 as f64 / Self::PER_SECOND as f64
     }
@@ -40,6 +41,7 @@ impl Micros {
 
 impl Add for Micros {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self(self.0.saturating_add(other.0))
     }
@@ -47,6 +49,7 @@ impl Add for Micros {
 
 impl Sub for Micros {
     type Output = Self;
+    #[inline]
     fn sub(self, other: Self) -> Self {
         Self(self.0.saturating_sub(other.0))
     }

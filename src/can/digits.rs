@@ -4,6 +4,7 @@
 use crate::Micros;
 
 /// The same byte in all eight places.
+#[inline]
 const fn all(byte: u8) -> u64 {
     u64::from_le_bytes([byte; 8])
 }

@@ -19,21 +19,25 @@ impl CanId {
     pub const MAX_EXTENDED: u32 = 0x1FFF_FFFF;
 
     /// A standard identifier; `None` if it does not fit 11 bits.
+    #[inline]
     pub const fn standard(id: u32) -> Option<Self> {
         if id <= Self::MAX_STANDARD { Some(Self(id)) } else { None }
     }
 
     /// An extended identifier; `None` if it does not fit 29 bits.
+    #[inline]
     pub const fn extended(id: u32) -> Option<Self> {
         if id <= Self::MAX_EXTENDED { Some(Self(id | Self::EXTENDED)) } else { None }
     }
 
     /// The identifier's number, without the mark of its kind.
+    #[inline]
     pub const fn number(self) -> u32 {
         self.0 & !Self::EXTENDED
     }
 
     /// Has it 29 bits?
+    #[inline]
     pub const fn is_extended(self) -> bool {
         self.0 & Self::EXTENDED != 0
     }
@@ -126,6 +130,14 @@ impl Frame {
         } else {
             Err(too_long(kind, length))
         }
+    }
+
+    /// A classic data frame of the first `length` of these bytes, the others being zero.
+    #[inline]
+    pub(super) fn of_eight(time: Micros, id: CanId, bytes: [u8; 8], length: usize) -> Self {
+        let mut data = [0; 64];
+        data[..8].copy_from_slice(&bytes);
+        Self { time, id, kind: FrameKind::Data, length: length.min(8) as u8, data }
     }
 
     /// A classic data frame.

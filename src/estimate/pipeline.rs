@@ -184,10 +184,9 @@ impl Pipeline {
         if sample.is_empty() {
             return State::NoInput;
         }
-        let required = Quantity::ALL.iter().filter(|quantity| quantity.is_required());
         let doubtful = Faults::WHEEL_MISMATCH | Faults::MOTION_MISMATCH | Faults::STUCK;
-        let missing = required.clone().any(|quantity| sample.get(*quantity).is_none());
-        if missing || sample.faults.intersects(doubtful) { State::Degraded } else { State::Running }
+        let is_usual = sample.is_complete() && !sample.faults.intersects(doubtful);
+        if is_usual { State::Running } else { State::Degraded }
     }
 
     fn longitudinal(&mut self, now: &Kinematics) {

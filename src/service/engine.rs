@@ -298,7 +298,7 @@ impl Engine {
         if self.counts.samples == 0 {
             return;
         }
-        let due = *self.next_publication.get_or_insert(now.next_multiple_of(self.period));
+        let due = *self.next_publication.get_or_insert_with(|| now.next_multiple_of(self.period));
         // After the clock was set back, the next multiple lies far ahead: start again.
         let stepped_back = due - now > self.period;
         if now < due && !stepped_back {

@@ -9,12 +9,12 @@ pub(super) struct Point {
     pub(super) value: f64,
 }
 
-/// A ring of the newest points, oldest first, in strictly increasing time.
+/// A ring of the newest points in strictly increasing time.
 #[derive(Clone, Debug)]
 pub(super) struct History {
     points: Vec<Point>,
-    /// Where the oldest is.
-    first: usize,
+    /// Where the newest is.
+    last: usize,
     length: usize,
     /// Points nearer than this to the one before the last take the last one's place, so that the ring
     /// reaches back far enough whatever the frame rate.
@@ -27,25 +27,20 @@ impl History {
         let capacity = (reach.0 / 500).clamp(64, 4096);
         let spacing = Micros(reach.0 / (capacity - 8));
         let points = vec![Point { time: Micros(0), value: f64::NAN }; capacity as usize];
-        Self { points, first: 0, length: 0, spacing }
-    }
-
-    #[inline]
-    fn place(&self, age: usize) -> usize {
-        let index = self.first + self.length - 1 - age;
-        if index >= self.points.len() { index - self.points.len() } else { index }
-    }
-
-    /// The point that has `age` newer ones after it.
-    #[inline]
-    fn newest(&self, age: usize) -> Option<Point> {
-        if age < self.length { Some(self.points[self.place(age)]) } else { None }
+        Self { points, last: 0, length: 0, spacing }
     }
 
     /// The newest point.
     #[inline]
     pub(super) fn last(&self) -> Option<Point> {
-        self.newest(0)
+        if self.length > 0 { Some(self.points[self.last]) } else { None }
+    }
+
+    /// From the newest back.
+    #[inline]
+    fn newest_first(&self) -> impl Iterator<Item = &Point> {
+        let (behind, before) = self.points.split_at(self.last + 1);
+        behind.iter().rev().chain(before.iter().rev()).take(self.length)
     }
 
     /// Adds the newest point. At the last one's time it takes that one's place; before it, it is refused.
@@ -56,28 +51,23 @@ impl History {
                 return false;
             }
             let crowded = point.time - last.time < self.spacing
-                && self.newest(1).is_some_and(|previous| point.time - previous.time < self.spacing)
+                && self.newest_first().nth(1).is_some_and(|before| point.time - before.time < self.spacing)
                 // An end of availability must not vanish in a crowd.
                 && last.value.is_nan() == point.value.is_nan();
             if point.time == last.time || crowded {
-                let place = self.place(0);
-                self.points[place] = point;
+                self.points[self.last] = point;
                 return true;
             }
         }
-        if self.length < self.points.len() {
-            self.length += 1;
-        } else {
-            let next = self.first + 1;
-            self.first = if next < self.points.len() { next } else { 0 };
-        }
-        let place = self.place(0);
-        self.points[place] = point;
+        let next = self.last + 1;
+        self.last = if next < self.points.len() { next } else { 0 };
+        self.length = self.points.len().min(self.length + 1);
+        self.points[self.last] = point;
         true
     }
 
     pub(super) fn clear(&mut self) {
-        (self.first, self.length) = (0, 0);
+        self.length = 0;
     }
 
     /// The value at an instant: between two points on a straight line (or the older one's, if
@@ -86,11 +76,7 @@ impl History {
     #[inline]
     pub(super) fn at(&self, time: Micros, interpolate: bool, limit: Micros) -> At {
         let mut after: Option<Point> = None;
-        // From the newest back: those before the end of the ring, then those behind its beginning.
-        let (behind, before) = self.points.split_at(self.first);
-        let wrapped = (self.first + self.length).saturating_sub(self.points.len());
-        let older = &before[..self.length - wrapped];
-        for &point in behind[..wrapped].iter().rev().chain(older.iter().rev()) {
+        for &point in self.newest_first() {
             if point.time > time {
                 after = Some(point);
                 continue;

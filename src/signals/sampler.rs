@@ -41,8 +41,7 @@ pub struct Sampler {
     counters: Vec<CounterTrack>,
     /// What each quality signal of another message last said, and when.
     gates: Vec<Option<(Micros, bool)>>,
-    /// Required quantities, and those heard of, as bits.
-    required: u16,
+    /// Quantities heard of, as bits.
     heard: u16,
     /// Events since the last sample.
     pending: Faults,
@@ -83,15 +82,12 @@ impl Sampler {
             run: Run::default(),
         };
         let channels: Vec<Channel> = configured().map(channel).collect();
-        let required =
-            configured().filter(|(q, _)| q.is_required()).fold(0, |bits, (q, _)| bits | 1 << q as usize);
         Self {
             index: IdIndex::new(inputs.ids()),
             counters: vec![CounterTrack::default(); inputs.messages.len()],
             gates: vec![None; inputs.messages.iter().map(|message| message.gates.len()).sum()],
             grid,
             channels,
-            required,
             heard: 0,
             pending: Faults::empty(),
             lasting: Faults::empty(),
@@ -167,7 +163,7 @@ impl Sampler {
             }
         }
         let reason = self.check(frame, index).unwrap_or_else(|| self.take(frame, index));
-        self.grid.start(self.heard & self.required == self.required);
+        self.grid.start(self.heard & Quantity::REQUIRED == Quantity::REQUIRED);
         if reason.is_empty() {
             Pushed::Used
         } else {
@@ -177,8 +173,13 @@ impl Sampler {
     }
 
     /// The next sample that is due, if any.
+    #[inline]
     pub fn next_sample(&mut self) -> Option<Sample> {
         let (time, elapsed_s) = self.grid.due()?;
+        Some(self.sample(time, elapsed_s))
+    }
+
+    fn sample(&mut self, time: Micros, elapsed_s: f64) -> Sample {
         let mut sample = Sample::empty(time, elapsed_s);
         let mut lasting = Faults::empty();
         let mut too_old = 0;
@@ -209,7 +210,7 @@ impl Sampler {
         sample.faults = lasting | self.pending;
         self.pending = Faults::empty();
         self.lasting = lasting;
-        Some(sample)
+        sample
     }
 
     /// At the end of a recording: the samples up to the last frame become due without waiting.
@@ -264,10 +265,11 @@ impl Sampler {
     fn take(&mut self, frame: &Frame, index: usize) -> Faults {
         let mut taken = Faults::empty();
         let mut dropped = Faults::empty();
+        let data = frame.data();
         let message = &self.inputs.messages[index];
         for gate in &message.gates {
             let known = &mut self.gates[gate.number];
-            if let Some(allowed) = gate.quality.allows(frame.data())
+            if let Some(allowed) = gate.quality.allows(data)
                 && known.is_none_or(|(time, _)| time <= frame.time)
             {
                 *known = Some((frame.time, allowed));
@@ -278,7 +280,7 @@ impl Sampler {
             let Some(channel) = self.channels.get_mut(usize::from(place)) else { continue };
             let time = frame.time - channel.traits.delay;
             let value = match passed(&self.gates, mapping, frame.time, channel.traits.timeout)
-                .unwrap_or_else(|| mapping.read(frame.data()))
+                .unwrap_or_else(|| mapping.read(data))
             {
                 Reading::NotInThisFrame => continue,
                 Reading::NotAvailable => {

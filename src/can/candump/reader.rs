@@ -126,20 +126,26 @@ impl Reader {
     /// # Errors
     /// If the source fails or its compression is broken. What could be read has been delivered before,
     /// and the error comes once: after it there is only `None`.
+    #[inline]
     pub fn next_frame(&mut self) -> Result<Option<Frame>, LogError> {
+        // Between two lines, most of the time.
+        if self.searched == self.start
+            && !self.in_long_line
+            && let Some(usual) = usual::parse(&self.buffer[self.start..self.end], &mut self.second)
+            && follow(&mut self.interface, usual.interface)
+        {
+            self.start += usual.length;
+            self.searched = self.start;
+            self.stats.lines += 1;
+            self.stats.frame(usual.time);
+            return Ok(Some(usual.frame()));
+        }
+        self.next_of_any()
+    }
+
+    /// The next frame of whatever lines there are, and of those that are not in the buffer yet.
+    fn next_of_any(&mut self) -> Result<Option<Frame>, LogError> {
         loop {
-            // Between two lines, most of the time.
-            if self.searched == self.start
-                && !self.in_long_line
-                && let Some(usual) = usual::parse(&self.buffer[self.start..self.end], &mut self.second)
-                && follow(&mut self.interface, usual.interface)
-            {
-                self.start += usual.length;
-                self.searched = self.start;
-                self.stats.lines += 1;
-                self.stats.frame(usual.frame.time);
-                return Ok(Some(usual.frame));
-            }
             let Some(text) = self.next_line()? else { return Ok(None) };
             self.stats.lines += 1;
             let line = &self.buffer[text.0..text.1];

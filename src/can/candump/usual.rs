@@ -6,14 +6,26 @@
 
 use crate::Micros;
 use crate::can::digits::{decimal, digit, first, first_up_to, hexadecimal};
-use crate::can::{CanId, Frame, FrameKind};
+use crate::can::{CanId, Frame};
 
 /// What a usual line says, and where it ends.
 pub(super) struct Usual<'a> {
     pub interface: &'a [u8],
-    pub frame: Frame,
+    pub time: Micros,
+    id: CanId,
+    /// The frame's bytes, zeros behind them, and how many there are.
+    data: [u8; 8],
+    count: usize,
     /// Bytes of the line, its newline among them.
     pub length: usize,
+}
+
+impl Usual<'_> {
+    /// The frame. To be asked for where it is to stay: it is several times as large as what there is to say of it.
+    #[inline]
+    pub fn frame(&self) -> Frame {
+        Frame::of_eight(self.time, self.id, self.data, self.count)
+    }
 }
 
 /// The second that was read last: of thousands of lines it is the same.
@@ -41,12 +53,9 @@ pub(super) fn parse<'a>(text: &'a [u8], second: &mut Second) -> Option<Usual<'a>
     }
     let (interface, rest) = rest.split_at(space);
     let (id, digits) = identifier(rest.strip_prefix(b" ")?)?;
-    let (bytes, count) = data(digits)?;
-    let mut payload = [0; 64];
-    payload[..8].copy_from_slice(&bytes);
-    let frame = Frame::from_payload(time, id, FrameKind::Data, payload, count / 2).ok()?;
-    let length = text.len() - digits.len() + count + 1;
-    Some(Usual { interface, frame, length })
+    let (data, digits_of_data) = data(digits)?;
+    let length = text.len() - digits.len() + digits_of_data + 1;
+    Some(Usual { interface, time, id, data, count: digits_of_data / 2, length })
 }
 
 /// `1760000000.000584)`: seconds of up to twelve digits and whole microseconds.
@@ -164,15 +173,11 @@ mod tests {
                         for end in ["", " ", "\r", " R"] {
                             let line = format!("({stamp}) {interface} {id}#{data}{end}");
                             let text = format!("{line}\n{line}\n");
-                            let Some(Usual { interface: name, frame, length }) =
-                                parse(text.as_bytes(), &mut second)
-                            else {
-                                continue;
-                            };
+                            let Some(read) = parse(text.as_bytes(), &mut second) else { continue };
                             usual += 1;
-                            let whole = Line::Frame { interface: name, frame };
+                            let whole = Line::Frame { interface: read.interface, frame: read.frame() };
                             assert_eq!(line::parse(line.as_bytes()), Ok(whole), "{line}");
-                            assert_eq!((name, length), (interface.as_bytes(), line.len() + 1));
+                            assert_eq!((read.interface, read.length), (interface.as_bytes(), line.len() + 1));
                         }
                     }
                 }
@@ -206,9 +211,10 @@ mod tests {
                 let text = [line, "\n", line, "\n"].concat();
                 prop_assert!(parse(text.as_bytes(), &mut second).is_some());
             }
-            if let Some(Usual { interface, frame, length }) = parse(&text, &mut second) {
-                let read = &text[..length - 1];
-                prop_assert!(text[length - 1] == b'\n' && !read.contains(&b'\n'));
+            if let Some(usual) = parse(&text, &mut second) {
+                let read = &text[..usual.length - 1];
+                prop_assert!(text[usual.length - 1] == b'\n' && !read.contains(&b'\n'));
+                let (interface, frame) = (usual.interface, usual.frame());
                 prop_assert_eq!(line::parse(read), Ok(Line::Frame { interface, frame }));
             }
         }

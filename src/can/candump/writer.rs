@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use super::LogError;
+use crate::Micros;
 use crate::can::digits::{Words, to_hexadecimal};
 use crate::can::recording::TextOutput;
 use crate::can::wire::{ERROR, fd_flags};
@@ -16,7 +17,11 @@ use crate::can::{Frame, FrameKind};
 pub struct Writer {
     interface: String,
     output: TextOutput,
+    /// The line written last, and how much of it is the stamp.
     line: Vec<u8>,
+    stamp: usize,
+    /// The time it was for: all frames of a round have the same.
+    time: Option<Micros>,
 }
 
 impl Writer {
@@ -36,7 +41,7 @@ impl Writer {
     }
 
     fn to(output: TextOutput, interface: &str) -> Self {
-        Self { interface: interface.to_owned(), output, line: Vec::new() }
+        Self { interface: interface.to_owned(), output, line: Vec::new(), stamp: 0, time: None }
     }
 
     /// Writes a frame of the writer's interface.
@@ -44,8 +49,8 @@ impl Writer {
     /// # Errors
     /// If the output fails.
     pub fn write(&mut self, frame: &Frame) -> Result<(), LogError> {
-        self.line.clear();
-        write_line(&mut self.line, &self.interface, frame);
+        self.begin_line(frame.time);
+        push_rest(&mut self.line, &self.interface, frame);
         self.output.write(&self.line)
     }
 
@@ -54,9 +59,19 @@ impl Writer {
     /// # Errors
     /// If the output fails.
     pub fn write_as(&mut self, interface: &str, frame: &Frame) -> Result<(), LogError> {
-        self.line.clear();
-        write_line(&mut self.line, interface, frame);
+        self.begin_line(frame.time);
+        push_rest(&mut self.line, interface, frame);
         self.output.write(&self.line)
+    }
+
+    #[inline]
+    fn begin_line(&mut self, time: Micros) {
+        if self.time != Some(time) {
+            self.line.clear();
+            push_stamp(&mut self.line, time);
+            (self.stamp, self.time) = (self.line.len(), Some(time));
+        }
+        self.line.truncate(self.stamp);
     }
 
     /// Hands on what is still in the buffer, so that a reader of a pipe sees it now.
@@ -80,9 +95,18 @@ impl Writer {
 ///
 /// Seconds are not padded to ten digits (candump pads, which shows before September 2001 only).
 pub fn write_line(text: &mut Vec<u8>, interface: &str, frame: &Frame) {
+    push_stamp(text, frame.time);
+    push_rest(text, interface, frame);
+}
+
+fn push_stamp(text: &mut Vec<u8>, time: Micros) {
     let mut stamp = Words::default();
-    stamp.one(b'(').seconds(frame.time).word(*b")       ", 2);
+    stamp.one(b'(').seconds(time).word(*b")       ", 2);
     text.extend_from_slice(stamp.text());
+}
+
+/// What comes after the stamp.
+fn push_rest(text: &mut Vec<u8>, interface: &str, frame: &Frame) {
     text.extend_from_slice(interface.as_bytes());
     let mut rest = Words::default();
     let number = frame.id.number();

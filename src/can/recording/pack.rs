@@ -50,7 +50,7 @@ impl TextOutput {
 
     fn create_file(path: &Path, name: String) -> io::Result<Self> {
         let file = NewFile::create(path)?;
-        let output = buffered(Box::new(file.writer()?));
+        let output = buffered(Box::new(file.stream()?));
         let packer = match path.extension().and_then(|extension| extension.to_str()) {
             Some("gz") => Packer::Gzip(GzEncoder::new(output, flate2::Compression::default())),
             Some("zst") => Packer::Zstd(zstd::Encoder::new(output, zstd::DEFAULT_COMPRESSION_LEVEL)?),

@@ -1,7 +1,7 @@
 //! A sensor that does not move although others show that it must.
 
 use super::{Contradiction, Kinematics, Run, SLOW};
-use crate::{Faults, Quantity, Sample, Wheel};
+use crate::{Faults, Micros, Quantity, Sample, Wheel};
 
 /// Fewer equal values than these are no evidence, however slow the message.
 const FRAMES: u32 = 20;
@@ -30,7 +30,9 @@ pub(super) struct StuckCheck {
 /// What the witnesses did during a run of equal values.
 #[derive(Clone, Copy, Debug, Default)]
 struct Watch {
-    run: Run,
+    /// The run's beginning and its value.
+    since: Micros,
+    value: f64,
     first: Span,
     second: Span,
     /// How long a value is still not believed, s.
@@ -66,12 +68,19 @@ impl Span {
     }
 }
 
+impl Watch {
+    /// Nothing moved yet during this run.
+    fn begin(&mut self, since: Micros) {
+        *self = Self { since, first: Span::default(), second: Span::default(), ..*self };
+    }
+}
+
 impl StuckCheck {
     /// The sensor that stands still, if one does.
     pub(super) fn reason(&self) -> Option<Contradiction> {
         let stuck = |quantity: &Quantity| self.watched[*quantity as usize].distrust_s > 0.0;
         let quantity = WATCHED.into_iter().find(stuck)?;
-        Some(Contradiction::Stuck { quantity, value: self.watched[quantity as usize].run.value })
+        Some(Contradiction::Stuck { quantity, value: self.watched[quantity as usize].value })
     }
 
     pub(super) fn check(
@@ -86,14 +95,14 @@ impl StuckCheck {
         for quantity in WATCHED {
             let run = &runs[quantity as usize];
             let watch = &mut self.watched[quantity as usize];
-            if watch.run.since != run.since {
-                *watch = Watch { distrust_s: watch.distrust_s, ..Watch::default() };
-            }
-            watch.run = *run;
             watch.distrust_s = (watch.distrust_s - sample.elapsed_s).max(0.0);
+            watch.value = run.value;
+            if watch.since != run.since {
+                watch.begin(run.since);
+            }
             let Some(value) = sample.get(quantity) else { continue };
             if !moving {
-                *watch = Watch { run: *run, distrust_s: watch.distrust_s, ..Watch::default() };
+                watch.begin(run.since);
                 continue;
             }
             let lasted = |seconds| (run.until - run.since).seconds() > seconds;

@@ -92,9 +92,9 @@ fn agrees_with_its_side(sample: &Sample, wheel: Wheel) -> Option<bool> {
 /// The wheel that contradicts the others, and whether it is too slow.
 fn odd_one(sample: &Sample, wheel_radius_m: f64) -> Option<(Wheel, bool)> {
     let speeds = sample.wheel_speeds()?;
-    let mut sorted = speeds.map(f64::abs);
-    sorted.sort_by(f64::total_cmp);
-    let median = 0.5 * (sorted[1] + sorted[2]);
+    let [a, b, c, d] = speeds.map(f64::abs);
+    // The higher of two pairs' lower ones and the lower of their higher ones are the two in the middle.
+    let median = 0.5 * (a.min(b).max(c.min(d)) + a.max(b).min(c.max(d)));
     if median * wheel_radius_m < SLOW {
         return None;
     }

@@ -151,10 +151,9 @@ pub fn pass_run(
 ) -> Vec<Sums> {
     let mut all = Vec::new();
     let per_block = points(BLOCK_S);
-    let yaw_rate = yaw_rate_at(drive, from);
-    let mut filter = Filter::new(Lane::start(car, drive, from, yaw_rate), noise);
+    let mut filter = Filter::new((car, drive, noise), from);
     let differs = |other: &Other, k: usize| k as f64 * STEP_S + AHEAD_S > other.same_until;
-    let start = |other: &Other| Lane::start(&other.car, drive, from, yaw_rate);
+    let start = |other: &Other| Lane::start(&other.car, drive, from);
     // Those that are still the same have no lane of their own.
     let mut lanes: Vec<Option<Lane>> =
         others.iter().map(|other| differs(other, from).then(|| start(other))).collect();
@@ -238,7 +237,7 @@ pub fn pass_backwards(
 ) {
     let mut steps = Vec::new();
     for &(from, to) in drive.runs.iter().rev() {
-        let mut filter = Filter::new(Lane::start(car, drive, from, yaw_rate_at(drive, from)), noise);
+        let mut filter = Filter::new((car, drive, noise), from);
         let mut out = Out::new(0, (from, to));
         let mut go = |filter: &mut Filter, k: usize, steps: Option<&mut Vec<Filtered>>| {
             let mut ask = Ask { readers, innovations: None, steps };
@@ -270,8 +269,7 @@ pub(super) fn pass_with(
     watch: &mut impl FnMut(&Lane, usize, usize, bool),
 ) {
     for &(from, to) in &drive.runs {
-        let lane = Lane::start(car, drive, from, yaw_rate_at(drive, from));
-        let mut filter = Filter::new(lane, noise);
+        let mut filter = Filter::new((car, drive, noise), from);
         let mut out = Out::new(number, (from, to));
         for step in from..to {
             watch(&filter.lane, step, to, step == from);
@@ -280,14 +278,6 @@ pub(super) fn pass_with(
             filter.step((car, drive, noise), (step, step == from), &mut out, &mut Ask::default());
         }
     }
-}
-
-fn yaw_rate_at(drive: &Drive, k: usize) -> f64 {
-    let to = (k + points(0.1)).min(drive.first.len() - 1);
-    let (from, to) = (drive.first[k] as usize, drive.first[to] as usize);
-    let rates = drive.measured[from..to].iter().filter(|m| m.channel == Quantity::YawRate as u8);
-    let (sum, count) = rates.fold((0.0, 0.0), |(sum, count), m| (sum + m.value, count + 1.0));
-    if count > 0.0 { sum / count } else { 0.0 }
 }
 
 impl Sums {

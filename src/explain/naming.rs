@@ -365,6 +365,7 @@ mod tests {
     use super::super::candidates::{library, onsets};
     use super::super::predict::Drive;
     use super::*;
+    use crate::model::effect::KINDS;
 
     /// Scans a drive with effects concealed, and fits the best candidate.
     fn best(effects: &str) -> (String, f64, Vec<f64>) {
@@ -372,7 +373,8 @@ mod tests {
         let drives = [Drive::new(&recording, &vehicle)];
         let data = training(&drives);
         let plain = fitted(&data, &vehicle);
-        let scanned = scan(&data, &plain, &library(&plain.model, |_| true, &onsets(drives[0].seconds())));
+        let library = library(KINDS, &plain.model, |_| true, &onsets(drives[0].seconds()));
+        let scanned = scan(&data, &plain, &library);
         let named = refit(&data, &plain, (&plain, Learn::Noise), &scanned[0], 4);
         let values = named.fit.model.effects[0].values();
         (named.candidate.name(), named.evidence, values)

@@ -90,7 +90,7 @@ fn processor_seconds() -> f64 {
     rest.split(' ').skip(11).take(2).map(|ticks| ticks.parse::<f64>().unwrap()).sum::<f64>() / TICKS_PER_S
 }
 
-/// The drive, as the tests of long recordings have it, and what a user knows of the car.
+/// The drive with its cause, about as fast all the time, and what a user knows of the car.
 fn driven(seconds: f64) -> (Vehicle, Recording) {
     let text = format!("{DRIVE}\n[[effect]]\nkind = \"{CAUSE}\"\nlength_m = 0.4");
     let mut scenario = Scenario::parse(&text).unwrap();

@@ -6,7 +6,7 @@ use super::predict::drive::STEP_S;
 use super::predict::noise::Live;
 use crate::Quantity;
 use crate::model::TireKind;
-use crate::model::effect::{Channel, Course, KINDS, Kind};
+use crate::model::effect::{Channel, Course, Kind};
 
 /// One thing that could be missing.
 #[derive(Clone, Debug)]
@@ -80,10 +80,15 @@ pub fn onsets_within(drives: &[Drive]) -> Vec<f64> {
     all
 }
 
-/// All candidates for a model, of a recording in which something could have begun at these moments, s.
-pub fn library(model: &Model<'_>, has: impl Fn(Quantity) -> bool, onsets: &[f64]) -> Vec<Candidate> {
+/// All candidates of these kinds for a model, of a recording in which something could have begun at these moments, s.
+pub fn library(
+    kinds: &[&'static Kind],
+    model: &Model<'_>,
+    has: impl Fn(Quantity) -> bool,
+    onsets: &[f64],
+) -> Vec<Candidate> {
     let mut all = Vec::new();
-    for kind in KINDS.iter().copied() {
+    for kind in kinds.iter().copied() {
         let of: Vec<Option<Channel>> = match kind.channels {
             [] => vec![None],
             channels => {

@@ -131,38 +131,33 @@ struct Kinds {
 
 impl Kinds {
     fn of(drives: &[Drive]) -> Self {
-        let instants = || {
-            let of = |(number, drive): (usize, &Drive)| {
-                let runs = drive.runs.clone().into_iter().flat_map(|(from, to)| (from..to).step_by(EVERY));
-                runs.map(move |k| (number, k)).collect::<Vec<_>>()
-            };
-            drives.iter().enumerate().flat_map(of)
+        let of = |(number, drive): (usize, &Drive)| {
+            let instants = drive.runs.iter().flat_map(|(from, to)| (*from..*to).step_by(EVERY));
+            let unit = |k: usize| (number, (k as f64 * STEP_S / UNIT_S) as usize);
+            instants.map(|k| (unit(k), FEATURES.map(|feature| feature(drive, k)))).collect::<Vec<_>>()
         };
-        let mut levels = [[0.0; LEVELS.len()]; FEATURES.len()];
-        for (levels, feature) in levels.iter_mut().zip(FEATURES) {
-            let mut values: Vec<f64> = instants().map(|(drive, k)| feature(&drives[drive], k)).collect();
+        let instants: Vec<(Unit, [f64; FEATURES.len()])> = drives.iter().enumerate().flat_map(of).collect();
+        let levels: [[f64; LEVELS.len()]; FEATURES.len()] = std::array::from_fn(|feature| {
+            let mut values: Vec<f64> = instants.iter().map(|(_, values)| values[feature]).collect();
             values.sort_by(f64::total_cmp);
-            *levels = LEVELS.map(|share| {
+            LEVELS.map(|share| {
                 let place = (share * values.len() as f64) as usize;
                 values.get(place).copied().unwrap_or(0.0)
-            });
-        }
-        let count = instants().count().max(1);
+            })
+        });
         let mut driven: BTreeMap<Unit, [f64; KINDS]> = BTreeMap::new();
         let mut all = [0.0; KINDS];
-        for (place, (drive, k)) in instants().enumerate() {
-            let unit = (drive, (k as f64 * STEP_S / UNIT_S) as usize);
-            let own = driven.entry(unit).or_insert([0.0; KINDS]);
+        for (place, (unit, values)) in instants.iter().enumerate() {
+            let own = driven.entry(*unit).or_insert([0.0; KINDS]);
             let mut add = |kind: usize| {
                 own[kind] += EVERY as f64 * STEP_S;
                 all[kind] += EVERY as f64 * STEP_S;
             };
-            for (number, (levels, feature)) in levels.iter().zip(FEATURES).enumerate() {
-                let value = feature(&drives[drive], k);
-                let level = levels.iter().filter(|level| value > **level).count();
+            for (number, (levels, value)) in levels.iter().zip(values).enumerate() {
+                let level = levels.iter().filter(|level| value > *level).count();
                 add(number * (LEVELS.len() + 1) + level);
             }
-            add(KINDS - TIMES + place * TIMES / count);
+            add(KINDS - TIMES + place * TIMES / instants.len());
         }
         Self { driven, all }
     }

@@ -1,6 +1,7 @@
 //! The whole job, from recordings to an answer.
 
 use super::answer::Told;
+use super::candidates::library;
 use super::chain::ChainReport;
 use super::correction::correct;
 use super::excerpt::Excerpt;
@@ -16,7 +17,7 @@ use super::verdict::Gains;
 use super::whole::Search;
 use crate::Quantity;
 use crate::model::Vehicle;
-use crate::model::effect::EffectConfig;
+use crate::model::effect::{EffectConfig, Kind};
 
 /// What there is to explain.
 #[derive(Debug)]
@@ -31,6 +32,8 @@ pub struct Case<'a> {
     pub held_out: usize,
     /// What the audit of the measurement chain says of each.
     pub chain: &'a [ChainReport],
+    /// What could be missing: [`KINDS`](crate::model::effect::KINDS), or some of them.
+    pub library: &'a [&'static Kind],
     /// For what is drawn at random.
     pub seed: u64,
 }
@@ -71,16 +74,17 @@ impl<'a> Case<'a> {
         progress("fitting the plain model", 0.0);
         let free = plain.ordinary(has);
         let suggested = gross::suggested(self.chain);
+        let library = |model: &Model<'_>, onsets: &[f64]| library(self.library, model, has, onsets);
         let excerpt = Excerpt::of(&data);
         let selection = match excerpt.clone() {
             Some(excerpt) => {
                 let search = Search { data: &data, plain: (&plain, &free, &noise), suggested: &suggested };
-                search.select(excerpt, &has, progress)
+                search.select(excerpt, &library, progress)
             }
             None => {
                 let baseline = data.fit_thoroughly(&plain, &free, &noise);
                 let before = gross::taken(&data, &plain, &baseline, (&free, &noise), &suggested);
-                select(&data, (baseline, before), &has, progress)
+                select(&data, (baseline, before), &library, progress)
             }
         };
         data.split = selection.split.clone();

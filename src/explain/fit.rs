@@ -7,7 +7,7 @@ use super::model::{Free, Model};
 use super::predict::Drive;
 use super::predict::car::BODY_STATES;
 use super::predict::noise::Noise;
-use super::predict::pass::{Ask, Other, Sums, pass_run};
+use super::predict::pass::{Ask, Beside, Other, Sums, pass_run};
 use super::split::{Part, Split};
 
 /// The drives and which of their blocks may be looked at.
@@ -44,6 +44,9 @@ pub struct Fit<'a> {
     pub sums: Vec<Sums>,
 }
 
+/// A model with one number changed, and by how much.
+pub type Varied<'a> = (Model<'a>, f64);
+
 /// What a search changes beside the free numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Learn {
@@ -53,6 +56,14 @@ pub enum Learn {
     Rest,
     /// Nothing.
     Nothing,
+}
+
+/// A step that helps.
+struct Stepped<'a> {
+    model: Model<'a>,
+    sums: Vec<Sums>,
+    /// By so much the cost fell.
+    gained: f64,
 }
 
 impl Fit<'_> {
@@ -81,18 +92,31 @@ impl<'d> Data<'d> {
     }
 
     /// One pass over all drives.
-    pub fn pass(&self, model: &Model<'_>, varied: &[(Model<'_>, f64)], noise: &Noise) -> Vec<Sums> {
+    pub fn pass(&self, model: &Model<'_>, varied: &[Varied<'_>], noise: &Noise) -> Vec<Sums> {
+        self.pass_beside(model, varied, &[], noise)
+    }
+
+    /// One pass over all drives, with more cars beside it, each to be looked at alone.
+    pub fn pass_beside(
+        &self,
+        model: &Model<'_>,
+        varied: &[Varied<'_>],
+        alone: &[Varied<'_>],
+        noise: &Noise,
+    ) -> Vec<Sums> {
         let car = model.car();
-        let other = |(other, by): &(Model<'_>, f64)| Other {
+        let other = |(other, by): &Varied<'_>| Other {
             car: other.car(),
             by: *by,
             same_until: model.same_until(other),
         };
-        let others: Vec<Other> = varied.iter().map(other).collect();
+        let others = |varied: &[Varied<'_>]| varied.iter().map(other).collect::<Vec<_>>();
+        let (together, alone) = (others(varied), others(alone));
+        let beside = Beside { together: &together, alone: &alone };
         let drives = self.drives.iter().enumerate();
         let runs: Vec<_> =
             drives.flat_map(|drive| drive.1.runs.iter().map(move |run| (drive, *run))).collect();
-        let one = |(drive, run)| pass_run(drive, run, &car, &others, noise, &mut Ask::default());
+        let one = |(drive, run)| pass_run(drive, run, &car, beside, noise, &mut Ask::default());
         runs.into_par_iter().flat_map_iter(one).collect()
     }
 
@@ -151,7 +175,7 @@ impl<'d> Data<'d> {
             best = other;
         }
         for _ in 0..4 {
-            let noise = self.diffusion(&best.model, &best.noise, &[4.0, 2.0]);
+            let (noise, _) = self.diffusion(&best.model, (&best.noise, best.minus_two_ln), &[4.0, 2.0]);
             let next = self.fit(&best.model, free, &noise, 5);
             let gained = best.cost() - next.cost();
             if gained > 0.0 {
@@ -197,44 +221,30 @@ impl<'d> Data<'d> {
     ) -> Fit<'a> {
         let mut model = model.clone();
         let mut noise = noise.clone();
+        let derived = |model: &Model<'a>, noise: &Noise| {
+            self.pass(model, &free.iter().map(|free| model.varied(free)).collect::<Vec<_>>(), noise)
+        };
+        // Always those of model and noise as they are.
+        let mut sums = derived(&model, &noise);
         let mut last = None;
+        let mut is_stuck = false;
         for round in 0..rounds {
-            let varied: Vec<_> = free.iter().map(|free| model.varied(free)).collect();
-            let sums = self.pass(&model, &varied, &noise);
             let (mut information, gradient) = self.normal(&sums, &model, free);
             let Some(inverse) = information.clone().cholesky().map(|c| c.inverse()) else { break };
             let Some(step) = within_bounds(&model, free, &mut information, &gradient) else { break };
-            let before = self.minus_two_ln(&sums) + prior(&model, free);
             last = Some(inverse);
-            // Halve a step that makes it worse.
-            let mut share: f64 = 1.0;
-            for (free, step) in free.iter().zip(step.iter()) {
-                share = share.min(4.0 * free.std / step.abs().max(1e-300));
+            let before = self.minus_two_ln(&sums);
+            let mut value = before;
+            // What did not help does not help again.
+            let better = if is_stuck { None } else { self.stepped(&model, free, &noise, (&step, before)) };
+            let gained = better.as_ref().map_or(0.0, |better| better.gained);
+            if let Some(better) = better {
+                model = better.model;
+                value = self.minus_two_ln(&better.sums);
+                if learn != Learn::Nothing {
+                    (noise, value) = self.with_sensors(&model, &better.sums, (&noise, value));
+                }
             }
-            let mut better = None;
-            for _ in 0..4 {
-                let mut moved = model.clone();
-                for (free, step) in free.iter().zip(step.iter()) {
-                    moved.set(free.place, model.get(free.place) + share * step);
-                }
-                let sums = self.pass(&moved, &[], &noise);
-                let after = self.minus_two_ln(&sums) + prior(&moved, free);
-                if after < before {
-                    better = Some((moved, sums, before - after));
-                    break;
-                }
-                share *= 0.3;
-            }
-            let gained = match better {
-                Some((moved, sums, gained)) => {
-                    model = moved;
-                    if learn != Learn::Nothing {
-                        noise = self.with_sensors(&model, &sums, &noise);
-                    }
-                    gained
-                }
-                None => 0.0,
-            };
             // The noise settles with the numbers: now and then is enough.
             let factor = match (learn, round) {
                 (Learn::Noise, 0) => Some(4.0),
@@ -242,13 +252,16 @@ impl<'d> Data<'d> {
                 _ => None,
             };
             if let Some(factor) = factor {
-                noise = self.diffusion(&model, &noise, &[factor]);
+                (noise, value) = self.diffusion(&model, (&noise, value), &[factor]);
+            }
+            is_stuck = gained == 0.0 && value == before;
+            if !is_stuck {
+                sums = derived(&model, &noise);
             }
             if gained < 0.5 && (round > 2 || learn == Learn::Nothing) {
                 break;
             }
         }
-        let sums = self.pass(&model, &free.iter().map(|free| model.varied(free)).collect::<Vec<_>>(), &noise);
         let (information, _) = self.normal(&sums, &model, free);
         let covariance = information.cholesky().map(|c| c.inverse());
         let covariance = covariance.or(last).unwrap_or_default();
@@ -257,8 +270,36 @@ impl<'d> Data<'d> {
         Fit { model, noise, free: free.to_vec(), minus_two_ln, prior, covariance, sums }
     }
 
+    /// Goes a step, or a part of it if all of it makes it worse than −2 ln likelihood was; none, if no part is better.
+    fn stepped<'a>(
+        &self,
+        model: &Model<'a>,
+        free: &[Free],
+        noise: &Noise,
+        (step, value): (&DVector<f64>, f64),
+    ) -> Option<Stepped<'a>> {
+        let before = value + prior(model, free);
+        let mut share: f64 = 1.0;
+        for (free, step) in free.iter().zip(step.iter()) {
+            share = share.min(4.0 * free.std / step.abs().max(1e-300));
+        }
+        for _ in 0..4 {
+            let mut moved = model.clone();
+            for (free, step) in free.iter().zip(step.iter()) {
+                moved.set(free.place, model.get(free.place) + share * step);
+            }
+            let sums = self.pass(&moved, &[], noise);
+            let after = self.minus_two_ln(&sums) + prior(&moved, free);
+            if after < before {
+                return Some(Stepped { model: moved, sums, gained: before - after });
+            }
+            share *= 0.3;
+        }
+        None
+    }
+
     /// The normal equations, prior included.
-    fn normal(&self, sums: &[Sums], model: &Model<'_>, free: &[Free]) -> (DMatrix<f64>, DVector<f64>) {
+    pub fn normal(&self, sums: &[Sums], model: &Model<'_>, free: &[Free]) -> (DMatrix<f64>, DVector<f64>) {
         let count = free.len();
         let mut information = DMatrix::zeros(count, count);
         let mut gradient = DVector::zeros(count);

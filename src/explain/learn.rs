@@ -10,15 +10,23 @@ use crate::Quantity;
 
 impl Data<'_> {
     /// The noise with the sensors' as the innovations have it, or as their readings look, if either is more
-    /// probable.
-    pub fn with_sensors(&self, model: &Model<'_>, sums: &[Sums], noise: &Noise) -> Noise {
+    /// probable, and −2 ln likelihood with it; both are known as they are now.
+    pub fn with_sensors(
+        &self,
+        model: &Model<'_>,
+        sums: &[Sums],
+        (noise, value): (&Noise, f64),
+    ) -> (Noise, f64) {
         let looks = Noise { sensor: self.own_noise.sensor, ..noise.clone() };
-        let tried: Vec<(f64, Noise)> = [self.sensor_noise(sums, noise), looks]
+        let tried: Vec<(Noise, f64)> = [self.sensor_noise(sums, noise), looks]
             .into_par_iter()
-            .map(|noise| (self.minus_two_ln(&self.pass(model, &[], &noise)), noise))
+            .map(|noise| {
+                let value = self.minus_two_ln(&self.pass(model, &[], &noise));
+                (noise, value)
+            })
             .collect();
-        let now = (self.minus_two_ln(sums), noise.clone());
-        tried.into_iter().chain([now]).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(noise.clone(), |best| best.1)
+        let now = (noise.clone(), value);
+        tried.into_iter().chain([now.clone()]).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or(now)
     }
 
     /// Noise of the sensors as the innovations have it.
@@ -42,11 +50,15 @@ impl Data<'_> {
     }
 
     /// Diffusion of each equation, size and length of each course, one after the other, by factors, as
-    /// long as it helps.
-    pub fn diffusion(&self, model: &Model<'_>, noise: &Noise, factors: &[f64]) -> Noise {
-        let mut best = noise.clone();
+    /// long as it helps; −2 ln likelihood is known, and told again.
+    pub fn diffusion(
+        &self,
+        model: &Model<'_>,
+        (noise, value): (&Noise, f64),
+        factors: &[f64],
+    ) -> (Noise, f64) {
+        let (mut best, mut lowest) = (noise.clone(), value);
         let value = |noise: &Noise| self.minus_two_ln(&self.pass(model, &[], noise));
-        let mut lowest = value(&best);
         for factor in factors.iter().copied() {
             for place in 0..best.scales() {
                 let tried: Vec<(f64, Noise, f64)> = [1.0 / factor, factor]
@@ -70,6 +82,6 @@ impl Data<'_> {
                 }
             }
         }
-        best
+        (best, lowest)
     }
 }

@@ -7,7 +7,7 @@ use super::predict::Drive;
 use super::predict::car::BODY_STATES;
 use super::predict::drive::{STEP_S, points};
 use super::predict::noise::Noise;
-use super::predict::pass::{Ask, Innovation, pass};
+use super::predict::pass::{Ask, Beside, Innovation, pass};
 use crate::Quantity;
 
 /// Seconds of one bin.
@@ -26,7 +26,7 @@ pub struct Gains {
 pub fn innovations(drive: &Drive, model: &Model<'_>, noise: &Noise) -> Vec<Innovation> {
     let mut all = Vec::new();
     let ask = Ask { innovations: Some(&mut all), ..Ask::default() };
-    pass((0, drive), &model.car(), &[], noise, ask);
+    pass((0, drive), &model.car(), Beside::default(), noise, ask);
     all
 }
 

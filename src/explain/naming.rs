@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::candidates::Candidate;
-use super::fit::{Data, Fit, Learn, within_bounds};
+use super::fit::{Data, Fit, Learn, Varied, within_bounds};
 use super::model::{Free, Model, Place};
 use super::predict::drive::STEP_S;
 use super::predict::noise::{Live, Noise};
@@ -85,7 +85,6 @@ fn ways(candidate: &Candidate) -> &'static [Option<f64>] {
 
 /// All candidates, best first; of the same effect with different onsets only the best one.
 pub fn scan(data: &Data<'_>, fit: &Fit<'_>, library: &[Candidate]) -> Vec<Scored> {
-    let ordinary: Vec<(Model<'_>, f64)> = fit.free.iter().map(|free| fit.model.varied(free)).collect();
     let mut best: BTreeMap<String, Scored> = BTreeMap::new();
     let mut keep = |scored: Scored| {
         let name = scored.candidate.name();
@@ -93,38 +92,28 @@ pub fn scan(data: &Data<'_>, fit: &Fit<'_>, library: &[Candidate]) -> Vec<Scored
             best.insert(name, scored);
         }
     };
-    // So many at a time, for memory.
-    for some in library.chunks(64) {
-        let mut varied = ordinary.clone();
-        let mut owners: Vec<(usize, usize, Free)> = Vec::new();
-        for (number, candidate) in some.iter().enumerate().filter(|(_, c)| c.live.is_none()) {
-            let model = fit.model.with(candidate.chosen(0));
-            for free in model.free_of_effect(model.effects.len() - 1) {
-                let Place::Effect(_, place) = free.place else { continue };
-                let spec = &candidate.kind.parameters[place];
-                if !spec.is_main {
-                    continue;
-                }
-                for (way, share) in ways(candidate).iter().enumerate() {
-                    let step = Free { step: share.map_or(free.step, |share| share * free.std), ..free };
-                    if let Some(by) = model.moved(&step) {
-                        varied.push(by);
-                        owners.push((number, way, free));
-                    }
+    let mut varied: Vec<Varied<'_>> = Vec::new();
+    let mut owners: Vec<(&Candidate, Free)> = Vec::new();
+    for candidate in library.iter().filter(|candidate| candidate.live.is_none()) {
+        let model = fit.model.with(candidate.chosen(0));
+        for free in model.free_of_effect(model.effects.len() - 1) {
+            let Place::Effect(_, place) = free.place else { continue };
+            if !candidate.kind.parameters[place].is_main {
+                continue;
+            }
+            for share in ways(candidate) {
+                let step = Free { step: share.map_or(free.step, |share| share * free.std), ..free };
+                if let Some(by) = model.moved(&step) {
+                    varied.push(by);
+                    owners.push((candidate, free));
                 }
             }
         }
-        let normal = Normal::new(data, fit, &varied);
-        for (number, candidate) in some.iter().enumerate().filter(|(_, c)| c.live.is_none()) {
-            for way in 0..WAYS.len() {
-                let own = owners.iter().enumerate().filter(|(_, owner)| (owner.0, owner.1) == (number, way));
-                let columns: Vec<(usize, Free)> = own.map(|(place, owner)| (place, owner.2)).collect();
-                if !columns.is_empty()
-                    && let Some(scored) = normal.score(candidate, &columns)
-                {
-                    keep(scored);
-                }
-            }
+    }
+    let normal = Normal::new(data, fit, &varied);
+    for (column, (candidate, free)) in owners.into_iter().enumerate() {
+        if let Some(scored) = normal.score(candidate, column, free) {
+            keep(scored);
         }
     }
     let live: Vec<Scored> = library
@@ -294,66 +283,46 @@ fn evidence(before: &Fit<'_>, after: &Fit<'_>, new: usize, is_live: bool) -> f64
     gain - freedom - if is_live { 8.0 } else { 0.0 }
 }
 
-/// The normal equations of ordinary numbers and candidates.
+/// The normal equations of ordinary numbers, and candidates beside them, each alone.
 struct Normal {
-    gram: DMatrix<f64>,
-    ordinary: usize,
+    /// Products of the innovations with the ordinary numbers' derivatives.
+    gradient: DVector<f64>,
+    /// [`Sums::alone`](super::predict::pass::Sums::alone).
+    alone: DMatrix<f64>,
+    /// Covariance of the ordinary numbers.
     inverse: DMatrix<f64>,
 }
 
 impl Normal {
-    fn new(data: &Data<'_>, fit: &Fit<'_>, varied: &[(Model<'_>, f64)]) -> Self {
-        let sums = data.pass(&fit.model, varied, &fit.noise);
-        let ordinary = fit.free.len();
-        let mut gram = DMatrix::zeros(varied.len() + 1, varied.len() + 1);
-        for sum in data.counted(&sums) {
-            gram += &sum.gram;
+    fn new(data: &Data<'_>, fit: &Fit<'_>, candidates: &[Varied<'_>]) -> Self {
+        let ordinary: Vec<Varied<'_>> = fit.free.iter().map(|free| fit.model.varied(free)).collect();
+        let sums = data.pass_beside(&fit.model, &ordinary, candidates, &fit.noise);
+        let (mut own, gradient) = data.normal(&sums, &fit.model, &fit.free);
+        let mut alone = DMatrix::zeros(ordinary.len() + 2, candidates.len());
+        for sum in data.counted(&sums).filter(|sum| !sum.alone.is_empty()) {
+            alone += &sum.alone;
         }
-        for (place, free) in fit.free.iter().enumerate() {
-            let weight = 1.0 / (free.std * free.std);
-            gram[(place + 1, place + 1)] += weight;
-            gram[(place + 1, 0)] += weight * (free.mean - fit.model.get(free.place));
-        }
-        let mut own = gram.view((1, 1), (ordinary, ordinary)).into_owned();
         // What ordinary numbers cannot reach without leaving their bounds they do not explain.
-        let gradient = DVector::from_fn(ordinary, |place, _| gram[(place + 1, 0)]);
         let _ = within_bounds(&fit.model, &fit.free, &mut own, &gradient);
-        let inverse = own.cholesky().map_or_else(|| DMatrix::zeros(ordinary, ordinary), |c| c.inverse());
-        Self { gram, ordinary, inverse }
+        let count = ordinary.len();
+        let inverse = own.cholesky().map_or_else(|| DMatrix::zeros(count, count), |c| c.inverse());
+        Self { gradient, alone, inverse }
     }
 
-    /// Gain and coordinates of some columns together, the ordinary numbers refitted.
-    fn score(&self, candidate: &Candidate, columns: &[(usize, Free)]) -> Option<Scored> {
-        let n = self.ordinary;
-        let count = columns.len();
-        let at = |i: usize| n + 1 + columns[i].0;
-        let with = |i: usize| self.gram.view((1, at(i)), (n, 1));
-        let own = self.gram.view((1, 0), (n, 1));
-        let mut information = DMatrix::zeros(count, count);
-        let mut gradient = DVector::zeros(count);
-        for i in 0..count {
-            let taken = &self.inverse * with(i);
-            gradient[i] = self.gram[(at(i), 0)] - taken.dot(&own);
-            for j in 0..count {
-                information[(i, j)] = self.gram[(at(i), at(j))] - taken.dot(&with(j));
-            }
-            information[(i, i)] += columns[i].1.std.powi(-2);
-        }
-        let step = information.cholesky()?.solve(&gradient);
-        let gain = gradient.dot(&step);
-        let numbers = columns.iter().zip(step.iter()).filter_map(|((_, free), step)| match free.place {
-            Place::Effect(_, place) => Some((place, free.mean + step)),
-            _ => None,
-        });
-        let mut rest = own.into_owned();
-        for (i, step) in step.iter().enumerate() {
-            rest -= with(i) * *step;
-        }
-        let ordinary = &self.inverse * rest;
+    /// Gain and coordinate of a candidate's number, the ordinary ones refitted.
+    fn score(&self, candidate: &Candidate, column: usize, free: Free) -> Option<Scored> {
+        let own = self.alone.column(column);
+        let with = own.rows(1, own.len() - 2);
+        let taken = &self.inverse * with;
+        let gradient = own[0] - taken.dot(&self.gradient);
+        let information = own[own.len() - 1] - taken.dot(&with) + free.std.powi(-2);
+        let Place::Effect(_, place) = free.place else { return None };
+        let step = (information > 0.0).then(|| gradient / information)?;
+        let ordinary = &self.inverse * &self.gradient - taken * step;
         Some(Scored {
             candidate: candidate.clone(),
-            gain,
-            numbers: numbers.collect(),
+            gain: gradient * step,
+            numbers: vec![(place, free.mean + step)],
             ordinary: ordinary.iter().copied().collect(),
         })
     }
@@ -365,6 +334,7 @@ mod tests {
     use super::super::candidates::{library, onsets};
     use super::super::predict::Drive;
     use super::*;
+    use crate::model::effect::KINDS;
 
     /// Scans a drive with effects concealed, and fits the best candidate.
     fn best(effects: &str) -> (String, f64, Vec<f64>) {
@@ -372,7 +342,8 @@ mod tests {
         let drives = [Drive::new(&recording, &vehicle)];
         let data = training(&drives);
         let plain = fitted(&data, &vehicle);
-        let scanned = scan(&data, &plain, &library(&plain.model, |_| true, &onsets(drives[0].seconds())));
+        let library = library(KINDS, &plain.model, |_| true, &onsets(drives[0].seconds()));
+        let scanned = scan(&data, &plain, &library);
         let named = refit(&data, &plain, (&plain, Learn::Noise), &scanned[0], 4);
         let values = named.fit.model.effects[0].values();
         (named.candidate.name(), named.evidence, values)

@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
-use super::candidates::{Candidate, library, onsets, onsets_within};
+use super::candidates::{Candidate, onsets, onsets_within};
 use super::exogenous::follows_motion;
 use super::fit::{Data, Fit, Learn};
+use super::model::Model;
 use super::naming::{Refitted, Scored, refine, refit, scan};
 use super::patches;
 use super::predict::Drive;
@@ -91,11 +92,12 @@ pub struct Selection<'a> {
     pub split: Split,
 }
 
-/// Chooses, beginning with what was taken before. `progress` is told the stage and how far it is.
+/// Chooses, beginning with what was taken before. `library` has the candidates for a model, of something that could
+/// have begun at certain moments, s; `progress` is told the stage and how far it is.
 pub fn select<'a>(
     data: &Data<'_>,
     (mut baseline, before): (Fit<'a>, Vec<Refitted<'a>>),
-    has: &(impl Fn(Quantity) -> bool + Sync),
+    library: &impl Fn(&Model<'_>, &[f64]) -> Vec<Candidate>,
     progress: &(dyn Fn(&str, f64) + Sync),
 ) -> Selection<'a> {
     let mut data = data.clone();
@@ -112,14 +114,13 @@ pub fn select<'a>(
     }
     while chosen.len() < MOST_FINDINGS {
         progress(if chosen.is_empty() { "naming" } else { "looking for more" }, chosen.len() as f64 / 5.0);
-        let library = library(&extended.model, has, &onsets);
         let is_new = |candidate: &Candidate| {
             let same = |other: &Refitted<'_>| {
                 other.candidate.name() == candidate.name() && other.candidate.free == candidate.free
             };
             !chosen.iter().any(same)
         };
-        let library: Vec<Candidate> = library.into_iter().filter(is_new).collect();
+        let library: Vec<Candidate> = library(&extended.model, &onsets).into_iter().filter(is_new).collect();
         let found: f64 = chosen.iter().map(|refitted| refitted.evidence).sum();
         // An excerpt tells as much less: what passes here must pass again on everything.
         let least = least_evidence(data.share, !chosen.is_empty(), found);

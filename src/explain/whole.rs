@@ -19,7 +19,6 @@ use super::select::{
     least_evidence, prefer_the_simpler, select,
 };
 use super::split::{BLOCK_S, Part};
-use crate::Quantity;
 
 /// The excerpt is enlarged so often at most.
 const MOST_TIMES: usize = 2;
@@ -59,7 +58,7 @@ impl<'a> Search<'_, '_, 'a> {
     pub fn select(
         &self,
         mut excerpt: Excerpt,
-        has: &(impl Fn(Quantity) -> bool + Sync),
+        library: &impl Fn(&Model<'_>, &[f64]) -> Vec<Candidate>,
         progress: &(dyn Fn(&str, f64) + Sync),
     ) -> Selection<'a> {
         let (plain, free, noise) = self.plain;
@@ -71,7 +70,7 @@ impl<'a> Search<'_, '_, 'a> {
         let baseline = part.fit_thoroughly(&first.model, free, &first.noise);
         let before = gross::taken(&part, plain, &baseline, (free, noise), self.suggested);
         tracing::debug!(share = part.share, "an excerpt is searched");
-        let mut selection = select(&part, (baseline, before), has, progress);
+        let mut selection = select(&part, (baseline, before), library, progress);
         let mut times = 0;
         loop {
             progress("fitting to everything", 0.0);
@@ -91,7 +90,7 @@ impl<'a> Search<'_, '_, 'a> {
             let before = kept.map(|taken| Refitted { fit: again(&taken.fit), ..taken }).collect();
             tracing::debug!(share = part.share, "a larger excerpt is searched");
             let rounds = selection.rounds;
-            selection = select(&part, (baseline, before), has, progress);
+            selection = select(&part, (baseline, before), library, progress);
             // What was tried beside the ones that were kept.
             for (round, tried) in selection.rounds.iter_mut().zip(rounds) {
                 if round.scanned.is_empty() {

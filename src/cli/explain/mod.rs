@@ -17,6 +17,7 @@ use super::output::{check_outputs, write_json, write_text};
 use super::progress::Progress;
 use crate::Config;
 use crate::explain::Case;
+use crate::model::effect::KINDS;
 
 pub(super) use text::print;
 
@@ -65,6 +66,7 @@ impl Explain {
             recordings: &read.recordings,
             held_out: self.holdout.len(),
             chain: &read.chain,
+            library: KINDS,
             seed: self.seed,
         };
         let progress = Progress::of_share();

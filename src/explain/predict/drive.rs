@@ -195,6 +195,15 @@ impl Drive {
         speed.filter(|speed| speed.is_finite()).unwrap_or(0.0)
     }
 
+    /// Mean of the measured yaw rate in the tenth of a second after a grid point, rad/s; 0 where nobody measured.
+    pub fn yaw_rate_after(&self, k: usize) -> f64 {
+        let to = (k + points(0.1)).min(self.first.len() - 1);
+        let (from, to) = (self.first[k] as usize, self.first[to] as usize);
+        let rates = self.measured[from..to].iter().filter(|m| m.channel == Quantity::YawRate as u8);
+        let (sum, count) = rates.fold((0.0, 0.0), |(sum, count), m| (sum + m.value, count + 1.0));
+        if count > 0.0 { sum / count } else { 0.0 }
+    }
+
     /// The inputs that act at a time, s, where the steering's record is so late and torques act so late after
     /// theirs.
     pub fn acting(&self, t: f64, steering_delay: f64, torque_delay: f64) -> Recorded {

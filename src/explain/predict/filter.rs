@@ -44,8 +44,9 @@ pub(super) struct Filter {
 }
 
 impl Filter {
-    /// Where a run begins.
-    pub(super) fn new(lane: Lane, noise: &Noise) -> Self {
+    /// Where a run begins, at a grid point.
+    pub(super) fn new((car, drive, noise): (&Car, &Drive, &Noise), k: usize) -> Self {
+        let lane = Lane::start(car, drive, k);
         Self { lane, p: start_covariance(noise), n: BODY_STATES + noise.live.len(), derivatives: None }
     }
 

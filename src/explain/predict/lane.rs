@@ -58,10 +58,11 @@ pub(super) struct Predicted {
 }
 
 impl Lane {
-    pub(super) fn start(car: &Car, drive: &Drive, k: usize, yaw_rate: f64) -> Self {
+    /// Where a run begins: as fast, and turning as fast, as was measured.
+    pub(super) fn start(car: &Car, drive: &Drive, k: usize) -> Self {
         let t = k as f64 * STEP_S;
         let input = car.input(drive, t);
-        let state = car.rolling(t, drive.speed[k], yaw_rate, &input);
+        let state = car.rolling(t, drive.speed[k], drive.yaw_rate_after(k), &input);
         Self { state, before: Before::default(), rows: None, reached: None }
     }
 

@@ -5,7 +5,9 @@
 //! their difference on the innovations, whatever states and delays it has; so derivatives by any number
 //! of any effect come by differences, all with one pass and without storing the drive.
 
-use nalgebra::DMatrix;
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::car::Car;
@@ -60,6 +62,9 @@ pub struct Sums {
     /// Products of the whitened innovations (first) and their derivatives by each difference (the others,
     /// with changed sign: how much a step takes away).
     pub gram: DMatrix<f64>,
+    /// A column for each difference that is looked at alone: products of its derivatives with all those, and with
+    /// themselves (last).
+    pub alone: DMatrix<f64>,
     /// Σ ln s.
     pub log_s: f64,
     /// Σ e²/s by quantity.
@@ -124,20 +129,36 @@ pub struct Other {
     pub same_until: f64,
 }
 
+impl Other {
+    /// Does it differ by this grid point?
+    fn differs(&self, k: usize) -> bool {
+        k as f64 * STEP_S + AHEAD_S > self.same_until
+    }
+}
+
 /// Readings may be so late, s, or ahead: so long before anything can be seen of it, a car that begins to differ
 /// goes its own way.
 const AHEAD_S: f64 = 1.0;
+
+/// The cars beside the one that the filter is made for.
+#[derive(Clone, Copy, Default)]
+pub struct Beside<'a> {
+    /// Those whose differences are looked at together.
+    pub together: &'a [Other],
+    /// Those of which each is looked at beside the former only: so many take so many times one's time.
+    pub alone: &'a [Other],
+}
 
 /// Goes over a drive with the car that the filter is made for, and others beside it.
 pub fn pass(
     (number, drive): (usize, &Drive),
     car: &Car,
-    others: &[Other],
+    beside: Beside<'_>,
     noise: &Noise,
     mut ask: Ask<'_>,
 ) -> Vec<Sums> {
     let runs = drive.runs.iter();
-    runs.flat_map(|run| pass_run((number, drive), *run, car, others, noise, &mut ask)).collect()
+    runs.flat_map(|run| pass_run((number, drive), *run, car, beside, noise, &mut ask)).collect()
 }
 
 /// Goes over one run of a drive.
@@ -145,19 +166,15 @@ pub fn pass_run(
     (number, drive): (usize, &Drive),
     (from, to): (usize, usize),
     car: &Car,
-    others: &[Other],
+    beside: Beside<'_>,
     noise: &Noise,
     ask: &mut Ask<'_>,
 ) -> Vec<Sums> {
     let mut all = Vec::new();
     let per_block = points(BLOCK_S);
-    let yaw_rate = yaw_rate_at(drive, from);
-    let mut filter = Filter::new(Lane::start(car, drive, from, yaw_rate), noise);
-    let differs = |other: &Other, k: usize| k as f64 * STEP_S + AHEAD_S > other.same_until;
-    let start = |other: &Other| Lane::start(&other.car, drive, from, yaw_rate);
-    // Those that are still the same have no lane of their own.
-    let mut lanes: Vec<Option<Lane>> =
-        others.iter().map(|other| differs(other, from).then(|| start(other))).collect();
+    let mut filter = Filter::new((car, drive, noise), from);
+    let mut together = Lanes::start(beside.together, drive, from);
+    let mut alone = Lanes::start(beside.alone, drive, from);
     // The filter over one block, with where it was at its beginning. The blocks' borders are the drive's, not
     // the run's.
     let mut filtered = |filter: &mut Filter, k: usize| {
@@ -167,61 +184,91 @@ pub fn pass_run(
         for step in k..end {
             filter.step((car, drive, noise), (step, step == from), &mut out, ask);
         }
-        (k..end, begin, out)
+        let Out { gains, errors, sums } = out;
+        (Block { drive, noise, steps: k..end, begin, gains, errors }, sums)
     };
     let mut block = (from < to).then(|| filtered(&mut filter, from));
-    while let Some((steps, begin, out)) = block.take() {
-        let Out { gains, errors, mut sums } = out;
-        let mut follow = || {
-            for (lane, other) in lanes.iter_mut().zip(others) {
-                if lane.is_none() && differs(other, steps.end) {
-                    *lane = Some(begin.clone());
-                }
-            }
-            let lane_errors: Vec<Option<Vec<f64>>> = lanes
-                .par_iter_mut()
-                .zip(others)
-                .map(|(lane, other)| {
-                    let lane = lane.as_mut()?;
-                    let mut errors = Vec::with_capacity(gains.len());
-                    for step in steps.clone() {
-                        lane.follow(&other.car, drive, step, noise, &gains, &mut errors);
-                    }
-                    Some(errors)
-                })
-                .collect();
-            let z = whitened(&gains, &errors, others, &lane_errors);
-            z.transpose() * &z
-        };
-        let mut go_on = || (steps.end < to).then(|| filtered(&mut filter, steps.end));
+    while let Some((over, mut sums)) = block.take() {
+        let end = over.steps.end;
+        let mut go_on = || (end < to).then(|| filtered(&mut filter, end));
+        let mut follow = || over.products(&mut together, &mut alone);
         // The filter goes ahead while the others follow.
-        let (next, gram) = if others.is_empty() { (go_on(), follow()) } else { rayon::join(go_on, follow) };
-        sums.gram = gram;
+        let has_others = !(beside.together.is_empty() && beside.alone.is_empty());
+        let (next, products) = if has_others { rayon::join(go_on, follow) } else { (go_on(), follow()) };
+        (sums.gram, sums.alone) = products;
         all.push(sums);
         block = next;
     }
     all
 }
 
-/// The innovations (first) and their derivatives by each difference, in standard deviations.
-fn whitened(
-    gains: &[Gain],
-    errors: &[f64],
-    others: &[Other],
-    lane_errors: &[Option<Vec<f64>>],
-) -> DMatrix<f64> {
-    let mut z = DMatrix::zeros(errors.len(), others.len() + 1);
-    for (row, (gain, error)) in gains.iter().zip(errors).enumerate() {
-        z[(row, 0)] = error / gain.s.sqrt();
-    }
-    for (column, (lane, other)) in lane_errors.iter().zip(others).enumerate() {
-        let Some(lane) = lane else { continue };
-        for (row, (gain, error)) in gains.iter().zip(errors).enumerate() {
-            let weight = 1.0 / gain.s.sqrt();
-            z[(row, column + 1)] = (error - lane[row]) * weight / other.by;
+/// Steps that the filter has gone over.
+struct Block<'a> {
+    drive: &'a Drive,
+    noise: &'a Noise,
+    steps: Range<usize>,
+    /// Where it was at their beginning.
+    begin: Lane,
+    gains: Vec<Gain>,
+    errors: Vec<f64>,
+}
+
+impl Block<'_> {
+    /// [`Sums::gram`] and [`Sums::alone`].
+    fn products(&self, together: &mut Lanes<'_>, alone: &mut Lanes<'_>) -> (DMatrix<f64>, DMatrix<f64>) {
+        let count = self.errors.len();
+        let first = self.errors.iter().zip(&self.gains).map(|(error, gain)| error / gain.s.sqrt());
+        let mut columns: Vec<f64> = first.collect();
+        // One that is still the same makes no difference.
+        for own in together.follow(self, |own| own) {
+            columns.extend(own.unwrap_or_else(|| vec![0.0; count]));
         }
+        let z = DMatrix::from_vec(count, together.others.len() + 1, columns);
+        let of_one = |own: Vec<f64>| {
+            let own = DVector::from_vec(own);
+            let square = own.norm_squared();
+            z.tr_mul(&own).push(square)
+        };
+        let mut by_one = DMatrix::zeros(z.ncols() + 1, alone.others.len());
+        for (mut column, own) in by_one.column_iter_mut().zip(alone.follow(self, of_one)) {
+            if let Some(own) = own {
+                column.copy_from(&own);
+            }
+        }
+        (z.transpose() * &z, by_one)
     }
-    z
+}
+
+/// Other cars on their way; those that are still the same as the first have no lane of their own.
+struct Lanes<'a> {
+    others: &'a [Other],
+    lanes: Vec<Option<Lane>>,
+}
+
+impl<'a> Lanes<'a> {
+    fn start(others: &'a [Other], drive: &Drive, k: usize) -> Self {
+        let lane = |other: &Other| other.differs(k).then(|| Lane::start(&other.car, drive, k));
+        Self { others, lanes: others.iter().map(lane).collect() }
+    }
+
+    /// Follows over a block: what is made of the innovations' derivatives by each difference, in standard deviations.
+    fn follow<T: Send>(&mut self, over: &Block<'_>, of: impl Fn(Vec<f64>) -> T + Sync) -> Vec<Option<T>> {
+        let own = |(lane, other): (&mut Option<Lane>, &Other)| {
+            if lane.is_none() && other.differs(over.steps.end) {
+                *lane = Some(over.begin.clone());
+            }
+            let lane = lane.as_mut()?;
+            let mut errors = Vec::with_capacity(over.errors.len());
+            for step in over.steps.clone() {
+                lane.follow(&other.car, over.drive, step, over.noise, &over.gains, &mut errors);
+            }
+            for (own, (error, gain)) in errors.iter_mut().zip(over.errors.iter().zip(&over.gains)) {
+                *own = (error - *own) * (1.0 / gain.s.sqrt()) / other.by;
+            }
+            Some(of(errors))
+        };
+        self.lanes.par_iter_mut().zip(self.others).map(own).collect()
+    }
 }
 
 /// Steps of the filter that are kept at a time, on the way back.
@@ -238,7 +285,7 @@ pub fn pass_backwards(
 ) {
     let mut steps = Vec::new();
     for &(from, to) in drive.runs.iter().rev() {
-        let mut filter = Filter::new(Lane::start(car, drive, from, yaw_rate_at(drive, from)), noise);
+        let mut filter = Filter::new((car, drive, noise), from);
         let mut out = Out::new(0, (from, to));
         let mut go = |filter: &mut Filter, k: usize, steps: Option<&mut Vec<Filtered>>| {
             let mut ask = Ask { readers, innovations: None, steps };
@@ -270,8 +317,7 @@ pub(super) fn pass_with(
     watch: &mut impl FnMut(&Lane, usize, usize, bool),
 ) {
     for &(from, to) in &drive.runs {
-        let lane = Lane::start(car, drive, from, yaw_rate_at(drive, from));
-        let mut filter = Filter::new(lane, noise);
+        let mut filter = Filter::new((car, drive, noise), from);
         let mut out = Out::new(number, (from, to));
         for step in from..to {
             watch(&filter.lane, step, to, step == from);
@@ -282,20 +328,13 @@ pub(super) fn pass_with(
     }
 }
 
-fn yaw_rate_at(drive: &Drive, k: usize) -> f64 {
-    let to = (k + points(0.1)).min(drive.first.len() - 1);
-    let (from, to) = (drive.first[k] as usize, drive.first[to] as usize);
-    let rates = drive.measured[from..to].iter().filter(|m| m.channel == Quantity::YawRate as u8);
-    let (sum, count) = rates.fold((0.0, 0.0), |(sum, count), m| (sum + m.value, count + 1.0));
-    if count > 0.0 { sum / count } else { 0.0 }
-}
-
 impl Sums {
     fn empty(drive: usize, (from, to): (usize, usize)) -> Self {
         Self {
             drive,
             t: (from as f64 * STEP_S, to as f64 * STEP_S),
             gram: DMatrix::zeros(0, 0),
+            alone: DMatrix::zeros(0, 0),
             log_s: 0.0,
             square: [0.0; Quantity::COUNT],
             excess: [0.0; Quantity::COUNT],
@@ -326,12 +365,18 @@ mod tests {
         assert_eq!(jumps.same_until(&jumps), f64::INFINITY);
         let sums = |same_until: f64| {
             let others = [Other { car: jumps.car(), by: 0.02, same_until }];
-            pass((0, &drives[0]), &plain.car(), &others, &Noise::first(&drives), Ask::default())
+            let beside = Beside { together: &others, alone: &others };
+            pass((0, &drives[0]), &plain.car(), beside, &Noise::first(&drives), Ask::default())
         };
         let (own, late) = (sums(f64::NEG_INFINITY), sums(22.0));
         for (own, late) in own.iter().zip(&late) {
             assert!((&own.gram - &late.gram).amax() <= 1e-9 * own.gram.amax(), "{:?}", own.t);
             assert_eq!(own.gram[(1, 1)] > 0.0, own.t.1 > 22.0, "{:?}", own.t);
+            // Alone, it has the same products with the innovations, with itself together with others, and with itself.
+            let expected = [late.gram[(1, 0)], late.gram[(1, 1)], late.gram[(1, 1)]];
+            for (product, expected) in late.alone.iter().zip(expected) {
+                assert!((product - expected).abs() <= 1e-9 * expected.abs(), "{:?}", late.t);
+            }
         }
     }
 

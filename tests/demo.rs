@@ -83,6 +83,12 @@ fn a_page_with_all_plots_and_nothing_from_outside() {
     for surface in ["asphalt", "gravel", "ice"] {
         assert!(html.contains(&format!(">\n{surface}\n<")), "{surface} is not labelled");
     }
+    // A value that is older than its surface's end says so, and two truths are two strokes.
+    assert!(
+        html.contains("told last on each surface") && html.contains(" s before the end<"),
+        "ages of values"
+    );
+    assert!(html.contains("<i class=\"dashes\" style=\"color:var(--truth)\"></i>front right: true"));
     for outside in ["<script", "<link", "<img", "@import", "url(", "src="] {
         assert!(!html.contains(outside), "{outside}");
     }

@@ -257,8 +257,7 @@ fn said(steps: &Innovations) -> Saids {
 fn chain_words(report: &ChainReport) -> Vec<String> {
     let line = |finding: &chain::Finding| {
         let confidence = format!("{:?}", finding.confidence).to_lowercase();
-        let value =
-            finding.value.zip(finding.std).map_or(String::new(), |(v, s)| format!(" {v:.3} ± {s:.3}"));
+        let value = finding.amount().map_or(String::new(), |amount| format!(" {amount}"));
         format!("{} of {}{value}, {confidence}: {}", finding.effect, finding.channel, finding.evidence)
     };
     report.findings.iter().map(line).collect()

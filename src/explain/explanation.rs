@@ -103,7 +103,7 @@ impl<'a> Case<'a> {
         tracing::debug!(noise = ?selection.extended.noise, "of the extended model");
         let gains = Gains::of(&data, &selection, &corrected);
         let verdict = gains.verdict(drives.iter().any(turns));
-        tracing::info!(?gains, ?verdict, "judged");
+        tracing::debug!(?gains, ?verdict, "judged");
         progress("proving", 0.0);
         Told {
             case: self,

@@ -27,6 +27,12 @@ use super::slips;
 use super::uncertainty::{self, Shift, Uncertainty};
 use crate::model::Vehicle;
 
+/// Where a profile is computed, in standard deviations from the optimum: the last ones for profiles that
+/// are flatter than their curvature at the optimum.
+const PROFILED: [f64; 5] = [1.0, 2.0, 3.0, 5.0, 9.0];
+/// Further than this a profile need not go: twice the limit of a 95 % interval.
+const PROFILED_TO: f64 = 7.7;
+
 /// Records, prepared for searching.
 #[derive(Clone, Debug)]
 pub struct Identifier<'a> {
@@ -277,7 +283,7 @@ impl<'a> Identifier<'a> {
         let ends = (end(at - half), end(at + half));
         let (identifiable, reason) = self.verdict(place, fit, sure);
         let profile =
-            if self.config.profile { self.profile(place, fit, sure.std[place]) } else { Vec::new() };
+            if self.config.profile { self.profile(place, fit, sure.by_curvature[place]) } else { Vec::new() };
         let prior = free.parameters.first().prior(self.vehicle);
         Identified {
             name: free.parameters.name(),
@@ -329,7 +335,9 @@ impl<'a> Identifier<'a> {
         (true, partner.map_or(String::new(), |name| format!("its error goes with that of {name}")))
     }
 
-    /// 2 ln(likelihood ratio) around the optimum, the other parameters refitted at each value.
+    /// 2 ln(likelihood ratio) around the optimum, the other parameters refitted at each value. Steps are of the
+    /// standard deviation that the curvature tells: so they span the profile's own 95 % limit, however wide
+    /// the interval has become for other reasons.
     fn profile(&self, place: usize, fit: &Fit, std: f64) -> Vec<(f64, f64)> {
         let mut others = self.free.clone();
         let fixed = others.remove(place);
@@ -338,7 +346,7 @@ impl<'a> Identifier<'a> {
             // Each point begins where the last one ended.
             let theta = fit.point.theta.clone().remove_row(place);
             let mut at = Point { theta, ..fit.point.clone() };
-            for by in [1.0, 2.0] {
+            for by in PROFILED {
                 let (low, high) = fixed.parameters.coordinate_bounds();
                 let coordinate = (fit.point.theta[place] + side * by * std).clamp(low, high);
                 let mut values = self.search_in().values_at(&fit.point.theta);
@@ -347,7 +355,11 @@ impl<'a> Identifier<'a> {
                 let off = (coordinate - fixed.mean) / fixed.std;
                 let prior = if fixed.std.is_finite() { off * off } else { 0.0 };
                 let Some((cost, end)) = search.lowest_cost(fit, at.clone()) else { break };
-                points.push((fixed.parameters.value(coordinate), cost + prior - fit.all.cost));
+                let ratio = cost + prior - fit.all.cost;
+                points.push((fixed.parameters.value(coordinate), ratio));
+                if ratio > PROFILED_TO || [low, high].contains(&coordinate) {
+                    break;
+                }
                 at = end;
             }
         }

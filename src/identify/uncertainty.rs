@@ -11,6 +11,8 @@ use crate::filter::student;
 pub(super) struct Uncertainty {
     /// Standard deviations.
     pub(super) std: DVector<f64>,
+    /// Standard deviations if the residuals were white noise: by the curvature at the end alone.
+    pub(super) by_curvature: DVector<f64>,
     /// Correlations.
     pub(super) correlation: DMatrix<f64>,
     /// What the recording alone would leave, the priors taken away; infinite where it says nothing.
@@ -92,6 +94,7 @@ pub(super) fn of(fit: &Fit, free: &[Free], shift: &Shift) -> Option<Uncertainty>
     let by_data = alone(&(&information - &prior), &std, &inverse);
     Some(Uncertainty {
         std,
+        by_curvature: inverse.diagonal().map(|v| v.max(f64::MIN_POSITIVE).sqrt()),
         correlation,
         by_data,
         correction,

@@ -19,7 +19,7 @@ pub struct Interval {
 const WIDTH: f64 = 960.0;
 const ROW: f64 = 34.0;
 /// The scale's place.
-const LEFT: f64 = 290.0;
+const LEFT: f64 = 340.0;
 const RIGHT: f64 = 690.0;
 
 /// Draws rows; `title` is read out where it cannot be seen.
@@ -71,8 +71,8 @@ impl Interval {
         if let Some([from, value, to]) = self.before {
             svg += &rect(at(from), at(to), 9.0, Color::Grid);
             svg += &rect(at(value) - 0.75, at(value) + 0.75, 9.0, Color::Muted);
-            svg += &label(at(from) - 5.0, "end", 11.0, Color::Muted, &short(from));
-            svg += &label(at(to) + 5.0, "start", 11.0, Color::Muted, &short(to));
+            svg += &label(at(from) - 5.0, "end", 12.0, Color::Muted, &short(from));
+            svg += &label(at(to) + 5.0, "start", 12.0, Color::Muted, &short(to));
         }
         if let Some([from, value, to]) = self.after {
             svg += &rect(at(from), at(to), 2.0, Color::First);
@@ -116,8 +116,8 @@ mod tests {
         let svg = svg("title", &[row(Some([48.0, 50.0, 52.0])), row(Some([55.0, 75.0, 95.0]))]);
         assert!(svg.contains("stiffness &amp; co") && svg.contains("50 ± 1"));
         // 50 is seven eighths of the way from 15 to 55; 95 the end of the second row's scale.
-        assert!(svg.contains("<circle cx=\"640.0\" cy=\"17.0\""), "{svg}");
-        assert!(svg.contains("<circle cx=\"590.0\" cy=\"51.0\""), "{svg}");
+        assert!(svg.contains("<circle cx=\"646.2\" cy=\"17.0\""), "{svg}");
+        assert!(svg.contains("<circle cx=\"602.5\" cy=\"51.0\""), "{svg}");
     }
 
     #[test]

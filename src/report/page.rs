@@ -3,6 +3,8 @@
 use super::{Interval, Plot, PlotError, Shift, Timeline, intervals, shifts};
 
 const STYLE: &str = include_str!("page.css");
+/// Said of a plot whose lines do so.
+const BEYOND: &str = "What is beyond the scale is drawn along its edge.";
 
 /// A page in the making, from top to bottom.
 #[derive(Clone, Debug)]
@@ -66,7 +68,10 @@ impl Page {
     /// If it cannot be drawn.
     pub fn plot(&mut self, heading: &str, plot: &Plot, caption: &str) -> Result<(), PlotError> {
         let svg = plot.svg()?;
-        self.figure(heading, &plot.legend(), &svg, caption);
+        let beyond = if plot.goes_beyond() { BEYOND } else { "" };
+        let stop = if caption.is_empty() || beyond.is_empty() || caption.ends_with('.') { "" } else { "." };
+        let caption = format!("{caption}{stop} {beyond}");
+        self.figure(heading, &plot.legend(), &svg, caption.trim());
         Ok(())
     }
 

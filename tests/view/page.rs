@@ -58,6 +58,11 @@ fn the_page_draws_what_comes() {
         assert!(drawn > 100, "plot {plot}: {drawn} pixels of a line");
     }
     assert!(pixels(&mut browser, &tab, 7, "third") > 100, "no stretch in which anything was valid");
+    // From the beginning of what came, not from two minutes before; and the numbers beside the plots are the cards'.
+    let labels = "document.querySelector('figure .legend').innerText";
+    let legend = browser.evaluate(&tab, labels).as_str().unwrap().to_owned();
+    let in_use = card(&mut browser, &tab, "Friction in use");
+    assert!(legend.split_whitespace().any(|word| word == in_use), "{in_use} is not in {legend}");
     // The numbers are those that `monitor --once` prints at the end of the same recording.
     let once =
         Command::new(GRIPD).args(["-q", "monitor", "--once", "-c", CAR]).arg(drive()).output().unwrap();
@@ -134,8 +139,20 @@ fn two_pages_see_the_same_and_say_when_nobody_answers() {
         assert_eq!(card(&mut browser, &first, name), card(&mut browser, &second, name));
     }
     assert_eq!(browser.complaints(), Vec::<String>::new());
+    // What is over is not running.
+    let told = text(&mut browser, &first, "#told");
+    assert!(told.contains("the recording is over") && !told.contains("running"), "{told}");
+    let words = "[...document.querySelectorAll('#facts b')].map((word) => word.textContent)";
+    let has = |word: &str| format!("{words}.includes('{word}')");
+    assert_eq!(browser.evaluate(&first, &has("stale")), false);
     drop(server);
     for tab in [&first, &second] {
         browser.wait_until(tab, "/does not answer/.test(document.getElementById('connection').textContent)");
+        // No old value goes for a valid one.
+        assert_eq!(browser.evaluate(tab, &has("valid")), false);
+        assert_eq!(browser.evaluate(tab, &has("stale")), true);
+        assert_eq!(text(&mut browser, tab, "#headline"), "The estimates are stale");
+        let told = text(&mut browser, tab, "#told");
+        assert!(told.contains("as it said last"), "{told}");
     }
 }

@@ -225,10 +225,7 @@ fn audit(out: &mut impl Write, chain: &ChainReport) -> io::Result<()> {
             Confidence::Likely => "likely",
             Confidence::Unclear => "unclear",
         };
-        let value = match (finding.value, finding.std) {
-            (Some(value), Some(std)) => format!(" {} ± {}", number(value), number(std)),
-            _ => String::new(),
-        };
+        let value = finding.amount().map_or(String::new(), |amount| format!(" {amount}"));
         writeln!(out, "  {confidence}: {} of {}{value}", finding.effect, finding.channel)?;
         writeln!(out, "    because  {}", finding.evidence)?;
         writeln!(out, "    repair   {}", finding.repair)?;

@@ -78,7 +78,7 @@ impl Story<'_> {
             if let Some(row) = self.last_valid(surface, |row| row.round.mu_valid)
                 && let Some(truth) = at(self.truth, row.round.time).and_then(|index| self.truth.get(index))
             {
-                let (found, true_) = (self.friction_found(surface), number(truth.mu_max, 2));
+                let (found, true_) = (tables::friction(row), number(truth.mu_max, 2));
                 text += &format!(" Friction found on {}: {found}; true: {true_}.", surface.name);
             }
         }

@@ -5,6 +5,7 @@ mod numbers;
 mod page;
 mod recordings;
 mod text;
+mod tried;
 mod words;
 
 use std::io::Write;

@@ -2,8 +2,9 @@
 
 use std::io::{self, Write};
 
+use super::tried::Tried;
 use super::words::{self, number, sentence, signed, stopped};
-use crate::explain::{ByChannel, Explanation, Finding, Where};
+use crate::explain::{ByChannel, Explanation, Finding, Ranked, Where};
 
 /// Lines are broken before this column.
 const WIDTH: usize = 100;
@@ -141,16 +142,16 @@ fn moved(text: &mut String, explanation: &Explanation) {
 }
 
 fn ranking(text: &mut String, explanation: &Explanation) {
-    let names: Vec<String> = explanation
-        .ranking
-        .iter()
-        .take(MOST_RANKED)
-        .map(|it| format!("{} {}", words::effect(&it.effect, it.channel.as_deref()), signed(it.score, 0)))
-        .collect();
-    if !names.is_empty() {
+    let tried = Tried::of(explanation);
+    let one = |it: &&Ranked| {
+        format!("{} {}", words::effect(&it.effect, it.channel.as_deref()), signed(it.score, 0))
+    };
+    let mut best: Vec<String> = tried.own.iter().take(MOST_RANKED).map(one).collect();
+    best.extend(tried.nothing());
+    if !best.is_empty() {
         text.push('\n');
-        let tried = explanation.ranking.len();
-        wrapped(text, &format!("Best of {tried} tried (2 ln odds): "), &names.join(", "));
+        let count = explanation.ranking.len();
+        wrapped(text, &format!("Best of {count} tried (2 ln odds): "), &best.join(", "));
     }
 }
 

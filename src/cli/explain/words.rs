@@ -64,6 +64,11 @@ pub fn in_order<'a>(names: impl Iterator<Item = &'a String>) -> Vec<&'a str> {
     names
 }
 
+/// The error's share of the variance of what was recorded, from a fit in %.
+pub fn left_of_variance(fit: f64) -> f64 {
+    (1.0 - 0.01 * fit).powi(2)
+}
+
 /// What something is shown in: factor and unit.
 pub fn shown_unit(channel: &str, unit: &str) -> (f64, String) {
     let degrees = 1f64.to_degrees();
@@ -187,9 +192,9 @@ pub fn parameters(finding: &Finding) -> Vec<Shown> {
 
 fn shown(name: &str, channel: &str, unit: &str, estimate: Estimate, is_main: bool) -> Shown {
     let (factor, unit) = match name {
-        "delay_s" | "time_constant_s" => (1e3, "ms".to_owned()),
-        // An ordinary number: how late a channel is.
-        _ if name.ends_with("_delay") => (1e3, "ms".to_owned()),
+        // An effect's, or an ordinary number: how late a channel is.
+        _ if name.ends_with("delay_s") => (1e3, "ms".to_owned()),
+        "time_constant_s" => (1e3, "ms".to_owned()),
         "relative_error" => (100.0, "%".to_owned()),
         _ if name.starts_with("relative_difference") || name.starts_with("slip_offset") => {
             (100.0, "%".to_owned())
@@ -371,6 +376,11 @@ mod tests {
         assert_eq!(shown_unit("wheel_speed_fl", "rad/s"), (1.0, "rad/s".into()));
         let offset = ordinary("yaw_rate_offset", Estimate { value: 0.01, std: 0.001 });
         assert_eq!(offset.value(), "0.57 ± 0.06 °/s");
+        let delay = ordinary("lateral_acceleration_delay_s", Estimate { value: -0.0004, std: 0.0021 });
+        assert_eq!(
+            (delay.name.as_str(), delay.value().as_str()),
+            ("lateral acceleration delay", "−0.4 ± 2.1 ms")
+        );
         let ratio = ordinary("steering_ratio", Estimate { value: 15.5, std: 0.1 });
         assert_eq!((ratio.name.as_str(), ratio.value().as_str()), ("steering ratio", "15.50 ± 0.10"));
         assert_eq!(

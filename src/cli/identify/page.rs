@@ -140,6 +140,7 @@ const NOTES: &[(&str, &str)] = &[
     (
         "profile",
         "How much worse everything else can make up for a wrong value: 2 ln of the likelihood ratio. Where it \
-         passes 3.84 is the 95 % interval for this very recording; a flat side means that there is no end.",
+         passes 3.84 would be the 95 % interval if the residuals were white noise and the inputs exact; a flat \
+         side means that there is no end.",
     ),
 ];

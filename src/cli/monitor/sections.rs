@@ -378,8 +378,13 @@ pub fn age_words(age: Micros) -> String {
     }
 }
 
-/// Hours, minutes and seconds of the frames' clock (UTC where it is one).
+/// A frames' clock beyond this counts from 1970, s.
+const UTC_FROM_S: i64 = 100_000_000;
+
+/// Hours, minutes and seconds of the frames' clock; it says so where they are UTC.
 pub fn clock(now: Micros) -> String {
-    let seconds = now.0.div_euclid(Micros::PER_SECOND).rem_euclid(86_400);
-    format!("{:02}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
+    let all = now.0.div_euclid(Micros::PER_SECOND);
+    let seconds = all.rem_euclid(86_400);
+    let utc = if all >= UTC_FROM_S { " UTC" } else { "" };
+    format!("{:02}:{:02}:{:02}{utc}", seconds / 3600, seconds / 60 % 60, seconds % 60)
 }

@@ -59,7 +59,12 @@ impl Reproduce {
 /// All, or those asked for.
 fn choose(only: &[String]) -> Result<Vec<Experiment>, Failure> {
     if let Some(unknown) = only.iter().find(|only| !experiments().any(|it| shows(it.figure, only))) {
-        let figures: Vec<&str> = experiments().map(|it| it.figure).collect();
+        let mut figures: Vec<&str> = Vec::new();
+        for part in experiments().flat_map(|it| it.figure.split(", ")) {
+            if !figures.contains(&part) {
+                figures.push(part);
+            }
+        }
         return Err(Failure::usage(format_args!(
             "no experiment shows figure `{unknown}`; there are {}",
             figures.join(", ")
@@ -71,10 +76,14 @@ fn choose(only: &[String]) -> Result<Vec<Experiment>, Failure> {
 /// Is `asked` (a figure, a chapter, or the name of the experiment) among `figure` (`5.6`, `4.5–4.7`,
 /// `5.1, 5.3`)?
 fn shows(figure: &str, asked: &str) -> bool {
-    if figure == asked || figure.replace('–', "-") == asked {
+    let is = |name: &str| name == asked || name.replace('–', "-") == asked;
+    if is(figure) {
         return true;
     }
     figure.split(", ").any(|part| {
+        if is(part) {
+            return true;
+        }
         let (first, last) = part.split_once('–').unwrap_or((part, part));
         match (number(first), number(last), number(asked)) {
             (Some(first), Some(last), Some(asked)) => first <= asked && asked <= last,
@@ -148,6 +157,17 @@ mod tests {
             assert!(!shows("4.5–4.7", asked), "{asked}");
         }
         assert!(!shows("5.1, 5.3", "5.2") && !shows("5.1", "5.11"));
+    }
+
+    #[test]
+    fn every_name_that_is_listed_can_be_asked_for() {
+        let Err(Failure::Usage(text)) = choose(&["42".into()]) else { panic!("there is no chapter 42") };
+        let names: Vec<&str> = text.split_once("there are ").unwrap().1.split(", ").collect();
+        assert!(names.contains(&"eq. 6.2") && names.contains(&"8.2"), "{names:?}");
+        for (index, name) in names.iter().enumerate() {
+            assert!(!names[..index].contains(name), "{name} twice");
+            assert!(choose(&[(*name).to_owned()]).is_ok(), "{name} is listed and refused");
+        }
     }
 
     #[test]

@@ -116,7 +116,7 @@ pub fn now(watch: &Watch, remark: &str) -> String {
         Column::Estimate(name) => Some((name, Some(row.get(column)).filter(|value| value.is_finite()))),
         Column::Input(_) => None,
     };
-    let (told, warn) = told(watch);
+    let (told, warn) = told(watch, remark);
     let now = Now {
         time: watch.now().seconds(),
         told,
@@ -135,7 +135,7 @@ pub fn now(watch: &Watch, remark: &str) -> String {
     serde_json::to_string(&now).unwrap_or_else(|_| "null".into())
 }
 
-fn told(watch: &Watch) -> (String, bool) {
+fn told(watch: &Watch, remark: &str) -> (String, bool) {
     let (mut text, mut warn) = match watch.link() {
         Some(Link::Down) => ("The interface is down; waiting for it. ".to_owned(), true),
         Some(Link::Gone) => ("There is no such interface; waiting for it. ".to_owned(), true),
@@ -153,7 +153,10 @@ fn told(watch: &Watch) -> (String, bool) {
     };
     text += words;
     warn |= is_wrong;
-    if round.state.is_empty() {
+    if !remark.is_empty() {
+        // What it did then it does no more.
+        text += &format!("; {remark}.");
+    } else if round.state.is_empty() {
         text += ".";
     } else {
         text += &format!("; {}.", state_words(&round.state));

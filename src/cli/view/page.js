@@ -1,6 +1,6 @@
 // The page: takes what comes from the program, keeps the last minutes, shows numbers and draws plots.
 
-import { Plot, numberText, readColors, timeText } from "./plot.js";
+import { PAUSE, Plot, isUtc, numberText, readColors, timeText } from "./plot.js";
 
 const KEPT_S = 600;
 const byId = (id) => document.getElementById(id);
@@ -9,6 +9,10 @@ let meta = null;
 let place = {};
 let rows = [];
 let now = null;
+// What the numbers beside the plots say while nothing points into them: the same as the cards.
+let current = null;
+// The program does not answer: what is shown is old.
+let gone = false;
 let plots = [];
 let cursor = null;
 let paused = false;
@@ -127,9 +131,19 @@ function lanes(all, from, to) {
   return list.filter((one) => one && one.spans.length > 0);
 }
 
+// No more than there is: until the window is full, its beginning is that of what came, but for the first seconds.
+const LEAST_SHOWN_S = 10;
 function shownTime() {
   const to = (paused ? shownTo : null) ?? now?.time ?? rows[rows.length - 1]?.[0] ?? 0;
-  return [to - Number(byId("window").value), to];
+  const first = Math.min(rows[0]?.[0] ?? to, to - LEAST_SHOWN_S);
+  return [Math.max(first, to - Number(byId("window").value)), to];
+}
+
+// The last row with the newest estimates in it, which are up to a tenth of a second younger.
+function currentRow() {
+  const last = rows[rows.length - 1];
+  if (!last || now.time - last[0] > PAUSE) return null;
+  return last.map((value, index) => (value === null ? null : now.estimates[meta.columns[index - 1]] ?? value));
 }
 
 let scheduled = false;
@@ -139,7 +153,7 @@ function schedule() {
   requestAnimationFrame(() => {
     scheduled = false;
     const [from, to] = shownTime();
-    for (const plot of plots) plot.draw(rows, from, to, cursor);
+    for (const plot of plots) plot.draw(rows, from, to, cursor, current);
   });
 }
 
@@ -170,19 +184,25 @@ function range(low, high, decimals) {
   return low === null || high === null ? "" : `${numberText(low, decimals)} to ${numberText(high, decimals)}`;
 }
 
+// Is what a message said still so?
+function wordOf(message) {
+  const word = now.words[message] ?? "never";
+  return gone && word === "fresh" ? "stale" : word;
+}
+
 function showFacts() {
   const e = now.estimates;
   const around = (value, std, decimals) => (value === null || std === null ? "" : range(value - 1.96 * std, value + 1.96 * std, decimals));
   const state = (message, value, valid) => {
-    const word = now.words[message];
-    if (word !== "fresh") return word ?? "never";
+    const word = wordOf(message);
+    if (word !== "fresh") return word;
     return value === null ? "absent" : valid ? "valid" : "not_valid";
   };
   const mu = state("GRIP_FRICTION", e.mu_max, e.mu_valid);
   const bounds = e.mu_max === null && e.mu_max_low !== null ? `at least ${numberText(e.mu_max_low, 2)}` : range(e.mu_max_low, e.mu_max_high, 2);
   const cards = [
     card("Friction available", numberText(e.mu_max, 2), "", mu, [bounds, e.mu_max === null ? "" : now.source].filter(Boolean).join("; ")),
-    card("Friction in use", numberText(e.mu_used, 2), "", now.words.GRIP_FRICTION === "fresh" ? "" : mu, ""),
+    card("Friction in use", numberText(e.mu_used, 2), "", wordOf("GRIP_FRICTION") === "fresh" ? "" : mu, ""),
   ];
   for (const wheel of meta.driven) {
     const value = e[`slope_${wheel}`];
@@ -195,7 +215,7 @@ function showFacts() {
   const sideslip = e.sideslip === null ? null : e.sideslip * DEGREES;
   cards.push(card("Sideslip", numberText(sideslip, 1), "°", state("GRIP_MOTION", e.sideslip, e.motion_valid), ""));
   const speed = e.speed === null ? null : e.speed * 3.6;
-  cards.push(card("Speed", numberText(speed, 0), "km/h", now.words.GRIP_MOTION === "fresh" ? "" : state("GRIP_MOTION", e.speed, true), ""));
+  cards.push(card("Speed", numberText(speed, 0), "km/h", wordOf("GRIP_MOTION") === "fresh" ? "" : state("GRIP_MOTION", e.speed, true), ""));
   byId("facts").replaceChildren(...cards);
   const found = mu === "valid" || mu === "not_valid"
     ? `Friction ${numberText(e.mu_max, 2)}${bounds ? ` (${bounds})` : ""}${mu === "valid" ? "" : ", not valid"}`
@@ -215,31 +235,39 @@ function fill(id, lines) {
 }
 
 function showTables() {
-  fill("inputs", now.inputs.map((input) => [
-    input.state !== "",
-    input.label,
-    [`${numberText(input.value, input.decimals)} ${input.unit}`.trim()],
-    [age(input.age_ms)],
-    [input.state, "state"],
-  ]));
+  // Ages are as the program told them last: without it they say nothing.
+  const aged = (ms) => (gone ? "–" : age(ms));
+  const rate = (message) => (gone ? "–" : message.rate.toFixed(0));
+  fill("inputs", now.inputs.map((input) => {
+    const state = gone && input.state === "" ? "stale" : input.state;
+    return [
+      state !== "",
+      input.label,
+      [`${numberText(input.value, input.decimals)} ${input.unit}`.trim()],
+      [aged(input.age_ms)],
+      [state, "state"],
+    ];
+  }));
   const errors = (count) => [String(count), count > 0 ? "error" : ""];
   fill("messages", now.messages.map((message) => [
-    message.state === "stale",
+    gone || message.state === "stale",
     message.name,
-    [message.rate.toFixed(0)],
-    [message.state === "stale" ? `stale, ${age(message.age_ms)}` : age(message.age_ms)],
+    [rate(message)],
+    [gone ? "stale" : message.state === "stale" ? `stale, ${age(message.age_ms)}` : age(message.age_ms)],
     errors(message.crc_errors),
     errors(message.counter_errors),
   ]));
-  fill("traffic", now.traffic.map((message) => [false, message.name, [message.id], [message.rate.toFixed(0)], [age(message.age_ms)]]));
+  fill("traffic", now.traffic.map((message) => [gone, message.name, [message.id], [rate(message)], [aged(message.age_ms)]]));
   byId("messages-title").textContent = now.own ? "What gripd would publish" : "Published messages";
 }
 
 function show() {
-  byId("clock").textContent = `· ${timeText(now.time)}${now.remark ? " · " + now.remark : ""}`;
+  current = currentRow();
+  document.body.classList.toggle("gone", gone);
+  byId("clock").textContent = `· ${timeText(now.time)}${isUtc(now.time) ? " UTC" : ""}${now.remark ? " · " + now.remark : ""}`;
   const told = byId("told");
-  told.textContent = now.told;
-  told.className = now.warn ? "lead warn" : "lead";
+  told.textContent = gone ? "The program that sent this does not answer any more: everything here is as it said last." : now.told;
+  told.className = gone || now.warn ? "lead warn" : "lead";
   const chips = now.faults.map(([name, words]) => element("li", `${name}: ${words}`));
   byId("faults").replaceChildren(...(chips.length > 0 ? chips : [element("li", "no faults", "none")]));
   showFacts();
@@ -275,11 +303,18 @@ function begin(hello) {
 function connect() {
   const events = new EventSource("events");
   const connection = byId("connection");
-  events.addEventListener("open", () => (connection.textContent = ""));
+  const answers = (does) => {
+    connection.textContent = does ? "" : "The program does not answer; trying again.";
+    if (gone === !does) return;
+    gone = !does;
+    if (now) show();
+    schedule();
+  };
+  events.addEventListener("open", () => answers(true));
   events.addEventListener("hello", (event) => begin(JSON.parse(event.data)));
   events.addEventListener("update", (event) => meta && take(JSON.parse(event.data)));
   // The browser tries again by itself.
-  events.addEventListener("error", () => (connection.textContent = "The program does not answer; trying again."));
+  events.addEventListener("error", () => answers(false));
 }
 
 byId("window").addEventListener("change", schedule);

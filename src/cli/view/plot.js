@@ -7,7 +7,7 @@ const TOP = 8;
 const AXIS = 24;
 const ROW = 32;
 // Between rows further apart than this there was nothing, s.
-const PAUSE = 1.0;
+export const PAUSE = 1.0;
 
 let colors = {};
 
@@ -26,10 +26,14 @@ function timeSteps(span) {
   return [1, 2, 5, 10, 15, 30, 60, 120, 300].find((step) => span / step <= 8) ?? 600;
 }
 
-// A time of day where it is one, else seconds.
+// Is a clock one that counts from 1970? The frames' clocks that do are in UTC.
+export const isUtc = (t) => t >= 1e8;
+
+// Seconds; hours, minutes and seconds where they are many, in UTC where the clock is one: as `gripd monitor` has them.
 export function timeText(t) {
-  if (t < 1e8) return `${Math.round(t)} s`;
-  return new Date(t * 1000).toLocaleTimeString([], { hour12: false });
+  const seconds = Math.round(t);
+  if (Math.abs(seconds) < 3600) return `${numberText(seconds, 0)} s`;
+  return new Date(seconds * 1000).toISOString().slice(11, 19);
 }
 
 export function numberText(value, decimals) {
@@ -85,7 +89,8 @@ export class Plot {
     return from + Math.min(1, Math.max(0, share)) * (to - from);
   }
 
-  draw(rows, from, to, cursor) {
+  // `current` is the row of the moment, for the numbers while there is no cursor.
+  draw(rows, from, to, cursor, current) {
     const box = this.canvas.getBoundingClientRect();
     if (box.width < 10) return;
     const scale = window.devicePixelRatio || 1;
@@ -112,7 +117,7 @@ export class Plot {
       g.lineTo(x(cursor), area.bottom);
       g.stroke();
     }
-    const row = rowAt(rows, cursor ?? to);
+    const row = cursor === null ? current : rowAt(rows, cursor);
     for (const [output, item] of this.outputs) {
       const value = row ? item.get(row) : null;
       output.textContent = numberText(value, this.decimals);

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::Quantity;
+
 /// How sure a finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -36,6 +38,21 @@ pub struct Finding {
     pub repair: String,
     /// What else it could be.
     pub or: Vec<String>,
+}
+
+impl Finding {
+    /// How much, as it is read: with its unit, and digits as its standard deviation has them.
+    pub fn amount(&self) -> Option<String> {
+        let (value, std) = self.value.zip(self.std)?;
+        let (factor, unit) = match self.effect {
+            "sensor_delay" => (1e3, "ms"),
+            "sensor_scale" | "tire_radius" => (100.0, "%"),
+            _ => (1.0, self.channel.parse::<Quantity>().map_or("", Quantity::unit)),
+        };
+        let (value, std) = (factor * value, factor * std);
+        let decimals = (1.0 - std.log10().floor()).clamp(0.0, 6.0) as usize;
+        Some(format!("{value:.decimals$} ± {std:.decimals$} {unit}").trim_end().to_owned())
+    }
 }
 
 /// A comparison that was made.
@@ -105,5 +122,31 @@ impl ChainReport {
     /// Surest first, then by evidence.
     pub(super) fn sort(&mut self) {
         self.findings.sort_by(|a, b| b.confidence.cmp(&a.confidence).then(b.t.abs().total_cmp(&a.t.abs())));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_amount_has_its_unit() {
+        let amount = |effect, channel: &str, value, std| {
+            let finding = Finding {
+                effect,
+                channel: channel.into(),
+                value: Some(value),
+                std: Some(std),
+                t: 5.0,
+                evidence: String::new(),
+                confidence: Confidence::Likely,
+                repair: String::new(),
+                or: Vec::new(),
+            };
+            finding.amount().unwrap()
+        };
+        assert_eq!(amount("sensor_delay", "yaw_rate", -0.085_46, 0.020_85), "-85 ± 21 ms");
+        assert_eq!(amount("sensor_scale", "wheel_speed", 0.0312, 0.0011), "3.12 ± 0.11 %");
+        assert_eq!(amount("sensor_bias", "yaw_rate", 0.01, 0.002), "0.0100 ± 0.0020 rad/s");
     }
 }

@@ -78,8 +78,8 @@ impl Plot {
             }
             Series::Curve(color, stroke, points) => {
                 let style = color.stroked(*stroke).stroke_width(3);
-                for piece in points.split(|point| !self.shows(point)) {
-                    chart.draw_series(LineSeries::new(piece.iter().copied(), style)).map_err(said)?;
+                for piece in self.inside(points) {
+                    chart.draw_series(LineSeries::new(piece, style)).map_err(said)?;
                 }
             }
             Series::Points(color, marker, points) => {

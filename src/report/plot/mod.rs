@@ -2,6 +2,7 @@
 
 mod bars;
 mod chart;
+mod clip;
 mod file;
 
 use std::ops::Range;
@@ -214,7 +215,7 @@ impl Plot {
         self
     }
 
-    /// A line through points in any order, e.g. a loop. Outside the axes is a gap.
+    /// A line through points in any order, e.g. a loop. It is cut off where it leaves the axes.
     #[must_use]
     pub fn curve(
         mut self,
@@ -262,6 +263,16 @@ impl Plot {
     pub fn explain(mut self, name: &str, color: Color) -> Self {
         self.legend.push((name.into(), color, Swatch::Block));
         self
+    }
+
+    /// Does a line go beyond the y axis, and so run along its end?
+    pub fn goes_beyond(&self) -> bool {
+        let beyond = |(x, y): &(f64, f64)| {
+            self.x.contains(x) && y.is_finite() && !(self.y.start..=self.y.end).contains(y)
+        };
+        self.series
+            .iter()
+            .any(|series| matches!(series, Series::Line(.., points) if points.iter().any(beyond)))
     }
 
     /// The legend as HTML.
@@ -346,6 +357,17 @@ mod tests {
         assert!(svg.ends_with("</svg>\n") || svg.ends_with("</svg>"), "{}", &svg[svg.len() - 20..]);
         let legend = plot().legend();
         assert!(legend.contains("dashes") && legend.contains("var(--first)"), "{legend}");
+    }
+
+    #[test]
+    fn a_line_beyond_the_scale_is_known() {
+        assert!(plot().goes_beyond());
+        let within = Plot::new("", "", 0.0..1.0, 0.0..1.0).line(
+            "",
+            Color::First,
+            [(0.5, 1.0), (0.6, f64::NAN), (9.0, 9.0)].into_iter(),
+        );
+        assert!(!within.goes_beyond());
     }
 
     #[test]

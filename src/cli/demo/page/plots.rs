@@ -6,7 +6,7 @@ use super::super::findings::{Surface, driven};
 use super::super::recorder::Row;
 use super::{Story, side};
 use crate::model::Truth;
-use crate::report::{Color, Mark, Page, Plot, PlotError, Segment, Span};
+use crate::report::{Color, Mark, Page, Plot, PlotError, Segment, Span, Stroke};
 
 impl Story<'_> {
     fn time(&self) -> Range<f64> {
@@ -56,8 +56,18 @@ impl Story<'_> {
         })
     }
 
+    /// The upper end of an axis: all of the intervals and the surfaces' names above them, but no more than
+    /// twice what is true, for at first an interval is as wide as it likes.
+    fn top(&self, truth: f64, upper: impl Fn(&Row) -> f64) -> f64 {
+        let most = self.rows.iter().map(upper).filter(|value| value.is_finite()).fold(truth, f64::max);
+        1.15 * most.min(2.0 * truth)
+    }
+
     pub(super) fn slope(&self, page: &mut Page) -> Result<(), PlotError> {
-        let top = self.truth.iter().flat_map(|row| row.slope).fold(1.0, f64::max) * 1.3;
+        let most = self.truth.iter().flat_map(|row| row.slope).fold(1.0, f64::max);
+        let top = self.top(most, |row| {
+            row.round.slope.into_iter().fold(f64::NAN, f64::max) + 1.96 * row.round.slope_std
+        });
         let first = self.first_wheel() as usize;
         let in_use = self.truth.iter().zip(&self.findings.in_use);
         let mut plot = self
@@ -96,11 +106,12 @@ impl Story<'_> {
 
     pub(super) fn friction(&self, page: &mut Page) -> Result<(), PlotError> {
         let top = self.truth.iter().map(|row| row.mu_max).fold(0.3, f64::max) * 1.3;
-        // What is not told is anything; without an upper end everything above is possible.
+        // Without an upper end everything above is possible; where nothing at all is told nothing is shaded.
         let interval = |is_open: bool| {
             self.rows.iter().map(move |row| {
                 let round = &row.round;
-                let low = if round.mu_low.is_finite() { round.mu_low } else { 0.0 };
+                let is_told = round.mu_low.is_finite() || round.mu_max.is_finite();
+                let low = if round.mu_low.is_finite() || !is_told { round.mu_low } else { 0.0 };
                 let is_bounded = round.mu_max.is_finite() && round.mu_high.is_finite();
                 let high = if is_bounded { round.mu_high } else { top };
                 (round.time, low, if is_open == is_bounded { f64::NAN } else { high })
@@ -114,23 +125,28 @@ impl Story<'_> {
             .line("used: gripd", Color::First, self.published(|row| row.round.mu_used))
             .line("at least available: gripd", Color::Second, self.published(|row| row.round.mu_low))
             .line("available: gripd", Color::Third, self.published(|row| row.round.mu_max))
-            .line("available: true", Color::Truth, self.truth(|row| row.mu_max))
-            .bar("source", self.segments(|row| source_color(&row.round.mu_source)))
-            .bar("valid", self.segments(|row| row.round.mu_valid.then_some(Color::Third)));
-        for (source, text) in SOURCES {
-            if self.rows.iter().any(|row| row.round.mu_source == *source)
-                && let Some(color) = source_color(source)
-            {
-                plot = plot.explain(text, color);
+            .line("available: true", Color::Truth, self.truth(|row| row.mu_max));
+        // A bar for each, named beside it: colours enough are taken above.
+        let mut told = Vec::new();
+        for (source, name, text) in SOURCES {
+            if self.rows.iter().any(|row| row.round.mu_source == *source) {
+                plot = plot
+                    .bar(name, self.segments(|row| (row.round.mu_source == *source).then_some(Color::Muted)));
+                told.push(format!("{name}: {text}"));
             }
         }
+        let plot = plot.bar("valid", self.segments(|row| row.round.mu_valid.then_some(Color::Third)));
         page.plot(
             "Friction between tires and road",
             &plot,
-            "Shaded is what the friction may be. While little of it is used, nothing tells how much there is: only \
-             a lower bound is published (grey, open upwards), which sinks with every second in which the road may \
-             have become another one. When a tire comes near its limit, as in the braking on ice, the interval \
-             closes around the friction; and opens again when that is over.",
+            &format!(
+                "Shaded is what the friction may be. While little of it is used, nothing tells how much there is: \
+                 only a lower bound is published (grey, open upwards), which sinks with every second in which the \
+                 road may have become another one. When a tire comes near its limit, as in the braking on ice, the \
+                 interval closes around the friction; and opens again when that is over. The bars below tell what \
+                 it comes from ({}), and when it was valid.",
+                told.join("; ")
+            ),
         )
     }
 
@@ -156,8 +172,13 @@ impl Story<'_> {
         let plot = self
             .plot("Sideslip", "degrees", -top..top)
             .line("gripd", Color::First, self.published(|row| row.round.sideslip.to_degrees()))
-            .line("true", Color::Truth, self.truth(sideslip));
-        page.plot("Sideslip: direction of motion against the car's, positive to the left", &plot, "")
+            .line("true", Color::Truth, self.truth(sideslip))
+            .bar("valid", self.segments(|row| row.round.motion_valid.then_some(Color::First)));
+        page.plot(
+            "Sideslip: direction of motion against the car's, positive to the left",
+            &plot,
+            "Published without an interval.",
+        )
     }
 
     pub(super) fn cornering(&self, page: &mut Page) -> Result<(), PlotError> {
@@ -166,7 +187,8 @@ impl Story<'_> {
             ("rear", Color::Second, |row| row.cornering_rear),
         ];
         for (axle, (name, color, zero)) in axles.into_iter().enumerate() {
-            let top = 1.5 * self.truth.iter().map(zero).fold(1.0, f64::max);
+            let most = self.truth.iter().map(zero).fold(1.0, f64::max);
+            let top = self.top(most, |row| row.round.cornering[axle] + 1.96 * row.round.cornering_std[axle]);
             let plot = self
                 .plot(&format!("Cornering stiffness, {name}"), "1/rad", 0.0..top)
                 .band(
@@ -197,7 +219,8 @@ impl Story<'_> {
         let percent = |value: f64| 100.0 * value;
         let middle = percent(true_);
         let mut plot = self.plot("Slip offset", "%", middle - 0.3..middle + 0.3);
-        for (wheel, color) in wheels.into_iter().zip([Color::First, Color::Second]) {
+        let looks = [(Color::First, Stroke::Solid), (Color::Second, Stroke::Dashed)];
+        for (wheel, (color, stroke)) in wheels.into_iter().zip(looks) {
             let index = wheel as usize;
             plot = plot
                 .band(
@@ -213,9 +236,10 @@ impl Story<'_> {
                     color,
                     self.published(move |row| percent(row.round.offset[index])),
                 )
-                .line(
+                .stroked(
                     &format!("{}: true", side(wheel)),
                     Color::Truth,
+                    stroke,
                     self.truth(move |row| percent(row.slip_offset[index])),
                 );
         }
@@ -276,23 +300,12 @@ impl Story<'_> {
     }
 }
 
-const SOURCES: &[(&str, &str)] = &[
-    ("lower_bound", "source: lower bound only"),
-    ("slope_map", "source: slip slope"),
-    ("brush", "source: curvature (brush model)"),
-    ("joint", "source: joint lateral filter"),
-    ("abs", "source: ABS braking"),
-    ("limit", "source: spinning wheels"),
+/// Where the friction comes from: as published, beside its bar, and in words.
+const SOURCES: &[(&str, &str, &str)] = &[
+    ("lower_bound", "bound", "a lower bound only"),
+    ("slope_map", "slope", "the slip slope"),
+    ("brush", "brush", "the curvature, by the brush model"),
+    ("joint", "joint", "the joint lateral filter"),
+    ("abs", "ABS", "an ABS braking"),
+    ("limit", "spinning", "spinning wheels"),
 ];
-
-fn source_color(source: &str) -> Option<Color> {
-    match source {
-        "lower_bound" => Some(Color::Muted),
-        "slope_map" => Some(Color::Second),
-        "brush" => Some(Color::Third),
-        "joint" => Some(Color::First),
-        "abs" => Some(Color::Notice),
-        "limit" => Some(Color::Ink),
-        _ => None,
-    }
-}

@@ -2,6 +2,7 @@
 
 use super::courses;
 use super::stretch;
+use crate::cli::explain::tried;
 use crate::cli::explain::words::{self, number, sentence, signed, stopped};
 use crate::explain::{Explanation, Finding, Verdict};
 use crate::report::{Page, escape};
@@ -68,7 +69,7 @@ pub fn to_drive(page: &mut Page, explanation: &Explanation) {
 }
 
 fn lead(explanation: &Explanation) -> Vec<String> {
-    let tried = tried(explanation);
+    let tried = tried::count(explanation) + &tried::kinds(explanation);
     match explanation.verdict {
         Verdict::MissingPhysics => explanation
             .findings
@@ -79,7 +80,7 @@ fn lead(explanation: &Explanation) -> Vec<String> {
         Verdict::Adequate => vec![format!(
             "With its ordinary parameters refitted, it says what there is to say: none of {tried} adds anything \
              that data held out of the fit confirm. {}",
-            left(explanation)
+            follows(explanation)
         )],
         Verdict::UnknownPhysics => {
             let gains = stretch::gains(explanation);
@@ -110,15 +111,6 @@ fn lead(explanation: &Explanation) -> Vec<String> {
             sentence(&words::subject(explanation)),
             if explanation.to_drive.is_empty() { "" } else { " To drive:" }
         )],
-    }
-}
-
-/// What was tried, counted.
-fn tried(explanation: &Explanation) -> String {
-    match explanation.ranking.len() {
-        0 => "the effects that were tried".into(),
-        1 => "the one effect that was tried".into(),
-        count => format!("the {count} effects that were tried"),
     }
 }
 
@@ -176,13 +168,14 @@ fn place(explanation: &Explanation) -> String {
     text
 }
 
-/// The largest share that is left unexplained.
-fn left(explanation: &Explanation) -> String {
-    let most = explanation.unexplained.iter().filter(|(_, share)| share.is_finite());
-    match most.max_by(|a, b| a.1.total_cmp(b.1)) {
-        Some((channel, share)) => format!(
-            "What it leaves above the noise is at most {} % of the variance ({}).",
-            number(100.0 * share.max(0.0), 1),
+/// How well it follows what was held out, by the channel that it follows least.
+fn follows(explanation: &Explanation) -> String {
+    let fits = explanation.fit.baseline.holdout.iter().filter(|(_, fit)| fit.is_finite());
+    match fits.min_by(|a, b| a.1.total_cmp(b.1)) {
+        Some((channel, fit)) => format!(
+            "Simulated without feedback, its error there has at most {} % of the variance that was recorded \
+             ({}), noise included.",
+            number(100.0 * words::left_of_variance(*fit), 1),
             words::channel(channel)
         ),
         None => String::new(),
@@ -198,7 +191,7 @@ fn facts_of(explanation: &Explanation) -> Vec<Fact> {
         facts.push(Fact {
             name: "Probability".into(),
             value: words::probability(finding.probability),
-            note: format!("among {}", tried(explanation)),
+            note: format!("among {}", tried::count(explanation)),
         });
     }
     let gains = stretch::gains(explanation);

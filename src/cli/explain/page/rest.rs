@@ -2,7 +2,8 @@
 
 use super::courses;
 use super::stretch::{self, Stretch};
-use crate::cli::explain::words::{self, number, sentence, signed, stopped};
+use crate::cli::explain::tried::{Tried, kinds, name, score};
+use crate::cli::explain::words::{self, number, sentence, stopped};
 use crate::explain::{Explanation, Ranked, Trace};
 use crate::report::{Color, Page, Plot, Span, Stroke, escape};
 
@@ -49,27 +50,34 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
 }
 
 fn ranking(page: &mut Page, explanation: &Explanation) {
-    page.raw(
-        "<p class=\"aside\">2 ln odds for each effect alone, every ordinary parameter free to make up for it. Full bars: \
-         refitted together with everything else; hatched: judged to first order.</p>",
-    );
+    page.raw(&format!(
+        "<p class=\"aside\">{} effects{}. 2 ln odds for each alone, every ordinary parameter free to make up for it. \
+         Full bars: refitted together with everything else; hatched: judged to first order.</p>",
+        explanation.ranking.len(),
+        kinds(explanation)
+    ));
     let most =
         explanation.ranking.iter().map(|it| it.score).filter(|score| score.is_finite()).fold(0.0, f64::max);
-    let (bars, others) = explanation.ranking.split_at(BARS.min(explanation.ranking.len()));
+    let tried = Tried::of(explanation);
+    let (bars, others) = tried.own.split_at(BARS.min(tried.own.len()));
     page.raw("<ol class=\"ranking\">");
     for ranked in bars {
         page.raw(&bar(explanation, ranked, most));
     }
     page.raw("</ol>");
-    if others.is_empty() {
-        return;
+    if !others.is_empty() {
+        page.heading("The others");
+        page.raw("<ol class=\"others\">");
+        for ranked in others {
+            page.raw(&format!("<li>{} <span>{}</span></li>", escape(&name(ranked)), score(ranked.score)));
+        }
+        page.raw("</ol>");
     }
-    page.heading("The others");
-    page.raw("<ol class=\"others\">");
-    for ranked in others {
-        page.raw(&format!("<li>{} <span>{}</span></li>", escape(&name(ranked)), score(ranked.score)));
+    if let Some(nothing) = tried.nothing() {
+        page.heading(&nothing);
+        let names: Vec<String> = tried.idle.iter().map(|ranked| name(ranked)).collect();
+        page.raw(&format!("<p class=\"aside\">{}.</p>", escape(&names.join(", "))));
     }
-    page.raw("</ol>");
 }
 
 fn bar(explanation: &Explanation, ranked: &Ranked, most: f64) -> String {
@@ -90,14 +98,6 @@ fn bar(explanation: &Explanation, ranked: &Ranked, most: f64) -> String {
         if ranked.refitted { "" } else { " class=\"first-order\"" },
         score(ranked.score)
     )
-}
-
-fn name(ranked: &Ranked) -> String {
-    sentence(&words::effect(&ranked.effect, ranked.channel.as_deref()))
-}
-
-fn score(score: f64) -> String {
-    signed(score, if score.abs() < 9.95 { 1 } else { 0 })
 }
 
 fn channel(page: &mut Page, explanation: &Explanation, trace: &Trace) {

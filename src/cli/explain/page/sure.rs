@@ -16,18 +16,15 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
     page.section("sure", "How sure", "");
     page.heading("Simulation without feedback: fit, %");
     fits(page, &explanation.fit, &explanation.improvement_ci95, &explanation.unexplained);
-    if !explanation.unexplained.is_empty() {
-        let gains = if is_extended {
-            "Gains in percentage points; bold where the interval is above zero. "
-        } else {
-            ""
-        };
+    if is_extended && !explanation.unexplained.is_empty() {
         aside(
             page,
-            &format!(
-                "{gains}Left unexplained: share of the residual variance above the noise that is still there."
-            ),
+            "Gains in percentage points; bold where the interval is above zero. The last column is a share of \
+             what the plain model leaves, not of what was recorded: its squared error above the sensors' noise, \
+             on held-out data. A channel that the plain model follows well has little to be left of.",
         );
+    } else if !is_extended {
+        aside(page, "The error's share of the variance that was recorded, on held-out data: (1 − fit)².");
     }
     if !explanation.prediction_fit.baseline.train.is_empty() {
         page.heading("Prediction by one step: fit, %");
@@ -56,21 +53,20 @@ fn share(share: f64) -> String {
     words::with_unit(&number(100.0 * share, 1), unit)
 }
 
-fn plain_fits(page: &mut Page, fit: &Models<Parts<ByChannel>>, _: &Intervals, unexplained: &ByChannel) {
-    let columns: &[&str] = &["channel", "fitted", "held out", "left unexplained"];
-    let count = if unexplained.is_empty() { 3 } else { 4 };
+/// Of the plain model alone. What it leaves of its own error is everything, which says nothing: so here it
+/// is held against what was recorded.
+fn plain_fits(page: &mut Page, fit: &Models<Parts<ByChannel>>, _: &Intervals, _: &ByChannel) {
     let row = |name: &str| {
-        let mut row = vec![
+        let holdout = of(&fit.baseline.holdout, name);
+        vec![
             sentence(&words::channel(name)),
             number(of(&fit.baseline.train, name), 1),
-            number(of(&fit.baseline.holdout, name), 1),
-            share(of(unexplained, name)),
-        ];
-        row.truncate(count);
-        row
+            number(holdout, 1),
+            share(words::left_of_variance(holdout)),
+        ]
     };
     let rows: Vec<Vec<String>> = channels(fit).into_iter().map(row).collect();
-    page.table(columns.get(..count).unwrap_or(columns), &rows);
+    page.table(&["channel", "fitted", "held out", "error / recorded variance"], &rows);
 }
 
 /// Both models beside each other.
@@ -87,7 +83,7 @@ fn both_fits(
         groups.push(("95 % interval of the gain", &[]));
     }
     if !unexplained.is_empty() {
-        groups.push(("left unexplained", &[]));
+        groups.push(("left of the plain model's error", &[]));
     }
     let mut html = head(&groups);
     for name in channels(fit) {

@@ -97,9 +97,21 @@ fn what_is_unknown_or_not_driven_is_said_first() {
     assert!(first.contains("<li>Steady turns both ways with 3 to 5 m/s².</li>"), "{first}");
     assert!(first.contains("straight ahead &amp; hard"));
     assert!(!html.contains("extended model</li>"), "there is no extended model to be drawn");
-    let adequate = page(&sample::adequate());
-    let sure = part(&adequate, "sure");
-    assert!(!sure.contains("extended") && sure.contains("left unexplained"), "no columns without numbers");
+}
+
+#[test]
+fn where_nothing_is_missing_the_error_is_held_against_what_was_recorded() {
+    let mut explanation = sample::adequate();
+    explanation.fit.baseline.holdout = [("yaw_rate".into(), 98.0), ("speed".into(), 90.0)].into();
+    // By construction, without a finding.
+    explanation.unexplained = [("yaw_rate".into(), 1.0), ("speed".into(), 1.0)].into();
+    let html = page(&explanation);
+    let first = html.split_once("</header>").unwrap().0;
+    assert!(first.contains("at most 1.0 % of the variance that was recorded (speed)"), "{first}");
+    assert!(!html.contains("100.0 %") && !html.contains("unexplained"), "nothing is left of nothing");
+    let sure = part(&html, "sure");
+    assert!(!sure.contains("extended") && sure.contains("error / recorded variance"), "{sure}");
+    assert!(part(&page(&sample::missing()), "sure").contains("left of the plain model's error"));
 }
 
 #[test]

@@ -90,6 +90,8 @@ mod tests {
             ranked.score = 12.0;
         }
         assert!(Tried::of(&explanation).nothing().is_none());
-        assert!(kinds(&explanation).contains(" kinds, those of sensors"), "{}", kinds(&explanation));
+        assert_eq!(kinds(&explanation), "", "each kind once");
+        explanation.ranking.extend(explanation.ranking.last().cloned());
+        assert_eq!(kinds(&explanation), format!(" ({count} kinds, those of sensors for each channel)"));
     }
 }

@@ -103,6 +103,7 @@ fn what_is_unknown_or_not_driven_is_said_first() {
 fn where_nothing_is_missing_the_error_is_held_against_what_was_recorded() {
     let mut explanation = sample::adequate();
     explanation.fit.baseline.holdout = [("yaw_rate".into(), 98.0), ("speed".into(), 90.0)].into();
+    explanation.fit.extended = explanation.fit.baseline.clone();
     // By construction, without a finding.
     explanation.unexplained = [("yaw_rate".into(), 1.0), ("speed".into(), 1.0)].into();
     let html = page(&explanation);

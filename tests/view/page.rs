@@ -62,7 +62,8 @@ fn the_page_draws_what_comes() {
     let labels = "document.querySelector('figure .legend').innerText";
     let legend = browser.evaluate(&tab, labels).as_str().unwrap().to_owned();
     let in_use = card(&mut browser, &tab, "Friction in use");
-    assert!(legend.split_whitespace().any(|word| word == in_use), "{in_use} is not in {legend}");
+    let told = legend.lines().find_map(|line| line.strip_prefix("in use")).map(str::trim);
+    assert_eq!(told, Some(in_use.as_str()), "{legend}");
     // The numbers are those that `monitor --once` prints at the end of the same recording.
     let once =
         Command::new(GRIPD).args(["-q", "monitor", "--once", "-c", CAR]).arg(drive()).output().unwrap();

@@ -35,10 +35,11 @@ impl Mask for bool {
 /// simulate several at once, [`Dual`](super::Dual) to simulate and differentiate.
 ///
 /// Several numbers at once may be on both sides of a kink: equations ask with a comparison and take what
-/// belongs to it with [`Number::pick`].
+/// belongs to it with [`Number::pick`]. `==` is of all that a number is: of every one of several, and of derivatives.
 pub trait Number:
     Copy
     + Debug
+    + PartialEq
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>

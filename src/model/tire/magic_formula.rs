@@ -3,7 +3,6 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::{Curve, Number, Real, Shape};
-use crate::model::real::Mask;
 
 /// D sin(C atan(B x − E (B x − atan B x))), D the friction, B C D the stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,7 +18,8 @@ impl<T: Number> MagicFormula<T> {
     /// The argument of the outer atan, and its derivative by B x.
     #[inline(always)]
     fn bent(&self, bx: T) -> (T, T) {
-        if self.curvature.is_zero().all() {
+        // One that is zero and free is not the same: it has a derivative.
+        if self.curvature == T::constant(0.0) {
             return (bx, T::constant(1.0));
         }
         let bent = bx - self.curvature * (bx - bx.atan());
@@ -88,5 +88,25 @@ impl Shape for MagicFormula {
             if self.bent(middle).0 < wanted { low = middle } else { high = middle }
         }
         high * self.shape * friction / stiffness
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Dual;
+
+    #[test]
+    fn a_curvature_of_zero_has_a_derivative() {
+        let force = |curvature| MagicFormula { shape: 1.5, curvature }.force(12.0, 0.9, 0.1);
+        let (magic, h) =
+            (MagicFormula { shape: Dual::constant(1.5), curvature: Dual::<1>::variable(0.0, 0) }, 1e-6);
+        let [stiffness, friction, slip] = [12.0, 0.9, 0.1].map(Dual::constant);
+        let by = magic.force(stiffness, friction, slip).by[0];
+        assert!((by - (force(h) - force(-h)) / (2.0 * h)).abs() < 1e-8 && by.abs() > 0.001, "{by}");
+        // And the other way round.
+        let slip = |curvature| MagicFormula { shape: 1.5, curvature }.slip(12.0, 0.9, 0.5);
+        let by = magic.slip(stiffness, friction, Dual::constant(0.5)).by[0];
+        assert!((by - (slip(h) - slip(-h)) / (2.0 * h)).abs() < 1e-8 && by.abs() > 1e-4, "{by}");
     }
 }

@@ -17,6 +17,20 @@ pub(super) struct Point {
     pub(super) starts: Vec<Vector3<f64>>,
 }
 
+impl Point {
+    /// As far as a share of a step leads.
+    pub(super) fn moved(&self, step: &Self, share: f64) -> Self {
+        let starts = self.starts.iter().zip(&step.starts).map(|(at, by)| at + share * by);
+        Self { theta: &self.theta + share * &step.theta, starts: starts.collect() }
+    }
+
+    /// The step that leads here.
+    pub(super) fn way_from(&self, other: &Self) -> Self {
+        let starts = self.starts.iter().zip(&other.starts).map(|(to, from)| to - from);
+        Self { theta: &self.theta - &other.theta, starts: starts.collect() }
+    }
+}
+
 /// Everything at a point: cost and normal equations.
 #[derive(Clone, Debug)]
 pub(super) struct Linearized {
@@ -61,7 +75,6 @@ pub(super) struct Eliminated<'a> {
     /// Of the parameters, the starts following.
     pub(super) information: DMatrix<f64>,
     gradient: DVector<f64>,
-    damping: f64,
 }
 
 impl Linearized {
@@ -94,18 +107,27 @@ impl Linearized {
             chain.push((inverse, border, pull));
             link = Some(block.next);
         }
-        Some(Eliminated { all: self, chain, information, gradient, damping })
+        Some(Eliminated { all: self, chain, information, gradient })
+    }
+
+    /// By how much a step would lower the cost were all linear.
+    fn gain(&self, step: &Point) -> f64 {
+        let mut slope = self.gradient.dot(&step.theta);
+        let mut bend = (&self.information * &step.theta).dot(&step.theta);
+        for (place, (block, start)) in self.blocks.iter().zip(&step.starts).enumerate() {
+            let after = step.starts.get(place + 1).map_or_else(Vector3::zeros, |after| block.next * after);
+            slope += block.gradient.dot(start);
+            bend += (block.information * start + 2.0 * (&block.border * &step.theta + after)).dot(start);
+        }
+        -2.0 * slope - bend
     }
 }
 
 impl Eliminated<'_> {
-    /// The step of parameters and starts, and by how much the cost would fall were all linear.
-    pub(super) fn step(&self) -> Option<(Point, f64)> {
-        let theta = if self.gradient.is_empty() {
-            DVector::zeros(0)
-        } else {
-            -self.information.clone().cholesky()?.solve(&self.gradient)
-        };
+    /// The step of parameters and starts, and by how much the cost would fall were all linear. No parameter goes
+    /// farther than its limits, down and up.
+    pub(super) fn step(&self, limits: &[(f64, f64)]) -> Option<(Point, f64)> {
+        let theta = self.step_of_parameters(limits)?;
         let mut starts = vec![Vector3::zeros(); self.chain.len()];
         let mut after = Vector3::zeros();
         for (place, (inverse, border, gradient)) in self.chain.iter().enumerate().rev() {
@@ -113,18 +135,34 @@ impl Eliminated<'_> {
             starts[place] = -(inverse * (gradient + next * after + border * &theta));
             after = starts[place];
         }
-        let all = self.all;
-        let mut gain = -all.gradient.dot(&theta);
-        for (i, step) in theta.iter().enumerate() {
-            gain += self.damping * all.information[(i, i)] * step * step;
-        }
-        for (block, step) in all.blocks.iter().zip(&starts) {
-            gain -= block.gradient.dot(step);
-            for i in 0..3 {
-                gain += self.damping * block.information[(i, i)] * step[i] * step[i];
+        let step = Point { theta, starts };
+        let gain = self.all.gain(&step);
+        Some((step, gain))
+    }
+
+    /// Where one would leave its limits it stops there, and the others make the best of that.
+    fn step_of_parameters(&self, limits: &[(f64, f64)]) -> Option<DVector<f64>> {
+        let mut theta = DVector::zeros(limits.len());
+        let mut free: Vec<usize> = (0..limits.len()).collect();
+        while !free.is_empty() {
+            for place in &free {
+                theta[*place] = 0.0;
             }
+            let pull = (&self.gradient + &self.information * &theta).select_rows(&free);
+            let information = self.information.select_rows(&free).select_columns(&free);
+            let solved = information.cholesky()?.solve(&pull);
+            for (place, step) in free.iter().zip(&solved) {
+                theta[*place] = -step;
+            }
+            let beyond = |place: usize| (limits[place].0 - theta[place]).max(theta[place] - limits[place].1);
+            let farthest = (0..free.len()).max_by(|a, b| beyond(free[*a]).total_cmp(&beyond(free[*b])))?;
+            if beyond(free[farthest]) <= 0.0 {
+                break;
+            }
+            let held = free.remove(farthest);
+            theta[held] = theta[held].max(limits[held].0).min(limits[held].1);
         }
-        Some((Point { theta, starts }, gain))
+        Some(theta)
     }
 
     /// What each segment says of the parameters, once the starts have followed: the terms whose sum is
@@ -152,5 +190,49 @@ impl Eliminated<'_> {
                 sum
             })
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two parameters, and one segment that says nothing of them.
+    fn linearized(information: [f64; 4], gradient: [f64; 2]) -> Linearized {
+        let block = Block {
+            gradient: Vector3::new(1.0, 0.0, 0.0),
+            information: Matrix3::identity(),
+            next: Matrix3::zeros(),
+            border: Border::zeros(2),
+        };
+        Linearized {
+            cost: 0.0,
+            squares: [0.0; Channel::COUNT],
+            gradient: DVector::from_row_slice(&gradient),
+            information: DMatrix::from_row_slice(2, 2, &information),
+            blocks: vec![block],
+            scores: Vec::new(),
+            said: Vec::new(),
+            jumps: Vec::new(),
+            jump_covariance: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn at_its_limit_a_parameter_stays_and_the_others_make_the_best_of_it() {
+        let all = linearized([4.0, 3.9, 3.9, 4.0], [-1.0, 1.0]);
+        let chain = all.eliminate(0.0).unwrap();
+        let (step, gain) = chain.step(&[(-99.0, 99.0); 2]).unwrap();
+        assert!((step.theta[0] - 10.0).abs() < 1e-9 && (step.theta[1] + 10.0).abs() < 1e-9, "{step:?}");
+        assert_eq!(step.starts, [Vector3::new(-1.0, 0.0, 0.0)]);
+        // Half of what the slopes promise; the start adds its own.
+        assert!((gain - 21.0).abs() < 1e-9, "{gain}");
+        let (step, gain) = chain.step(&[(-0.5, 0.5), (-99.0, 99.0)]).unwrap();
+        assert!((step.theta[0] - 0.5).abs() < 1e-12 && (step.theta[1] + 2.95 / 4.0).abs() < 1e-9, "{step:?}");
+        let cost = |x: f64, y: f64| 4.0 * (x * x + y * y) + 7.8 * x * y + 2.0 * (y - x);
+        assert!((gain - 1.0 + cost(step.theta[0], step.theta[1])).abs() < 1e-9, "{gain}");
+        // Nowhere to go.
+        let (step, gain) = chain.step(&[(0.0, 0.0), (0.0, 0.0)]).unwrap();
+        assert!(step.theta.amax() == 0.0 && (gain - 1.0).abs() < 1e-12);
     }
 }

@@ -77,6 +77,12 @@ const ENOUGH: f64 = 1e-3;
 /// Where the cost itself is wanted, or a difference that is averaged.
 const ENOUGH_FOR_COSTS: f64 = 0.02;
 const MOST_ITERATIONS: u32 = 60;
+/// What kinks of the tires may make a step promise and not keep.
+const KINKS: f64 = 0.1;
+/// How far a logarithmic coordinate goes in one step at most: threefold. What is added (offsets) is nearly linear.
+const FARTHEST: f64 = 1.1;
+/// So often a step is shortened before another one is looked for.
+const SHORTENED: usize = 3;
 /// Noise below this share of the usual one is that of arithmetic.
 const LEAST_NOISE: f64 = 1e-5;
 
@@ -149,6 +155,7 @@ impl<'a> Search<'a> {
     /// The lowest cost with another search's noise and tie, and where it is, beginning at `point`.
     pub(super) fn lowest_cost(&self, end: &Fit, point: Point) -> Option<(f64, Point)> {
         let fixed = self.problem(&end.noise, end.tie);
+        let point = self.within_bounds(point);
         let fit = self.levenberg_marquardt(fixed, point, None, end.noise, None, ENOUGH_FOR_COSTS)?;
         Some((fit.all.cost, fit.point))
     }
@@ -212,12 +219,14 @@ impl<'a> Search<'a> {
         let (mut damping, mut iterations, mut idle) = (1e-4, 0, 0);
         let mut converged = false;
         while iterations < MOST_ITERATIONS && !converged && damping < 1e9 {
-            iterations += 1;
-            let Some((step, gain)) = all.eliminate(damping).and_then(|chain| chain.step()) else {
+            let limits = self.limits(&point);
+            let Some((step, gain)) = all.eliminate(damping).and_then(|chain| chain.step(&limits)) else {
+                iterations += 1;
                 damping = (damping * 10.0).max(1e-9);
                 continue;
             };
             if gain < enough {
+                iterations += 1;
                 let learned = usual.map_or(noise, |usual| self.noise(&all, usual));
                 if steady(&learned, &noise) {
                     converged = true;
@@ -228,15 +237,20 @@ impl<'a> Search<'a> {
                 all = problem.weigh_anew(&point, all);
                 continue;
             }
-            let trial = self.moved(&point, &step);
-            let next = problem.linearize(&trial);
-            if !(next.cost.is_finite() && next.cost <= all.cost) {
-                damping = (damping * 6.0).max(1e-7);
+            let Some(lower) = self.lower(&problem, (&point, all.cost), &step, gain, &mut iterations) else {
+                // At kinks of the tire a step may promise for ever what it does not keep.
+                idle += u32::from(gain < KINKS);
+                converged = idle > 1;
+                damping = (damping * 100.0).max(1e-4);
                 continue;
-            }
-            let gained = all.cost - next.cost;
-            damping *= if gained > 0.7 * gain { 0.1 } else { 0.5 };
-            (point, all) = (trial, next);
+            };
+            let gained = all.cost - lower.all.cost;
+            damping *= match lower.share {
+                1.0 if gained > 0.7 * gain => 0.1,
+                1.0 => 0.5,
+                _ => 2.0,
+            };
+            (point, all) = (lower.point, lower.all);
             let learned = usual.map_or(noise, |usual| self.noise(&all, usual));
             let is_steady = steady(&learned, &noise);
             if !is_steady {
@@ -244,25 +258,61 @@ impl<'a> Search<'a> {
                 problem = self.problem(&noise, problem.tie);
                 all = problem.weigh_anew(&point, all);
             }
-            // At kinks of the tire a step may promise for ever what it does not keep.
             idle = if gained < enough && is_steady { idle + 1 } else { 0 };
             converged = idle > 1;
         }
         Some(Fit { point, all, noise, tie: problem.tie, iterations, converged })
     }
 
-    /// A step, shortened where it would change a parameter more than threefold, within the bounds.
-    fn moved(&self, point: &Point, step: &Point) -> Point {
-        let longest = step.theta.amax();
-        let share = if longest > 1.1 { 1.1 / longest } else { 1.0 };
-        let mut theta = &point.theta + share * &step.theta;
-        for (coordinate, free) in theta.iter_mut().zip(self.free) {
+    /// How far each parameter may go in one step.
+    fn limits(&self, point: &Point) -> Vec<(f64, f64)> {
+        let each = self.free.iter().zip(point.theta.iter()).map(|(free, at)| {
+            let (low, high) = free.parameters.coordinate_bounds();
+            let farthest = if free.parameters.first().is_logarithmic() { FARTHEST } else { f64::INFINITY };
+            ((low - at).max(-farthest), (high - at).min(farthest))
+        });
+        each.collect()
+    }
+
+    /// As far along a step as lowers the cost, if it does anywhere near.
+    fn lower(
+        &self,
+        problem: &Problem<'_>,
+        (point, cost): (&Point, f64),
+        step: &Point,
+        gain: f64,
+        tried: &mut u32,
+    ) -> Option<Lower> {
+        let mut share = 1.0;
+        for _ in 0..SHORTENED {
+            *tried += 1;
+            let trial = self.within_bounds(point.moved(step, share));
+            let all = problem.linearize(&trial);
+            if all.cost <= cost {
+                return Some(Lower { point: trial, all, share });
+            }
+            // A parabola falls as was promised, and goes through here: at its bottom, or thereabouts.
+            let bottom = gain * share * share / (all.cost - cost + 2.0 * gain * share);
+            share = bottom.max(0.1 * share).min(0.5 * share);
+        }
+        None
+    }
+
+    fn within_bounds(&self, mut point: Point) -> Point {
+        for (coordinate, free) in point.theta.iter_mut().zip(self.free) {
             let (low, high) = free.parameters.coordinate_bounds();
             *coordinate = coordinate.clamp(low, high);
         }
-        let starts = point.starts.iter().zip(&step.starts).map(|(at, by)| at + share * by).collect();
-        Point { theta, starts }
+        point
     }
+}
+
+/// Where a step led to.
+struct Lower {
+    point: Point,
+    all: Linearized,
+    /// So much of it.
+    share: f64,
 }
 
 /// Is the noise known to some per cent?

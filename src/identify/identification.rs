@@ -8,7 +8,6 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 use super::car::Drive;
-use super::chain::Point;
 use super::config::IdentifyConfig;
 use super::error::IdentifyError;
 use super::excitation;
@@ -19,6 +18,7 @@ use super::input_noise;
 use super::motion::Channel;
 use super::parameter::Values;
 use super::prepare;
+use super::profile;
 use super::record::Record;
 use super::result::{Identification, Identified, Path};
 use super::segment::Segment;
@@ -26,12 +26,6 @@ use super::setup;
 use super::slips;
 use super::uncertainty::{self, Shift, Uncertainty};
 use crate::model::Vehicle;
-
-/// Where a profile is computed, in standard deviations from the optimum: the last ones for profiles that
-/// are flatter than their curvature at the optimum.
-const PROFILED: [f64; 5] = [1.0, 2.0, 3.0, 5.0, 9.0];
-/// Further than this a profile need not go: twice the limit of a 95 % interval.
-const PROFILED_TO: f64 = 7.7;
 
 /// Records, prepared for searching.
 #[derive(Clone, Debug)]
@@ -282,8 +276,9 @@ impl<'a> Identifier<'a> {
         let end = |coordinate: f64| free.parameters.value(coordinate.clamp(low, high));
         let ends = (end(at - half), end(at + half));
         let (identifiable, reason) = self.verdict(place, fit, sure);
+        let std = sure.by_curvature[place];
         let profile =
-            if self.config.profile { self.profile(place, fit, sure.by_curvature[place]) } else { Vec::new() };
+            if self.config.profile { profile::of(&self.search_in(), place, fit, std) } else { Vec::new() };
         let prior = free.parameters.first().prior(self.vehicle);
         Identified {
             name: free.parameters.name(),
@@ -333,37 +328,5 @@ impl<'a> Identifier<'a> {
             return (false, "the search stopped before it had come to rest".into());
         }
         (true, partner.map_or(String::new(), |name| format!("its error goes with that of {name}")))
-    }
-
-    /// 2 ln(likelihood ratio) around the optimum, the other parameters refitted at each value. Steps are of the
-    /// standard deviation that the curvature tells: so they span the profile's own 95 % limit, however wide
-    /// the interval has become for other reasons.
-    fn profile(&self, place: usize, fit: &Fit, std: f64) -> Vec<(f64, f64)> {
-        let mut others = self.free.clone();
-        let fixed = others.remove(place);
-        let mut points = vec![(fixed.parameters.value(fit.point.theta[place]), 0.0)];
-        for side in [-1.0, 1.0] {
-            // Each point begins where the last one ended.
-            let theta = fit.point.theta.clone().remove_row(place);
-            let mut at = Point { theta, ..fit.point.clone() };
-            for by in PROFILED {
-                let (low, high) = fixed.parameters.coordinate_bounds();
-                let coordinate = (fit.point.theta[place] + side * by * std).clamp(low, high);
-                let mut values = self.search_in().values_at(&fit.point.theta);
-                fixed.parameters.put(&mut values, fixed.parameters.value(coordinate));
-                let search = Search { values: &values, free: &others, ..self.search_in() };
-                let off = (coordinate - fixed.mean) / fixed.std;
-                let prior = if fixed.std.is_finite() { off * off } else { 0.0 };
-                let Some((cost, end)) = search.lowest_cost(fit, at.clone()) else { break };
-                let ratio = cost + prior - fit.all.cost;
-                points.push((fixed.parameters.value(coordinate), ratio));
-                if ratio > PROFILED_TO || [low, high].contains(&coordinate) {
-                    break;
-                }
-                at = end;
-            }
-        }
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        points
     }
 }

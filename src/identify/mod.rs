@@ -22,6 +22,7 @@ mod input_noise;
 mod motion;
 mod parameter;
 mod prepare;
+mod profile;
 mod record;
 mod result;
 mod segment;

@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use gripd::explain::{Case, Explanation, Recording};
 use gripd::model::effect::{KINDS, Kind};
-use gripd::model::{Piece, Scenario, Simulation, TireKind, Uncertain, Vehicle};
+use gripd::model::{Piece, Scenario, TireKind, Uncertain, Vehicle};
 
 const DRIVE: &str = include_str!("../tests/data/steered.toml");
 
@@ -101,13 +101,7 @@ fn driven(seconds: f64) -> (Vehicle, Recording) {
             *offset = 50.0;
         }
     }
-    let mut recording = Recording { name: "drive".into(), ..Recording::default() };
-    let mut simulation = Simulation::new(&scenario, scenario.seed).unwrap();
-    while let Some(tick) = simulation.next_tick() {
-        for reading in tick.readings {
-            recording.tracks[reading.quantity as usize].push((reading.time.seconds(), reading.value));
-        }
-    }
+    let recording = Recording::simulated("drive", &scenario).unwrap();
     let mut vehicle = scenario.vehicle.clone();
     vehicle.mass_kg = Uncertain { value: 1560.0, std: 60.0 };
     vehicle.lateral_stiffness_front = Uncertain { value: 12.0, std: 1.5 };

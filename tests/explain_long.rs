@@ -3,7 +3,7 @@
 
 use gripd::explain::{Case, Explanation, Recording, Verdict};
 use gripd::model::effect::KINDS;
-use gripd::model::{Piece, Scenario, Simulation, TireKind, Uncertain, Vehicle};
+use gripd::model::{Piece, Scenario, TireKind, Uncertain, Vehicle};
 
 /// Steering, driving and braking.
 const DRIVE: &str = include_str!("data/steered.toml");
@@ -34,13 +34,7 @@ fn driven(effect: &str) -> (Vehicle, Recording) {
     for (_, sensor) in scenario.sensors.by_name.iter_mut().filter(|(name, _)| *name != "drive_torque") {
         sensor.period_ms *= 2.0;
     }
-    let mut recording = Recording { name: "drive".into(), ..Recording::default() };
-    let mut simulation = Simulation::new(&scenario, scenario.seed).unwrap();
-    while let Some(tick) = simulation.next_tick() {
-        for reading in tick.readings {
-            recording.tracks[reading.quantity as usize].push((reading.time.seconds(), reading.value));
-        }
-    }
+    let recording = Recording::simulated("drive", &scenario).unwrap();
     let mut vehicle = scenario.vehicle.clone();
     vehicle.lateral_stiffness_front = Uncertain { value: 12.0, std: 1.5 };
     vehicle.lateral_stiffness_rear = Uncertain { value: 13.0, std: 1.5 };

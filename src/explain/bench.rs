@@ -5,7 +5,7 @@ use super::model::Model;
 use super::predict::noise::Noise;
 use super::predict::{Drive, Recording};
 use super::split::{Part, Split};
-use crate::model::{Scenario, Simulation, Uncertain, Vehicle};
+use crate::model::{Scenario, Uncertain, Vehicle};
 
 /// Steering, driving and braking, for forty-five seconds.
 const DRIVE: &str = include_str!("../../tests/data/steered.toml");
@@ -13,13 +13,7 @@ const DRIVE: &str = include_str!("../../tests/data/steered.toml");
 /// The recording of that drive with effects (TOML), and what a user knows of the car.
 pub fn recorded(effects: &str) -> (Vehicle, Recording) {
     let scenario = Scenario::parse(&format!("{DRIVE}\n{effects}")).unwrap();
-    let mut recording = Recording { name: "bench".into(), ..Recording::default() };
-    let mut simulation = Simulation::new(&scenario, scenario.seed).unwrap();
-    while let Some(tick) = simulation.next_tick() {
-        for reading in tick.readings {
-            recording.tracks[reading.quantity as usize].push((reading.time.seconds(), reading.value));
-        }
-    }
+    let recording = Recording::simulated("bench", &scenario).unwrap();
     let mut vehicle = scenario.vehicle.clone();
     vehicle.mass_kg = Uncertain { value: 1560.0, std: 60.0 };
     vehicle.yaw_inertia_kgm2 = Some(Uncertain { value: 2450.0, std: 200.0 });

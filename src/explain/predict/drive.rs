@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::smoothing::{on_grid, smooth_on_grid};
-use crate::model::Vehicle;
 use crate::model::effect::Recorded;
+use crate::model::{Scenario, ScenarioError, Simulation, Vehicle};
 use crate::{Quantity, Wheel};
 
 /// What was recorded of each quantity: times (s from the recording's start) and values, SI.
@@ -17,6 +17,21 @@ pub struct Recording {
 }
 
 impl Recording {
+    /// What the sensors of a simulated drive say.
+    ///
+    /// # Errors
+    /// What is wrong with the scenario.
+    pub fn simulated(name: &str, scenario: &Scenario) -> Result<Self, ScenarioError> {
+        let mut recording = Self { name: name.to_owned(), ..Self::default() };
+        let mut simulation = Simulation::new(scenario, scenario.seed)?;
+        while let Some(tick) = simulation.next_tick() {
+            for reading in tick.readings {
+                recording.tracks[reading.quantity as usize].push((reading.time.seconds(), reading.value));
+            }
+        }
+        Ok(recording)
+    }
+
     /// Is there anything of a quantity?
     pub fn has(&self, quantity: Quantity) -> bool {
         self.tracks[quantity as usize].len() > 10

@@ -8,7 +8,7 @@ use super::explanation::{Answer, Case};
 use super::finding::{finding, ranking};
 use super::fit::{Data, Fit};
 use super::locate::{EQUATIONS, Gains, gains, innovations, regimes};
-use super::model::Free;
+use super::model::{Free, Place};
 use super::predict::pass::Innovation;
 use super::predict::{Drive, drive::COMPARED, free::Said};
 use super::proof::{self, Saids};
@@ -177,7 +177,11 @@ impl<'a> Told<'_, 'a> {
             let (name, value, slope) = fit.model.ordinary_number(free.place)?;
             Some((name, Estimate { value, std: variance.sqrt() * slope }))
         };
-        fit.free.iter().zip(self.data.variances(fit)).filter_map(of).collect()
+        // Tires without a limit say nothing of how it bends them.
+        let is_told = |(free, variance): &(&Free, f64)| {
+            free.place != Place::BendAlong || *variance < 0.99 * free.std * free.std
+        };
+        fit.free.iter().zip(self.data.variances(fit)).filter(is_told).filter_map(of).collect()
     }
 
     fn to_drive(&self, findings: &[Finding]) -> Vec<String> {

@@ -4,8 +4,8 @@ use super::predict::late::{Delays, Late};
 use super::predict::{Car, Settings};
 use crate::Quantity;
 use crate::identify::{Parameter, Values};
-use crate::model::Vehicle;
 use crate::model::effect::{Channel, Course, EffectConfig, KINDS, Kind, Setting, Spec};
+use crate::model::{TireKind, Vehicle};
 
 /// An effect with its numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -178,7 +178,8 @@ impl<'a> Model<'a> {
             let (mean, std) = late.prior();
             Free { place: Place::Delay(late), mean, std, step: 0.001 }
         }));
-        if self.knows_torque && self.vehicle.tire != crate::model::TireKind::Linear {
+        // Linear tires have a bend once an effect gives them a limit.
+        if self.knows_torque {
             free.push(Free { place: Place::BendAlong, mean: BEND_ALONG.0, std: BEND_ALONG.1, step: 0.05 });
         }
         free
@@ -260,9 +261,11 @@ impl<'a> Model<'a> {
     /// Until when another model says the same, s: what begins later makes no difference before. (No effect that
     /// begins later has states of its own.)
     pub fn same_until(&self, other: &Self) -> f64 {
+        let is_straight = |model: &Self| model.vehicle.tire == TireKind::Linear && model.effects.is_empty();
+        let bends_alike = self.bend_along == other.bend_along || (is_straight(self) && is_straight(other));
         let is_plain_alike = self.values == other.values
             && self.delays == other.delays
-            && self.bend_along == other.bend_along
+            && bends_alike
             && self.knows_torque == other.knows_torque;
         if !is_plain_alike {
             return f64::NEG_INFINITY;

@@ -9,8 +9,11 @@ use crate::Quantity;
 /// What the unknown forces' sizes and lengths, which were searched for, are worth.
 const FREEDOM: f64 = 24.0;
 
-/// Gain of the unknown forces below which nothing is missing.
+/// Gain of the unknown forces below which nothing is missing…
 const LEAST_MISSING: f64 = 45.0;
+
+/// …and per second of long drives: no equation holds to the last digit, and time adds up what that is worth.
+const LEAST_MISSING_PER_S: f64 = 0.15;
 
 /// What an equation misses where nothing is missing, per second of driving: torque and brakes are never
 /// quite those on the bus.
@@ -96,10 +99,11 @@ impl Gains {
         let imitates = left > always && self.leading < LEAST_LEADING;
         let most = (MOST_RESTLESS * self.restless).clamp(USUALLY_RESTLESS, NEVER_RESTLESS);
         let is_restless = self.still_restless > most;
+        let least = LEAST_MISSING.max(LEAST_MISSING_PER_S * self.seconds);
         match self.named {
             Some(_) if is_much || is_restless || imitates => Verdict::UnknownPhysics,
             Some(_) => Verdict::MissingPhysics,
-            None if is_much || is_restless || self.unknown.max(self.refused) > LEAST_MISSING => {
+            None if is_much || is_restless || self.unknown.max(self.refused) > least => {
                 Verdict::UnknownPhysics
             }
             None if turns => Verdict::Adequate,
@@ -183,7 +187,10 @@ mod tests {
     fn without_a_name_unknown_forces_and_refused_courses_count() {
         let gains = Gains { seconds: 60.0, refused: 500.0, ..Gains::default() };
         assert_eq!(gains.verdict(true), Verdict::UnknownPhysics);
-        let gains = Gains { seconds: 60.0, unknown: 500.0, ..Gains::default() };
+        let gains = Gains { seconds: 60.0, unknown: 70.0, ..Gains::default() };
         assert_eq!(gains.verdict(true), Verdict::UnknownPhysics);
+        // Ten minutes add up to as much without anything missing.
+        assert_eq!(Gains { seconds: 600.0, ..gains }.verdict(true), Verdict::Adequate);
+        assert_eq!(Gains { seconds: 600.0, unknown: 500.0, ..gains }.verdict(true), Verdict::UnknownPhysics);
     }
 }

@@ -1,7 +1,7 @@
 //! What `explain` takes as a recording grows, and as the library of candidates does: seconds on the clock and of the
 //! processors (all cores together), by the library's own interface.
 //!
-//! `cargo bench --bench explain` (a quarter of an hour); `-- 2.5 10` for these lengths only, min. One drive with one
+//! `cargo bench --bench explain` (ten minutes); `-- 2.5 10` for these lengths only, min. One drive with one
 //! cause, cut to each length: up to five minutes all of it is searched, beyond that an excerpt.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a benchmark that cannot be set up may fail loudly")]

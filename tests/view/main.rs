@@ -14,6 +14,9 @@ use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+
 const GRIPD: &str = env!("CARGO_BIN_EXE_gripd");
 const CAR: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/config/demo.toml");
 /// Far more than any of it takes.
@@ -60,6 +63,10 @@ impl Server {
 
     fn url(&self) -> String {
         format!("http://{}/", self.address)
+    }
+
+    fn signal(&self, signal: Signal) {
+        kill(Pid::from_raw(self.process.id().cast_signed()), signal).unwrap();
     }
 
     fn connect(&self) -> TcpStream {

@@ -1,5 +1,6 @@
 //! The page in a real browser.
 
+use nix::sys::signal::Signal;
 use serde_json::json;
 
 use super::browser::{Browser, Tab};
@@ -146,9 +147,16 @@ fn two_pages_see_the_same_and_say_when_nobody_answers() {
     let words = "[...document.querySelectorAll('#facts b')].map((word) => word.textContent)";
     let has = |word: &str| format!("{words}.includes('{word}')");
     assert_eq!(browser.evaluate(&first, &has("stale")), false);
+    let silent = "/does not answer/.test(document.getElementById('connection').textContent)";
+    // A program that hangs keeps its connections open.
+    server.signal(Signal::SIGSTOP);
+    browser.wait_until(&first, silent);
+    assert_eq!(browser.evaluate(&first, &has("stale")), true);
+    server.signal(Signal::SIGCONT);
+    browser.wait_until(&first, &format!("!{silent} && !({})", has("stale")));
     drop(server);
     for tab in [&first, &second] {
-        browser.wait_until(tab, "/does not answer/.test(document.getElementById('connection').textContent)");
+        browser.wait_until(tab, silent);
         // No old value goes for a valid one.
         assert_eq!(browser.evaluate(tab, &has("valid")), false);
         assert_eq!(browser.evaluate(tab, &has("stale")), true);

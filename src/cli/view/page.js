@@ -300,21 +300,40 @@ function begin(hello) {
   take(hello);
 }
 
+// News come five times a second. A program that hangs, or a link that is lost, leaves the connection open and silent.
+const SILENT_MS = 3000;
+
 function connect() {
-  const events = new EventSource("events");
   const connection = byId("connection");
+  let events = null;
+  let heard = 0;
   const answers = (does) => {
+    if (does) heard = performance.now();
     connection.textContent = does ? "" : "The program does not answer; trying again.";
     if (gone === !does) return;
     gone = !does;
     if (now) show();
     schedule();
   };
-  events.addEventListener("open", () => answers(true));
-  events.addEventListener("hello", (event) => begin(JSON.parse(event.data)));
-  events.addEventListener("update", (event) => meta && take(JSON.parse(event.data)));
-  // The browser tries again by itself.
-  events.addEventListener("error", () => answers(false));
+  const open = () => {
+    events?.close();
+    heard = performance.now();
+    events = new EventSource("events");
+    events.addEventListener("open", () => answers(true));
+    events.addEventListener("hello", (event) => begin(JSON.parse(event.data)));
+    events.addEventListener("update", (event) => {
+      answers(true);
+      if (meta) take(JSON.parse(event.data));
+    });
+    // The browser tries again by itself.
+    events.addEventListener("error", () => answers(false));
+  };
+  setInterval(() => {
+    if (performance.now() - heard < SILENT_MS) return;
+    answers(false);
+    open();
+  }, 1000);
+  open();
 }
 
 byId("window").addEventListener("change", schedule);

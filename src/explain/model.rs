@@ -303,3 +303,23 @@ fn is_logarithmic(parameter: Parameter) -> bool {
     !parameter.is_offset()
         && !matches!(parameter, DriveTorqueRatio | Drag | RollingResistance | MagicCurvature)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_linear_tire_bends_along_as_it_likes_once_it_has_a_limit() {
+        let vehicle = Vehicle { tire: TireKind::Linear, ..Vehicle::thesis() };
+        let plain = Model::plain(&vehicle, true);
+        let free = plain.ordinary(|_| true);
+        let bend = free.iter().find(|free| free.place == Place::BendAlong).unwrap();
+        // Until then nothing is different.
+        assert_eq!(plain.same_until(&plain.varied(bend).0), f64::INFINITY);
+        let limit = KINDS.iter().find(|kind| kind.name == "tire_saturation").unwrap();
+        let limited = plain.with(Chosen::usual(limit, None, Course::None));
+        assert_eq!(limited.same_until(&limited.varied(bend).0), f64::NEG_INFINITY);
+        // Without a torque its slips are measured.
+        assert!(Model::plain(&vehicle, false).ordinary(|_| true).iter().all(|f| f.place != Place::BendAlong));
+    }
+}

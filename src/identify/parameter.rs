@@ -281,8 +281,15 @@ impl Parameter {
 }
 
 /// A number for each parameter, in its unit.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Values(pub [f64; Parameter::COUNT]);
+
+/// What neither knows (not-a-number) is the same.
+impl PartialEq for Values {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.iter().zip(&other.0).all(|(one, another)| one == another || one.is_nan() && another.is_nan())
+    }
+}
 
 impl Values {
     /// What the vehicle's table says; no offsets.

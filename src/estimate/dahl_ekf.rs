@@ -233,15 +233,15 @@ impl DahlEkf {
         scale(&mut turned, unit);
         scale(&mut integral, unit);
         // σ₀ and μ stay: they only act on the motion, as inputs that are held do.
-        let mut transition = Jacobian::identity();
+        let mut transition = SMatrix::<f64, 3, 5>::zeros();
         transition.fixed_view_mut::<3, 3>(0, 0).copy_from(&turned);
         transition.fixed_view_mut::<3, 2>(0, 3).copy_from(&(integral * jacobian.fixed_view::<3, 2>(0, 3)));
         let moved = integral * self.wheel.rate(&x, torque).fixed_rows::<3>(0);
         for (mean, moved) in self.filter.mean.iter_mut().zip(&moved) {
             *mean += moved;
         }
-        let noise = SVector::from(Self::WALK).map(|walk| walk * walk * elapsed_s);
-        self.filter.predict_covariance(&transition, &Jacobian::from_diagonal(&noise));
+        let noise = Self::WALK.map(|walk| walk * walk * elapsed_s);
+        self.filter.predict_covariance_of_moving(&transition, &noise);
     }
 
     /// μ of (8.7e): the friction used, whatever it was meant to be.

@@ -4,7 +4,7 @@
 //! response does not depend on C_y, so only transients teach it (methods.md §7); the filter that is
 //! published is [`super::cornering`].
 
-use nalgebra::{Matrix3, Vector3, matrix, vector};
+use nalgebra::{Vector3, matrix, vector};
 
 use super::{Car, Cornering, JointEkfConfig, Kinematics};
 use crate::estimates::Estimate;
@@ -117,17 +117,13 @@ impl JointEkf {
         let by_stiffness = integral * (rates - inertial) / stiffness;
         let transition = matrix![
             turned.m11, turned.m12, by_stiffness[0];
-            turned.m21, turned.m22, by_stiffness[1];
-            0.0, 0.0, 1.0];
+            turned.m21, turned.m22, by_stiffness[1]];
         let moved = motion + integral * rates;
         (self.state.mean[0], self.state.mean[1]) = (moved[0], moved[1]);
-        let noise = Vector3::new(
-            self.config.lateral_noise,
-            self.config.yaw_noise,
-            self.config.stiffness_walk * self.prior.0,
-        )
-        .map(|q| q * q * elapsed_s);
-        self.state.predict_covariance(&transition, &Matrix3::from_diagonal(&noise));
+        let config = &self.config;
+        let noise = [config.lateral_noise, config.yaw_noise, config.stiffness_walk * self.prior.0]
+            .map(|q| q * q * elapsed_s);
+        self.state.predict_covariance_of_moving(&transition, &noise);
     }
 
     fn lateral_acceleration(&self, speed: f64, angle: f64) -> (f64, Vector3<f64>) {

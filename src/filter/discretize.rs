@@ -33,7 +33,7 @@ pub fn zero_order_hold<const N: usize>(
 }
 
 /// The same for two states: by Cayley and Hamilton, every power of A is a multiple of A and one of the identity,
-/// and so are both results.
+/// and so are both results. Γ/T = Σ (A T)ᵏ/(k+1)! is summed by Horner's rule, and F = 1 + A Γ.
 pub fn zero_order_hold_plane(a: &Matrix2<f64>, step: f64) -> (Matrix2<f64>, Matrix2<f64>) {
     let determinant = |a: &Matrix2<f64>| a.m11 * a.m22 - a.m12 * a.m21;
     // No eigenvalue is larger, and the powers grow with these alone.
@@ -41,19 +41,14 @@ pub fn zero_order_hold_plane(a: &Matrix2<f64>, step: f64) -> (Matrix2<f64>, Matr
     let (step, doublings) = halved(step, half + (half * half + determinant(a).abs()).sqrt(), 0.25);
     let scaled = a * step;
     let (trace, determinant) = (scaled.trace(), determinant(&scaled));
-    // Aᵏ/k!, F and Γ/T, each as its multiples of the identity and of A.
-    let mut term = [1.0, 0.0];
-    let (mut transition, mut integral) = (term, term);
-    for k in 1..TERMS + 1 {
-        // What does not wait for the term before is reckoned meanwhile.
-        let share = SHARES[k];
-        let (of_trace, of_determinant) = (share * trace, -share * determinant);
-        term = [of_determinant * term[1], share * term[0] + of_trace * term[1]];
-        for i in 0..2 {
-            transition[i] += term[i];
-            integral[i] += term[i] * SHARES[k + 1];
-        }
+    // Multiples of the identity and of A.
+    let mut integral = [1.0, 0.0];
+    for share in SHARES[2..TERMS + 2].iter().rev() {
+        // What does not wait for the terms before is reckoned meanwhile.
+        let (of_trace, of_determinant) = (share * trace, share * determinant);
+        integral = [1.0 - of_determinant * integral[1], share * integral[0] + of_trace * integral[1]];
     }
+    let mut transition = [1.0 - determinant * integral[1], integral[0] + trace * integral[1]];
     let product = |a: [f64; 2], b: [f64; 2]| {
         let square = a[1] * b[1];
         [a[0] * b[0] - determinant * square, a[0] * b[1] + a[1] * b[0] + trace * square]
@@ -77,23 +72,23 @@ pub fn zero_order_hold_space(a: &Matrix3<f64>, step: f64) -> (Matrix3<f64>, Matr
     let square = times(&scaled, &scaled);
     let (trace, determinant) = (scaled.trace(), scaled.determinant());
     let minors = 0.5 * (trace * trace - square.trace());
-    // Aᵏ/k!, F and Γ/T, each as its multiples of the identity, of A and of A².
-    let mut term = [1.0, 0.0, 0.0];
-    let (mut transition, mut integral) = (term, term);
-    for k in 1..TERMS + 1 {
-        let share = SHARES[k];
-        let [of_identity, of_a, of_square] = term;
-        term = [determinant * of_square, of_identity - minors * of_square, of_a + trace * of_square]
-            .map(|factor| share * factor);
-        for i in 0..3 {
-            transition[i] += term[i];
-            integral[i] += term[i] * SHARES[k + 1];
-        }
+    // Multiples of the identity, of A and of A².
+    let mut sum = [1.0, 0.0, 0.0];
+    for share in SHARES[2..TERMS + 2].iter().rev() {
+        let (of_trace, of_minors, of_determinant) = (share * trace, share * minors, share * determinant);
+        sum = [
+            1.0 + of_determinant * sum[2],
+            share * sum[0] - of_minors * sum[2],
+            share * sum[1] + of_trace * sum[2],
+        ];
     }
     let matrix = |[identity, of_a, of_square]: [f64; 3]| {
         square * of_square + scaled * of_a + Matrix3::from_diagonal_element(identity)
     };
-    let (mut transition, mut integral) = (matrix(transition), matrix(integral) * step);
+    let mut integral = matrix(sum);
+    let by_a = [1.0 + determinant * sum[2], sum[0] - minors * sum[2], sum[1] + trace * sum[2]];
+    let mut transition = matrix(by_a);
+    integral *= step;
     for _ in 0..doublings {
         integral += times(&transition, &integral);
         transition = times(&transition, &transition);

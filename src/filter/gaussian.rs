@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::small::{dot, product};
+use super::small::{dot, product, products};
 
 /// What a measurement said against the prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +72,7 @@ impl<const N: usize> Gaussian<N> {
     /// The covariance's part of a time update whose mean was propagated by a nonlinear model.
     pub fn predict_covariance(&mut self, transition: &SMatrix<f64, N, N>, noise: &SMatrix<f64, N, N>) {
         let (f, q) = (&transition.data.0, &noise.data.0);
-        let fp = self.covariance.data.0.map(|column| product(f, &column));
+        let fp = products(f, &self.covariance.data.0);
         for j in 0..N {
             let mut column = q[j];
             for (fp, f) in fp.iter().zip(f) {
@@ -81,6 +81,37 @@ impl<const N: usize> Gaussian<N> {
                 }
             }
             self.set_column(j, &column);
+        }
+    }
+
+    /// The same where only the first `M` components move; the others stay as they are and act on these (their rows of
+    /// the whole transition are the identity's). `noise`: the variance that each component gets.
+    pub fn predict_covariance_of_moving<const M: usize>(
+        &mut self,
+        transition: &SMatrix<f64, M, N>,
+        noise: &[f64; N],
+    ) {
+        let f = &transition.data.0;
+        let fp = products(f, &self.covariance.data.0);
+        for (moving, fp) in fp[M..].iter().enumerate() {
+            for i in 0..M {
+                (self.covariance.data.0[M + moving][i], self.covariance.data.0[i][M + moving]) =
+                    (fp[i], fp[i]);
+            }
+        }
+        for j in 0..M {
+            let mut column = [0.0; M];
+            for (fp, f) in fp.iter().zip(f) {
+                for i in j..M {
+                    column[i] += fp[i] * f[j];
+                }
+            }
+            for (i, &element) in column.iter().enumerate().skip(j) {
+                (self.covariance.data.0[j][i], self.covariance.data.0[i][j]) = (element, element);
+            }
+        }
+        for (i, variance) in noise.iter().enumerate() {
+            self.inflate(i, *variance);
         }
     }
 
@@ -207,6 +238,23 @@ mod tests {
             let more = SMatrix::from_diagonal(&alone) - together;
             assert!(more.symmetric_eigenvalues().min() >= -1e-12, "{more}");
         }
+    }
+
+    #[test]
+    fn components_that_stay_need_no_rows_of_a_transition() {
+        let mut whole = Gaussian::<5>::new([0.0; 5], [1.0, 0.1, 10.0, 2.0, 0.5]);
+        whole.update(&vector![1.0, -2.0, 0.3, 0.7, -1.1], 0.0, 0.3);
+        whole.update(&vector![0.2, 1.5, -0.4, 0.1, 2.0], 0.0, 0.2);
+        let mut moving = whole;
+        let rows = SMatrix::<f64, 3, 5>::from_fn(|i, j| {
+            f64::from(i == j) + 0.1 * (i as f64 + 1.0) - 0.03 * (j * j) as f64
+        });
+        let mut transition = SMatrix::<f64, 5, 5>::identity();
+        transition.fixed_view_mut::<3, 5>(0, 0).copy_from(&rows);
+        let noise = [0.1, 0.2, 0.0, 0.4, 0.01];
+        whole.predict_covariance(&transition, &SMatrix::from_diagonal(&SVector::from(noise)));
+        moving.predict_covariance_of_moving(&rows, &noise);
+        assert!((whole.covariance - moving.covariance).amax() < 1e-12 * whole.covariance.amax());
     }
 
     #[test]

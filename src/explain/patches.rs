@@ -1,10 +1,13 @@
 //! Patches of another surface with clear edges. A filter that estimates how much of the road is different
 //! finds out where that is; how different it is, and where exactly it begins and ends, a fit tells better.
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 
 use super::candidates::Candidate;
 use super::fit::{Data, Fit, Learn};
+use super::locate::merged;
 use super::model::{Free, Model};
 use super::naming::Refitted;
 use super::smooth::courses;
@@ -21,6 +24,9 @@ const SHORTEST_GAP_S: f64 = 1.2;
 /// Shorter patches are none.
 const SHORTEST_S: f64 = 0.4;
 
+/// A driver whose wheels slide lifts, and tries again: in between it is the same road, as long as this lasts at most.
+const SAME_ROAD_S: f64 = 6.0;
+
 /// More patches are no patches but a course.
 const MOST: usize = 8;
 
@@ -33,6 +39,28 @@ const STEPS: [f64; 5] = [2.0, 0.8, 0.4, 0.2, 0.1];
 /// Does the effect lie in patches?
 pub fn is_patchy(candidate: &Candidate) -> bool {
     candidate.kind.surroundings(candidate.channel).is_some_and(|course| course.sign != 0.0)
+}
+
+/// Where wheels are seen to slide, the road may be slippery, whatever a filter makes of it: up to the limit of its
+/// tires a car goes as its torques tell, on ice as on asphalt. None in several recordings, or in more stretches than
+/// there are patches.
+pub fn of_sliding(data: &Data<'_>) -> Option<Vec<[f64; 2]>> {
+    let [drive] = data.drives else { return None };
+    let all = merged(drive.slides.iter().map(|slide| [slide.from, slide.to]), SAME_ROAD_S);
+    (1..=MOST).contains(&all.len()).then_some(all)
+}
+
+/// The candidates that are slippery patches, of each kind and side one: how slippery, a fit searches.
+pub fn slippery(library: &[Candidate]) -> impl Iterator<Item = &Candidate> {
+    let where_it_is = |candidate: &Candidate| -> Vec<usize> {
+        let there = candidate.fixed.iter().filter(|(_, number)| *number != 0.0);
+        there.map(|(place, _)| *place).collect()
+    };
+    let mut seen = BTreeSet::new();
+    library
+        .iter()
+        .filter(|candidate| matches!(candidate.kind.name, "friction_change" | "friction_split"))
+        .filter(move |candidate| seen.insert((candidate.kind.name, where_it_is(candidate))))
 }
 
 /// Could there be such a surface? Where a course is most of it, whatever it is a share of must be within its

@@ -15,7 +15,7 @@ use super::predict::Drive;
 use super::smooth::courses;
 use super::split::{BLOCK_S, Part, Split};
 use crate::Quantity;
-use crate::model::effect::Channel;
+use crate::model::effect::{Channel, Kind};
 
 /// Evidence (twice the logarithm of the odds) that the first finding needs. The odds must beat those of
 /// some fifty candidates, each with a small chance of its own.
@@ -210,9 +210,10 @@ fn look<'a>(
 ) -> Round<'a> {
     let scans: Vec<Vec<Scored>> = grounds.iter().map(|(at, _)| scan(data, at, library)).collect();
     tracing::trace!(candidates = library.len(), grounds = grounds.len(), "scanned");
-    let (refitted, refused): (Vec<_>, Vec<_>) = fitted(data, before, grounds.iter().zip(&scans), least)
-        .into_iter()
-        .partition(|refitted| following_share(data, refitted) <= MOST_FOLLOWING);
+    let (refitted, refused): (Vec<_>, Vec<_>) =
+        fitted(data, before, grounds.iter().zip(&scans), library, least)
+            .into_iter()
+            .partition(|refitted| following_share(data, refitted) <= MOST_FOLLOWING);
     let following = refused.into_iter().map(|refused| (refused.candidate, refused.evidence)).collect();
     Round { scanned: scans.into_iter().next().unwrap_or_default(), refitted, following }
 }
@@ -222,6 +223,7 @@ fn fitted<'f, 'a: 'f>(
     data: &Data<'_>,
     before: &Fit<'a>,
     scans: impl Iterator<Item = (&'f (&'f Fit<'a>, Learn), &'f Vec<Scored>)>,
+    library: &[Candidate],
     least: f64,
 ) -> Vec<Refitted<'a>> {
     let worth: Vec<(&(&Fit<'a>, Learn), &Scored)> = scans
@@ -247,7 +249,7 @@ fn fitted<'f, 'a: 'f>(
             *refitted = refine(data, before, refitted, NEXT_ROUNDS);
         }
     });
-    let patches = patches(data, before, &all);
+    let patches = patches(data, before, &all, library);
     all.retain(|refitted| patches::is_possible(data, refitted) && is_noteworthy(refitted));
     best_of_each(all.into_iter().chain(patches).collect())
 }
@@ -264,8 +266,14 @@ fn is_noteworthy(refitted: &Refitted<'_>) -> bool {
     !is_scale || number.is_none_or(|number| number.abs() > LEAST_TORQUE_SCALE)
 }
 
-/// What lies in patches, within clear edges: each kind of them wherever the course of any kind has some.
-fn patches<'a>(data: &Data<'_>, before: &Fit<'a>, all: &[Refitted<'a>]) -> Vec<Refitted<'a>> {
+/// What lies in patches, within clear edges: each kind of them wherever the course of any kind has some; and each
+/// kind of slippery ones where wheels slide.
+fn patches<'a>(
+    data: &Data<'_>,
+    before: &Fit<'a>,
+    all: &[Refitted<'a>],
+    library: &[Candidate],
+) -> Vec<Refitted<'a>> {
     let patchy: Vec<&Refitted<'a>> = all
         .iter()
         .filter(|refitted| refitted.candidate.live.is_some() && patches::is_patchy(&refitted.candidate))
@@ -273,11 +281,19 @@ fn patches<'a>(data: &Data<'_>, before: &Fit<'a>, all: &[Refitted<'a>]) -> Vec<R
     let mut places: Vec<Vec<[f64; 2]>> =
         patchy.par_iter().filter_map(|refitted| patches::intervals(data, &refitted.fit)).collect();
     places.dedup();
-    let pairs: Vec<(&Refitted<'a>, &Vec<[f64; 2]>)> =
-        patchy.iter().flat_map(|refitted| places.iter().map(move |place| (*refitted, place))).collect();
-    let placed = pairs.par_iter().filter_map(|(refitted, place)| {
-        patches::placed(data, before, &refitted.candidate, place, NEXT_ROUNDS)
-    });
+    let mut pairs: Vec<(&Candidate, &Vec<[f64; 2]>)> = patchy
+        .iter()
+        .flat_map(|refitted| places.iter().map(move |place| (&refitted.candidate, place)))
+        .collect();
+    let sliding = patches::of_sliding(data);
+    if let Some(place) = &sliding {
+        let is_there = |kind: &Kind| before.model.effects.iter().any(|effect| effect.kind.name == kind.name);
+        let slippery = patches::slippery(library).filter(|candidate| !is_there(candidate.kind));
+        pairs.extend(slippery.map(|candidate| (candidate, place)));
+    }
+    let placed = pairs
+        .par_iter()
+        .filter_map(|(candidate, place)| patches::placed(data, before, candidate, place, NEXT_ROUNDS));
     placed.collect()
 }
 

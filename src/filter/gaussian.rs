@@ -94,9 +94,9 @@ impl<const N: usize> Gaussian<N> {
         let f = &transition.data.0;
         let fp = products(f, &self.covariance.data.0);
         for (moving, fp) in fp[M..].iter().enumerate() {
-            for i in 0..M {
-                (self.covariance.data.0[M + moving][i], self.covariance.data.0[i][M + moving]) =
-                    (fp[i], fp[i]);
+            for (i, &element) in fp.iter().enumerate() {
+                let j = M + moving;
+                (self.covariance.data.0[j][i], self.covariance.data.0[i][j]) = (element, element);
             }
         }
         for j in 0..M {

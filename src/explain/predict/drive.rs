@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::slide::{Slide, slides};
 use super::smoothing::{on_grid, smooth_on_grid};
 use crate::model::effect::Recorded;
 use crate::model::{Scenario, ScenarioError, Simulation, Vehicle};
@@ -53,7 +54,7 @@ pub const fn points(seconds: f64) -> usize {
 }
 
 /// Below this speed slip angles mean nothing and wheel sensors are coarse, m/s.
-const SLOWEST_MPS: f64 = 3.0;
+pub(super) const SLOWEST_MPS: f64 = 3.0;
 
 /// Shorter runs say nothing, s.
 const SHORTEST_RUN_S: f64 = 3.0;
@@ -88,6 +89,15 @@ pub struct Drive {
     pub speed: Arc<Vec<f64>>,
     /// Are drive and brake torques known?
     pub knows_torque: bool,
+    /// Where wheels slide.
+    pub slides: Arc<Vec<Slide>>,
+}
+
+impl Measured {
+    /// When, s.
+    pub fn time(&self) -> f64 {
+        (f64::from(self.step) + f64::from(self.share)) * STEP_S
+    }
 }
 
 /// Quantities that the filter compares.
@@ -145,6 +155,8 @@ impl Drive {
         measured.sort_by(|a, b| {
             (a.step, a.share).partial_cmp(&(b.step, b.share)).unwrap_or(std::cmp::Ordering::Equal)
         });
+        let slides = slides(&measured, vehicle);
+        measured.retain(|reading| !slides.iter().any(|slide| slide.spoils(reading)));
         let mut first = Vec::with_capacity(steps + 1);
         let mut place = 0;
         for step in 0..=steps {
@@ -154,7 +166,9 @@ impl Drive {
             first.push(place as u32);
         }
         let usable = |k: usize| {
-            speed[k] > SLOWEST_MPS && steering[k].is_finite() && (!knows_torque || torque[k].is_finite())
+            let comes_back = || slides.iter().any(|slide| slide.comes_back(k as f64 * STEP_S));
+            let is_known = steering[k].is_finite() && (!knows_torque || torque[k].is_finite());
+            speed[k] > SLOWEST_MPS && is_known && !comes_back()
         };
         let mut runs = Vec::new();
         let mut begin = None;
@@ -179,6 +193,7 @@ impl Drive {
             runs,
             speed: Arc::new(speed),
             knows_torque,
+            slides: Arc::new(slides),
         }
     }
 

@@ -17,7 +17,7 @@ const SLIDING: f64 = 0.25;
 const MARGIN_S: f64 = 0.15;
 
 /// Shorter slides are none: a wheel that hops.
-const SHORTEST_S: f64 = 0.06;
+const SHORTEST_S: f64 = 0.15;
 
 /// Wheels that slide for more than this share of a drive do not: their scale is wrong.
 const MOST: f64 = 0.15;
@@ -51,7 +51,7 @@ impl Slide {
     }
 }
 
-/// All slides, by readings in the order of time.
+/// All slides, by readings in the order of time. A wheel of which nothing is heard slides on as it was heard last.
 pub(super) fn slides(measured: &[Measured], vehicle: &Vehicle) -> Vec<Slide> {
     let driven = vehicle.driven_axle;
     let slowest = 2.0 * SLOWEST_MPS / vehicle.wheel_radius_m.value;

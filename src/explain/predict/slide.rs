@@ -13,8 +13,9 @@ use crate::model::{DrivenAxle, Vehicle};
 /// grips with so much slip.
 const SLIDING: f64 = 0.25;
 
-/// Before and after that they slipped too much already and still do, s.
-const MARGIN_S: f64 = 0.15;
+/// So long before and after that they slip too much for a wheel that follows its force, s. (With less, false names
+/// stood beside the friction of a simulated road.)
+const MARGIN_S: f64 = 0.4;
 
 /// Shorter slides are none: a wheel that hops.
 const SHORTEST_S: f64 = 0.15;
@@ -123,7 +124,7 @@ mod tests {
         let [slide] = found(spinning)[..] else { panic!("{:?}", found(spinning)) };
         assert!((slide.from - 20.1).abs() < 0.05 && (slide.to - 20.9).abs() < 0.05, "{slide:?}");
         assert!((slide.most - 20.5).abs() < 0.03 && slide.is_front, "{slide:?}");
-        assert!(slide.comes_back(20.7) && !slide.comes_back(20.3) && !slide.comes_back(21.3));
+        assert!(slide.comes_back(20.7) && !slide.comes_back(20.3) && !slide.comes_back(21.5));
         let spoiled = |quantity: Quantity, t: f64| {
             let step = (t / STEP_S) as u32;
             slide.spoils(&Measured { step, share: 0.5, channel: quantity as u8, value: 0.0 })

@@ -76,19 +76,10 @@ impl Belief {
     /// Makes the largest weight 1.
     fn normalize(&mut self) {
         let factor = 1.0 / largest(&self.weight).max(1e-9);
-        let (rows, rest) = self.weight.as_chunks_mut::<ABREAST>();
-        let mut sums = [0.0; ABREAST];
-        for row in rows {
-            for (sum, weight) in sums.iter_mut().zip(row) {
-                *weight *= factor;
-                *sum += *weight;
-            }
-        }
-        for (sum, weight) in sums.iter_mut().zip(rest) {
+        for weight in &mut self.weight {
             *weight *= factor;
-            *sum += *weight;
         }
-        (self.sum, self.most) = (sums.iter().sum(), 1.0);
+        (self.sum, self.most) = (total(&self.weight), 1.0);
     }
 
     /// At least this much is in use, give or take half a cell. What is ruled out below that goes evenly between it

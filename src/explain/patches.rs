@@ -52,15 +52,16 @@ pub fn of_sliding(data: &Data<'_>) -> Option<Vec<[f64; 2]>> {
 
 /// The candidates that are slippery patches, of each kind and side one: how slippery, a fit searches.
 pub fn slippery(library: &[Candidate]) -> impl Iterator<Item = &Candidate> {
-    let where_it_is = |candidate: &Candidate| -> Vec<usize> {
-        let there = candidate.fixed.iter().filter(|(_, number)| *number != 0.0);
-        there.map(|(place, _)| *place).collect()
-    };
     let mut seen = BTreeSet::new();
     library
         .iter()
         .filter(|candidate| matches!(candidate.kind.name, "friction_change" | "friction_split"))
-        .filter(move |candidate| seen.insert((candidate.kind.name, where_it_is(candidate))))
+        .filter(move |candidate| seen.insert((candidate.kind.name, sides(candidate))))
+}
+
+/// The parameters of the wheels that are on the patch.
+fn sides(candidate: &Candidate) -> Vec<usize> {
+    candidate.fixed.iter().filter(|(_, number)| *number != 0.0).map(|(place, _)| *place).collect()
 }
 
 /// Could there be such a surface? Where a course is most of it, whatever it is a share of must be within its
@@ -99,12 +100,8 @@ pub fn placed<'a>(
     stretches: &[[f64; 2]],
     rounds: usize,
 ) -> Option<Refitted<'a>> {
-    let candidate = Candidate {
-        live: None,
-        free: candidate.fixed.iter().filter(|(_, number)| *number != 0.0).map(|(place, _)| *place).collect(),
-        stretches: stretches.to_vec(),
-        ..candidate.clone()
-    };
+    let candidate =
+        Candidate { live: None, free: sides(candidate), stretches: stretches.to_vec(), ..candidate.clone() };
     let strict = data.strict(&before.noise);
     // Where on the road they are, all of the recording tells; what they are, its training part.
     let held = data.of(Part::Holdout);

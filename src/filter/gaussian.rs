@@ -95,8 +95,7 @@ impl<const N: usize> Gaussian<N> {
         let fp = products(f, &self.covariance.data.0);
         for (moving, fp) in fp[M..].iter().enumerate() {
             for (i, &element) in fp.iter().enumerate() {
-                let j = M + moving;
-                (self.covariance.data.0[j][i], self.covariance.data.0[i][j]) = (element, element);
+                self.set(i, M + moving, element);
             }
         }
         for j in 0..M {
@@ -106,9 +105,7 @@ impl<const N: usize> Gaussian<N> {
                     column[i] += fp[i] * f[j];
                 }
             }
-            for (i, &element) in column.iter().enumerate().skip(j) {
-                (self.covariance.data.0[j][i], self.covariance.data.0[i][j]) = (element, element);
-            }
+            self.set_column(j, &column);
         }
         for (i, variance) in noise.iter().enumerate() {
             self.inflate(i, *variance);
@@ -178,12 +175,18 @@ impl<const N: usize> Gaussian<N> {
         innovation
     }
 
-    /// Sets column `j` from its diagonal on, and the same row with it.
+    /// Sets column `j` from its diagonal on, as far as it is given, and the same row with it.
     #[inline]
-    fn set_column(&mut self, j: usize, column: &[f64; N]) {
+    fn set_column(&mut self, j: usize, column: &[f64]) {
         for (i, &element) in column.iter().enumerate().skip(j) {
-            (self.covariance.data.0[j][i], self.covariance.data.0[i][j]) = (element, element);
+            self.set(i, j, element);
         }
+    }
+
+    /// Sets one element and its mirror image.
+    #[inline]
+    fn set(&mut self, i: usize, j: usize, element: f64) {
+        (self.covariance.data.0[j][i], self.covariance.data.0[i][j]) = (element, element);
     }
 
     /// All numbers are finite and no variance is negative.

@@ -13,7 +13,7 @@ mod lane;
 pub(super) mod late;
 pub(super) mod noise;
 pub(super) mod pass;
-pub mod slide;
+mod slide;
 mod smoothing;
 
 pub(super) use car::{Car, Settings};

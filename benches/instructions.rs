@@ -1,8 +1,9 @@
 //! How many machine instructions each stage takes, as valgrind's callgrind counts them: unlike times the same on a busy
 //! machine as on an idle one. Compared with benches/instructions.toml; more by a tenth or more is a failure.
 //!
-//! `cargo bench --bench instructions`, with `-- --write` to keep what was counted. Without valgrind nothing is done, and
-//! that is said. What a stage needs once is not counted: it runs for n and for 2 n elements, and the difference counts.
+//! `cargo bench --bench instructions`, with `-- --write` to keep what was counted. What is kept is of the build of `.ci/run`,
+//! which knows no link-time optimization; a release differs from it by less than the tenth. Without valgrind nothing is
+//! done, and that is said. What a stage needs once is not counted: it runs for n and for 2 n elements, and the difference counts.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a benchmark that cannot be set up may fail loudly")]
 
@@ -71,7 +72,8 @@ fn main() -> ExitCode {
         .collect();
     let path = project("benches/instructions.toml");
     if arguments.iter().any(|argument| argument == "--write") {
-        let header = "# Instructions for each element: cargo bench --bench instructions -- --write\n";
+        let header =
+            "# Instructions for each element, as .ci/run counts them; `-- --write` after its command\n";
         fs::write(&path, format!("{header}{}", toml::to_string(&counted).unwrap())).unwrap();
     }
     let kept: BTreeMap<String, u64> = toml::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
@@ -140,10 +142,14 @@ fn a_frame(number: usize) -> Frame {
     made::unneeded(number, gripd::Micros(1_760_000_000_000_000 + 1000 * number as i64))
 }
 
+/// As many whatever is done with them, so that making them does not count.
+fn frames() -> Vec<Frame> {
+    (0..40_000).map(a_frame).collect()
+}
+
 fn read(count: usize) {
     let mut text = Vec::new();
-    // As many whatever is read of them.
-    (0..40_000).for_each(|number| candump::write_line(&mut text, "can0", &a_frame(number)));
+    frames().iter().for_each(|frame| candump::write_line(&mut text, "can0", frame));
     let mut reader = candump::Reader::from_read(Box::new(Cursor::new(text)), "log").unwrap();
     for _ in 0..count {
         black_box(&reader.next_frame().unwrap());
@@ -151,8 +157,8 @@ fn read(count: usize) {
 }
 
 fn write(count: usize) {
-    let mut writer = candump::Writer::new(std::io::sink(), "can0");
-    (0..count).for_each(|number| writer.write(&a_frame(number)).unwrap());
+    let (frames, mut writer) = (frames(), candump::Writer::new(std::io::sink(), "can0"));
+    frames[..count].iter().for_each(|frame| writer.write(frame).unwrap());
 }
 
 fn sampler() -> Sampler {
@@ -163,9 +169,9 @@ fn sampler() -> Sampler {
 }
 
 fn pass_over(count: usize) {
-    let mut sampler = sampler();
-    for number in 0..count {
-        black_box(sampler.push(&a_frame(number)));
+    let (frames, mut sampler) = (frames(), sampler());
+    for frame in &frames[..count] {
+        black_box(sampler.push(frame));
     }
 }
 

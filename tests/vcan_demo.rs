@@ -11,7 +11,7 @@
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::sync::Mutex;
+use std::sync::{LazyLock, Mutex};
 
 /// The tests share one interface.
 static VCAN0: Mutex<()> = Mutex::new(());
@@ -38,6 +38,10 @@ fn demo(folder: &Path, arguments: &[&str]) -> (String, String) {
     (String::from_utf8(output.stdout).unwrap(), page)
 }
 
+/// What the same car is told of on a bus in memory.
+static MEMORY: LazyLock<(String, String)> =
+    LazyLock::new(|| demo(tempfile::tempdir().unwrap().path(), &["--memory"]));
+
 /// A program that runs beside the demo.
 struct Beside(Child);
 
@@ -61,14 +65,13 @@ fn the_same_is_found_as_in_memory_and_others_see_both_directions() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    let memory = demo(folder.path(), &["--memory"]);
     let heard = folder.path().join("heard.log");
     let candump = Beside::start("candump", &["-L", "vcan0"], fs::File::create(&heard).unwrap().into());
     std::thread::sleep(std::time::Duration::from_millis(300));
     let vcan = demo(folder.path(), &[]);
     drop(candump);
-    assert_eq!(vcan.0, memory.0);
-    assert!(vcan.1 == memory.1, "the pages differ");
+    assert_eq!(vcan.0, MEMORY.0);
+    assert!(vcan.1 == MEMORY.1, "the pages differ");
     let heard = fs::read_to_string(heard).unwrap();
     for id in ["1A0#", "1B0#", "1C0#", "1D0#", "6A0#", "6A5#"] {
         assert!(heard.contains(id), "candump has not seen {id}");
@@ -82,9 +85,8 @@ fn traffic_of_others_with_the_same_identifiers_changes_nothing() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    let memory = demo(folder.path(), &["--memory"]);
     let other = Beside::start("cangen", &["vcan0", "-I", "1A0", "-L", "8", "-g", "1"], Stdio::null());
     let vcan = demo(folder.path(), &["--interface", "vcan0"]);
     drop(other);
-    assert!(vcan == memory, "the traffic of others was taken for the car's");
+    assert!(vcan == *MEMORY, "the traffic of others was taken for the car's");
 }

@@ -206,7 +206,7 @@ fn errors_say_whose_turn_it_is() {
     let unknown = place.fails(&["a.log"], &["--parameters", "mass"], 2);
     assert!(unknown.contains("`mass` is no parameter") && unknown.contains("mass_kg"), "{unknown}");
     assert!(place.fails(&["a.log"], &["--method", "best"], 2).contains("free_run"));
-    assert!(place.fails(&["a.log"], &["--starts", "0"], 2).contains("identify.starts"));
+    assert!(place.fails(&["a.log"], &["--starts", "0"], 2).contains("--starts <N>"));
     let unusable = place.fails(&["a.log"], &["--parameters", "brake_torque_per_bar_front_nm"], 2);
     assert!(unusable.contains("has no value to start from"), "{unusable}");
     assert!(place.fails(&["a.log"], &["--json", "a.log"], 2).contains("another name"));

@@ -45,7 +45,7 @@ impl Default for IdentifyConfig {
 
 impl IdentifyConfig {
     /// More starts than this find nothing that these did not.
-    const MOST_STARTS: usize = 1000;
+    pub(crate) const MOST_STARTS: usize = 1000;
 
     /// Checks what can be checked without a recording.
     ///

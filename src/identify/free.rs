@@ -72,6 +72,12 @@ impl Tied {
         if first.is_logarithmic() { coordinate.exp() } else { coordinate * first.scale() }
     }
 
+    /// And back, to what it can be; a bound exactly, though its logarithm is not.
+    pub(super) fn possible_value(self, coordinate: f64) -> f64 {
+        let (low, high) = self.first().bounds();
+        self.value(coordinate).clamp(low, high)
+    }
+
     /// Derivative of the value by the coordinate.
     pub(super) fn value_by_coordinate(self, coordinate: f64) -> f64 {
         let first = self.first();

@@ -10,7 +10,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use serde::de::value::{Error as ValueError, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
@@ -45,7 +45,7 @@ pub struct Identify {
     #[arg(long, value_parser = one_of::<Drive>(&["torque", "wheel_speeds", "slips"]))]
     drive: Option<Drive>,
     /// Search from so many starts.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = starts())]
     starts: Option<usize>,
 }
 
@@ -102,6 +102,11 @@ impl Identify {
         used.validate().map_err(Failure::usage)?;
         Ok(used)
     }
+}
+
+/// As many as the configuration takes.
+fn starts() -> impl TypedValueParser<Value = usize> {
+    RangedU64ValueParser::<usize>::new().range(1..=IdentifyConfig::MOST_STARTS as u64)
 }
 
 /// Words of the configuration's as an option.

@@ -14,8 +14,8 @@ use std::process::Output;
 use std::sync::OnceLock;
 
 use gripd::explain::chain::{ChainReport, Confidence, Finding, audit};
-use gripd::model::{Scenario, Simulation};
-use gripd::{Micros, Quantity, Sample, Sensors};
+use gripd::model::{Scenario, Simulation, Vehicle};
+use gripd::{Config, Micros, Quantity, Sample, Sensors};
 use town::DRIVE;
 
 const WHEELS: [Quantity; 4] =
@@ -60,11 +60,15 @@ fn clean() -> Vec<Sample> {
 }
 
 fn judge(samples: &[Sample]) -> ChainReport {
+    judge_as(samples, &scenario().vehicle)
+}
+
+fn judge_as(samples: &[Sample], vehicle: &Vehicle) -> ChainReport {
     let mut sensors = Sensors::default();
     for quantity in Quantity::ALL.into_iter().filter(|q| samples[100].get(*q).is_some()) {
         sensors.add(quantity, None);
     }
-    audit(samples, &scenario().vehicle, &sensors)
+    audit(samples, vehicle, &sensors)
 }
 
 /// The clean drive with every value of some quantities changed.
@@ -137,6 +141,16 @@ fn clean_drives_give_no_certain_finding() {
     }
     assert!(certain.is_empty(), "{}", certain.join("\n"));
     assert!(likely <= 3, "{likely} likely findings in 24 clean drives");
+}
+
+#[test]
+fn tires_at_their_limit_in_a_gust_are_no_delay_for_sure() {
+    let sliding = include_str!("../config/scenarios/sim1.toml");
+    let gust = "[[effect]]\nkind = \"crosswind\"\nvalue = 900.0\nintervals = [[60.0, 70.0]]";
+    let scenario = Scenario::parse(&format!("{sliding}\n{gust}")).unwrap();
+    let vehicle = Config::load(&program::project("config/thesis.toml")).unwrap().vehicle;
+    let report = judge_as(&drive(&scenario, scenario.seed), &vehicle);
+    assert!(report.findings.iter().all(|f| f.confidence != Confidence::Certain), "{}", summary(&report));
 }
 
 #[test]

@@ -15,6 +15,8 @@ const SUSPECTED: f64 = 9.0;
 const LONG_S: f64 = 0.025;
 const SURE: f64 = 12.0;
 const AHEAD: f64 = 6.0;
+/// Where a delay leaves more than the rest of a relation unexplained, something else is amiss, and may have feigned it.
+const PUT_RIGHT: f64 = 0.95;
 /// Wheel speeds are averages over some teeth and so late by this, ± this, s.
 const WHEELS_LATE_S: f64 = 0.008;
 const WHEELS_LATE_STD_S: f64 = 0.007;
@@ -93,7 +95,9 @@ fn next_delay(
     let next = explanations.get(1).map_or(0.0, |next| next.gain);
     // Tires, compliance and steering gear delay the car behind the steering wheel, too.
     let kinematic = best.channel != Channel::Steering;
-    let confidence = if best.gain < FOUND {
+    let seen_in = || links.iter().filter(|link| best.channel.sense(link.relation) != 0.0);
+    let is_put_right = seen_in().any(|link| link.explained > PUT_RIGHT);
+    let confidence = if best.gain < FOUND || !is_put_right {
         Confidence::Unclear
     } else if kinematic && best.value > EXTRAORDINARY_S && best.gain - next > SURE {
         Confidence::Certain
@@ -125,9 +129,7 @@ fn next_delay(
         value: Some(best.value),
         std: Some(best.std),
         t: best.gain.sqrt(),
-        evidence: links
-            .iter()
-            .filter(|link| best.channel.sense(link.relation) != 0.0)
+        evidence: seen_in()
             .map(|l| {
                 format!("{}: later by {:.1} ± {:.1} ms", l.relation.name(), 1e3 * l.delay, 1e3 * l.delay_std)
             })

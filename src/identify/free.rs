@@ -66,21 +66,37 @@ impl Tied {
         (self.coordinate(low), self.coordinate(high))
     }
 
-    /// And back.
+    /// And back, to what it can be: a bound exactly, though its logarithm's exponential is not.
     pub(super) fn value(self, coordinate: f64) -> f64 {
         let first = self.first();
-        if first.is_logarithmic() { coordinate.exp() } else { coordinate * first.scale() }
-    }
-
-    /// And back, to what it can be; a bound exactly, though its logarithm is not.
-    pub(super) fn possible_value(self, coordinate: f64) -> f64 {
-        let (low, high) = self.first().bounds();
-        self.value(coordinate).clamp(low, high)
+        let ((low, high), (lowest, highest)) = (first.bounds(), self.coordinate_bounds());
+        if coordinate <= lowest {
+            low
+        } else if coordinate >= highest {
+            high
+        } else if first.is_logarithmic() {
+            coordinate.exp()
+        } else {
+            coordinate * first.scale()
+        }
     }
 
     /// Derivative of the value by the coordinate.
     pub(super) fn value_by_coordinate(self, coordinate: f64) -> f64 {
         let first = self.first();
         if first.is_logarithmic() { coordinate.exp() } else { first.scale() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_come_back_exactly() {
+        for tied in Parameter::ALL.map(Tied::One) {
+            let (low, high) = tied.coordinate_bounds();
+            assert_eq!((tied.value(low), tied.value(high)), tied.first().bounds(), "{}", tied.name());
+        }
     }
 }

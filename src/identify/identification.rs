@@ -258,7 +258,7 @@ impl<'a> Identifier<'a> {
         let around = |free: &Free, random: &mut ChaCha8Rng| {
             let by: f64 = random.sample(StandardNormal);
             let std = if free.std.is_finite() { 2.0 * free.std } else { 0.7 };
-            free.parameters.possible_value(free.mean + by * std)
+            free.parameters.value(free.mean + by * std)
         };
         let starts = self.free.iter();
         match number {
@@ -271,7 +271,7 @@ impl<'a> Identifier<'a> {
         let free = &self.free[place];
         let at = self.corrected(fit, sure)[place];
         let half = sure.factor * sure.std[place];
-        let end = |coordinate: f64| free.parameters.possible_value(coordinate);
+        let end = |coordinate: f64| free.parameters.value(coordinate);
         let ends = (end(at - half), end(at + half));
         let (identifiable, reason) = self.verdict(place, fit, sure);
         let std = sure.by_curvature[place];
@@ -281,7 +281,7 @@ impl<'a> Identifier<'a> {
         Identified {
             name: free.parameters.name(),
             unit: free.parameters.first().unit(),
-            value: free.parameters.possible_value(at),
+            value: free.parameters.value(at),
             std: sure.std[place] * free.parameters.value_by_coordinate(at),
             ci95: ends,
             identifiable,
@@ -294,7 +294,7 @@ impl<'a> Identifier<'a> {
     /// Does the recording say something of a parameter, and if not, why not?
     fn verdict(&self, place: usize, fit: &Fit, sure: &Uncertainty) -> (bool, String) {
         let free = &self.free[place];
-        let value = free.parameters.possible_value(fit.point.theta[place]);
+        let value = free.parameters.value(fit.point.theta[place]);
         let (low, high) = free.parameters.coordinate_bounds();
         if [low, high].iter().any(|bound| (fit.point.theta[place] - bound).abs() < 1e-6) {
             return (false, format!("the search ends at the bound {value}: the equations do not fit here"));

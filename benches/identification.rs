@@ -13,8 +13,9 @@ use std::process::Command;
 use std::time::Instant;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use gripd::cli::reproduce::{Drive as Driven, SIM1, steered};
 use gripd::identify::{Drive, Identifier, IdentifyConfig, Method, Record};
+use gripd::model::scenario::thesis::{SIM1, steered};
+use gripd::model::simulate::Drive as Driven;
 use gripd::model::{GRAVITY, Vehicle};
 
 const START_N: [f64; 2] = [1.5e5, 4e4];

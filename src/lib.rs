@@ -15,29 +15,12 @@
 //! SI units inside, ISO 8855 axes (x forward, y left, z up); conversion happens once, at the DBC
 //! boundary. Time is the frame's own stamp, in whole microseconds, never the wall clock.
 
-pub mod can;
 pub mod cli;
-pub mod config;
-pub mod dbc;
-pub mod estimate;
-pub mod estimates;
-pub mod explain;
-pub mod faults;
-pub mod filter;
 pub mod guide;
-pub mod identify;
-pub mod model;
-pub mod new_file;
-pub mod propose;
-pub mod report;
-pub mod sample;
-pub mod service;
-pub mod signals;
-pub mod time;
-pub mod watch;
 
-pub use config::Config;
-pub use estimates::Estimates;
-pub use faults::Faults;
-pub use sample::{Quantity, Sample, Sensors, Wheel};
-pub use time::Micros;
+pub use bus::{Config, can, config, dbc, new_file, propose, service, signals, watch};
+pub use lab::{explain, identify, pages, report, reproduce};
+pub use physics::{
+    Estimates, Faults, Micros, Quantity, Sample, Sensors, Wheel, estimate, estimates, faults, filter, model,
+    sample, time,
+};

@@ -11,8 +11,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use gripd::cli::reproduce::abs_tests::{AbsTest, scenario};
 use gripd::model::TireKind;
+use gripd::reproduce::abs_tests::{AbsTest, scenario};
 use program::{gripd, project};
 use serde_json::Value;
 use tempfile::TempDir;

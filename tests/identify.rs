@@ -1,9 +1,10 @@
 //! Identification of the thesis's test case Sim1 (App. B, 5.3.2).
 #![allow(clippy::unwrap_used, clippy::expect_used)] // Tests.
 
-use gripd::cli::reproduce::{Drive as Driven, SIM1, steered};
 use gripd::identify::{Drive, Identifier, IdentifyConfig, Method, Record};
 use gripd::model::Vehicle;
+use gripd::model::scenario::thesis::{SIM1, steered};
+use gripd::model::simulate::Drive as Driven;
 
 /// Sim1 with this steering amplitude, with or without noise.
 fn sim1(amplitude: f64, noisy: bool, seed: u64) -> (Record, Vehicle) {

@@ -3,15 +3,14 @@
 //! five seconds after each.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use gripd::cli::reproduce::sim2_grid::{AMPLITUDES, Cell, FREQUENCIES};
 use gripd::estimate::lateral_filter::LateralFilterConfig;
+use gripd::reproduce::sim2_grid::{AMPLITUDES, Cell, FREQUENCIES};
 
 fn print(cell: &Cell) {
     let percent = |f: &dyn Fn(usize) -> f64| [0, 1, 2].map(|i| format!("{:5.2}", 100.0 * f(i))).join(" ");
     let runs = cell.runs.len() as f64;
-    let mean = |f: &dyn Fn(&gripd::cli::reproduce::sim2_grid::Run) -> f64| {
-        cell.runs.iter().map(f).sum::<f64>() / runs
-    };
+    let mean =
+        |f: &dyn Fn(&gripd::reproduce::sim2_grid::Run) -> f64| cell.runs.iter().map(f).sum::<f64>() / runs;
     println!(
         "{:4} rad {:4} Hz: worst {} %, rms {} %, bound {} %; NIS {:.2} {:.2}, {:3.0} % within; settled {:.1} {:.1} s; \
          {:.1} changes",

@@ -2,11 +2,13 @@
 //! is one, and a value once the driven tires are at their limit, whatever their curve.
 #![allow(clippy::unwrap_used)] // Tests.
 
-use gripd::cli::reproduce::{Drive, SIM2, SIM3, SIM3_LIMIT, noticed};
 use gripd::estimate::{EstimatorsConfig, Pipeline, SlipPoint, WheelSaturation};
 use gripd::estimates::{Estimates, MuSource};
 use gripd::model::scenario::Stretch;
+use gripd::model::scenario::thesis::{SIM2, SIM3, SIM3_LIMIT};
+use gripd::model::simulate::Drive;
 use gripd::model::{Piece, Scenario, TireKind, Truth, Uncertain, Vehicle};
+use gripd::reproduce::noticed;
 
 /// Runs the pipeline over a drive; the tires' stiffness is not known before.
 fn drive(scenario: &Scenario, seed: u64) -> Vec<(Truth, Estimates)> {

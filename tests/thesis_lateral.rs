@@ -3,13 +3,14 @@
 
 use std::ops::Range;
 
-use gripd::cli::reproduce::{Drive, SIM1, SIM2};
 use gripd::estimate::{
     Car, Cornering, JointEkf, JointEkfConfig, KinematicObserver, Kinematics, LateralSlopeEstimator,
     LateralVelocityEstimator, SlipAngles, SpeedDerivative,
 };
 use gripd::estimates::LateralVelocities;
 use gripd::model::scenario::Piece;
+use gripd::model::scenario::thesis::{SIM1, SIM2};
+use gripd::model::simulate::Drive;
 use gripd::model::{Scenario, Truth};
 
 const SLOWEST: f64 = 4.0;

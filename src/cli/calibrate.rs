@@ -10,11 +10,12 @@ use serde::Serialize;
 use super::Failure;
 use super::output::{check_outputs, write_json};
 use super::progress::Progress;
-use crate::can::Frame;
-use crate::can::recording::Reader;
-use crate::estimate::mapping::{Braking, Calibration, MappingConfig, MappingFit, MappingKind, PairFinder};
-use crate::service::{Engine, Sink};
-use crate::{Config, Estimates, Quantity, Sample, Sensors};
+use bus::Config;
+use bus::can::Frame;
+use bus::can::recording::Reader;
+use bus::service::{Engine, Sink};
+use physics::estimate::mapping::{Braking, Calibration, MappingConfig, MappingFit, MappingKind, PairFinder};
+use physics::{Estimates, Quantity, Sample, Sensors};
 
 /// Each recording is a drive of its own: on each surface drive until the slope is valid, then brake
 /// into the ABS, and drive on for some seconds. Prints the brakings, the fits, and, where the pairs
@@ -36,7 +37,7 @@ pub struct Calibrate {
 impl Calibrate {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        let config = super::for_the_service(&self.config)?;
+        let config = super::configuration::for_the_service(&self.config)?;
         check_outputs(self.logs.iter().chain([&self.config]).chain(config.files()), &self.json)?;
         if !config.signals.quantities.contains_key(&Quantity::AbsActive) {
             return Err(Failure::usage(format_args!(

@@ -8,7 +8,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use super::output::check_outputs;
 use super::progress::Progress;
 use super::{Failure, recordings};
-use crate::can::recording::{Format, Reader, Writer};
+use bus::can::recording::{Format, Reader, Writer};
 
 /// Reads and writes candump, Vector ASC and BLF, ASAM MF4 (bus logging), Peak TRC and python-can CSV; which is read,
 /// the content tells, and which is written, the name. Every frame is written, with its time to the microsecond; what
@@ -36,7 +36,7 @@ impl Convert {
     pub fn run(self) -> Result<(), Failure> {
         check_outputs([&self.recording], [&self.out])?;
         if let Some(name) = &self.interface {
-            name.parse::<crate::can::InterfaceName>().map_err(Failure::usage)?;
+            name.parse::<bus::can::InterfaceName>().map_err(Failure::usage)?;
         }
         let mut reader = Reader::open(&self.recording).map_err(Failure::work)?;
         let format = self.format.or_else(|| Format::of_name(&self.out)).unwrap_or(Format::Candump);

@@ -20,12 +20,12 @@ use self::page::Story;
 use self::recorder::{Recorder, Show};
 use super::output::Output;
 use super::{Failure, demo_car};
-use crate::can::CanId;
-use crate::can::candump::Writer;
-use crate::model::Scenario;
-use crate::service::{self, Engine, Service};
-use crate::signals::Outputs;
-use crate::signals::publish::built_in_database;
+use bus::can::CanId;
+use bus::can::candump::Writer;
+use bus::service::{self, Engine, Service};
+use bus::signals::Outputs;
+use bus::signals::publish::built_in_database;
+use physics::model::Scenario;
 
 const SCENARIO: &str = include_str!("../../config/scenarios/demo.toml");
 
@@ -129,7 +129,7 @@ impl Demo {
 
 /// What a drive left behind.
 struct Ran {
-    truth: Vec<crate::model::Truth>,
+    truth: Vec<physics::model::Truth>,
     lost: u64,
 }
 

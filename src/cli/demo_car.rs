@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::Failure;
-use crate::Config;
-use crate::dbc::Database;
+use bus::Config;
+use bus::dbc::Database;
 
 const CONFIGURATION: &str = include_str!("../../config/demo.toml");
 const DBC: &str = include_str!("../../dbc/demo.dbc");

@@ -4,7 +4,7 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use signal_hook::low_level::emulate_default_handler;
 
-use crate::new_file;
+use bus::new_file;
 
 /// Waits for signals from now on, on a thread of its own. Without it they end the program all the same, and what was
 /// begun stays under its hidden name.

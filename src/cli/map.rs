@@ -7,10 +7,10 @@ use clap::Args;
 use super::output::{check_outputs, write_json, write_text};
 use super::progress::Progress;
 use super::{Failure, recordings};
-use crate::Quantity;
-use crate::can::recording::Reader;
-use crate::dbc::Database;
-use crate::propose::{Confidence, Drive, propose, table};
+use bus::can::recording::Reader;
+use bus::dbc::Database;
+use bus::propose::{Confidence, Drive, propose, table};
+use physics::Quantity;
 
 /// Proposes the `[signals]` table of a configuration from the names in a DBC file and, with recordings, from how the
 /// signals behave: for a person to confirm. Every line tells why, and how sure it is. Ends with 1 if something that

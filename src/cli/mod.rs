@@ -3,6 +3,7 @@
 mod calibrate;
 mod check;
 mod completions;
+mod configuration;
 mod convert;
 mod demo;
 mod demo_car;
@@ -18,7 +19,7 @@ mod player;
 mod progress;
 mod recordings;
 mod replay;
-pub mod reproduce;
+mod reproduce;
 mod run;
 mod samples;
 mod simulate;
@@ -28,17 +29,15 @@ mod watched;
 
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
-use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use tracing_subscriber::EnvFilter;
 
 use self::log::Log;
-use crate::Config;
-use crate::can::recording::LogError;
-use crate::config::ConfigError;
-use crate::service::SetupError;
+use bus::can::recording::LogError;
+use bus::config::ConfigError;
+use bus::service::SetupError;
 
 pub use simulate::SimulatedFrames;
 
@@ -187,19 +186,6 @@ pub fn main() -> ExitCode {
     // Not eprintln: it panics where stderr is closed, and the exit code is what counts.
     let _ = writeln!(std::io::stderr(), "gripd: {reason}");
     ExitCode::from(code)
-}
-
-/// A configuration as the service takes it, its effects put where it can use them.
-fn for_the_service(path: &Path) -> Result<Config, ConfigError> {
-    let config = Config::load(path)?.corrected();
-    for effect in &config.effect {
-        tracing::warn!(
-            "{}: effect {} is for simulations: nothing is corrected for it",
-            path.display(),
-            effect.kind().name
-        );
-    }
-    Ok(config)
 }
 
 /// Logs to stderr; the service through a thread that is given back, to be flushed at the end.

@@ -5,7 +5,7 @@ use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::Failure;
-use crate::new_file::NewFile;
+use bus::new_file::NewFile;
 
 /// A result being written.
 pub struct Output {

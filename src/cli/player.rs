@@ -6,8 +6,9 @@ use tokio::runtime::Runtime;
 use tokio::time::timeout;
 
 use super::Failure;
-use crate::can::{Event, Frame, InterfaceName, SendError, SocketCan, SocketCanConfig};
-use crate::{Config, Micros};
+use bus::Config;
+use bus::can::{Event, Frame, InterfaceName, SendError, SocketCan, SocketCanConfig};
+use physics::Micros;
 
 /// Waits for each frame's time, and sends it if there is an interface.
 pub struct Player {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::can::recording::{Format, Reader, Written};
+use bus::can::recording::{Format, Reader, Written};
 
 /// Warns of what was damaged, lost or out of order.
 pub fn warn(reader: &Reader) {

@@ -12,11 +12,12 @@ use super::output::{Output, check_outputs, write_json};
 use super::player::Player;
 use super::progress::Progress;
 use super::tables::{EstimatesTable, SamplesTable, TableFormat};
-use crate::can::Frame;
-use crate::can::recording::{Format, LogError, Reader, Writer};
-use crate::service::saved::Refusal;
-use crate::service::{Engine, SavedState, Sink};
-use crate::{Config, Estimates, Sample};
+use bus::Config;
+use bus::can::Frame;
+use bus::can::recording::{Format, LogError, Reader, Writer};
+use bus::service::saved::Refusal;
+use bus::service::{Engine, SavedState, Sink};
+use physics::{Estimates, Sample};
 
 /// Without -i nothing touches a bus, and the same input gives the same output to the last bit.
 #[derive(Args)]
@@ -78,7 +79,7 @@ impl Replay {
         if let Some(speed) = self.realtime.filter(|speed| !(speed.is_finite() && *speed > 0.0)) {
             return Err(Failure::usage(format_args!("--realtime={speed}: must be a positive number")));
         }
-        let config = super::for_the_service(&self.config)?;
+        let config = super::configuration::for_the_service(&self.config)?;
         // A state is read before it is written, and what is none is refused then.
         check_outputs(
             self.logs.iter().chain([&self.config]).chain(&self.state).chain(config.files()),

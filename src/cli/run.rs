@@ -8,7 +8,7 @@ use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::Notify;
 
 use super::Failure;
-use crate::service::{self, Reloads, ServiceError};
+use bus::service::{self, Reloads, ServiceError};
 
 /// Ends cleanly on SIGINT and SIGTERM; reads its configuration anew on SIGHUP.
 #[derive(Args)]
@@ -24,7 +24,7 @@ pub struct Run {
 impl Run {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        let config = super::for_the_service(&self.config)?;
+        let config = super::configuration::for_the_service(&self.config)?;
         // One thread: frames are handled in order, and nothing waits for another core.
         let runtime =
             tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(Failure::work)?;
@@ -33,8 +33,9 @@ impl Run {
             let mut terminate = signal(SignalKind::terminate()).map_err(Failure::work)?;
             let mut hangup = signal(SignalKind::hangup()).map_err(Failure::work)?;
             let bell = Arc::new(Notify::new());
-            let reloads =
-                Reloads::new(&config, Arc::clone(&bell), move || super::for_the_service(&self.config));
+            let reloads = Reloads::new(&config, Arc::clone(&bell), move || {
+                super::configuration::for_the_service(&self.config)
+            });
             let shutdown = async move {
                 let name = loop {
                     tokio::select! {

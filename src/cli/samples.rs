@@ -4,10 +4,11 @@ use std::path::Path;
 
 use super::Failure;
 use super::progress::Progress;
-use crate::can::Frame;
-use crate::can::recording::Reader;
-use crate::signals::{Inputs, Pushed, Sampler};
-use crate::{Config, Sample};
+use bus::Config;
+use bus::can::Frame;
+use bus::can::recording::Reader;
+use bus::signals::{Inputs, Pushed, Sampler};
+use physics::Sample;
 
 /// What a configuration reads from a bus.
 pub fn inputs(config: &Config) -> Result<Inputs, Failure> {

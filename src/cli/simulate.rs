@@ -9,11 +9,11 @@ use super::Failure;
 use super::demo_car;
 use super::output::{Output, check_outputs};
 use super::tables::TableFormat;
-use crate::can::Frame;
-use crate::can::recording::{Format, Writer};
-use crate::model::{Scenario, Simulation, TruthWriter};
-use crate::signals::Outputs;
-use crate::{Config, Quantity, Sample};
+use bus::can::Frame;
+use bus::can::recording::{Format, Writer};
+use bus::signals::Outputs;
+use physics::model::{Scenario, Simulation, TruthWriter};
+use physics::{Quantity, Sample};
 
 /// The same scenario and seed give the same recording to the last bit.
 #[derive(Args)]
@@ -50,7 +50,7 @@ impl Simulate {
         let mut simulation = Simulation::new(&scenario, seed).map_err(Failure::usage)?;
         let (config, database) = match &self.config {
             Some(path) => {
-                let config = Config::load(path)?;
+                let config = super::configuration::load(path)?;
                 check_outputs(config.files(), [&self.out].into_iter().chain(&self.truth))?;
                 let database = config.input_database()?;
                 (config, database)
@@ -110,12 +110,12 @@ pub struct SimulatedFrames {
 impl SimulatedFrames {
     /// For a compiled mapping.
     pub fn new(outputs: Outputs) -> Self {
-        let values = Sample::empty(crate::Micros(0), 0.0);
+        let values = Sample::empty(physics::Micros(0), 0.0);
         Self { outputs, values, updated: Vec::with_capacity(Quantity::COUNT) }
     }
 
     /// Takes readings in order of time. Readings of one instant share their frames.
-    pub fn take(&mut self, readings: &[crate::model::Reading], emit: &mut impl FnMut(&Frame)) {
+    pub fn take(&mut self, readings: &[physics::model::Reading], emit: &mut impl FnMut(&Frame)) {
         for reading in readings {
             if reading.time != self.values.time {
                 self.flush(emit);

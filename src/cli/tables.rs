@@ -14,8 +14,8 @@ use self::csv::Csv;
 use self::mf4::Mf4;
 use self::parquet::Parquet;
 use super::Failure;
-use crate::estimates::Estimate;
-use crate::{Estimates, Micros, Quantity, Sample, Wheel};
+use physics::estimates::Estimate;
+use physics::{Estimates, Micros, Quantity, Sample, Wheel};
 
 /// A column.
 pub struct Column {
@@ -303,7 +303,7 @@ mod tests {
     use std::io::Cursor;
 
     use super::*;
-    use crate::Micros;
+    use physics::Micros;
 
     #[test]
     fn every_row_has_as_many_fields_as_the_header() {

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::Failure;
-use crate::service::SavedState;
-use crate::watch::{Estimator, Listener, Pace, Playback, Source, Watch};
-use crate::{Config, Wheel};
+use bus::Config;
+use bus::service::SavedState;
+use bus::watch::{Estimator, Listener, Pace, Playback, Source, Watch};
+use physics::Wheel;
 
 /// A bus, or a recording.
 #[derive(Args)]
@@ -47,7 +48,7 @@ impl Watched {
         if let Some(speed) = self.speed.filter(|speed| !(speed.is_finite() && *speed > 0.0)) {
             return Err(Failure::usage(format_args!("--speed {speed}: must be a positive number")));
         }
-        let config = super::for_the_service(&self.config)?;
+        let config = super::configuration::for_the_service(&self.config)?;
         let own = self.estimate || self.recording.is_some();
         let mut watch = Watch::new(&config, if own { Estimator::Own } else { Estimator::Bus })?;
         let name = match &self.recording {
@@ -103,7 +104,7 @@ impl Subject {
             let playback = Playback::open(path.clone(), *pace).map_err(Failure::work)?;
             return Ok(Source::Recording(Box::new(playback)));
         }
-        use crate::can::OpenError;
+        use bus::can::OpenError;
         let opened = Listener::open(&self.config, self.interface.as_deref(), &self.watch.ids());
         opened.map(Source::Live).map_err(|error| match error {
             OpenError::BadName(_) | OpenError::NotCan(_) => Failure::usage(error),

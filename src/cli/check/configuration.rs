@@ -4,11 +4,12 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::can::CanId;
-use crate::dbc::{Database, Warning};
-use crate::signals::publish::Publisher;
-use crate::signals::{Inputs, SignalsConfig};
-use crate::{Config, Quantity};
+use bus::Config;
+use bus::can::CanId;
+use bus::dbc::{Database, Warning};
+use bus::signals::publish::Publisher;
+use bus::signals::{Inputs, SignalsConfig};
+use physics::Quantity;
 
 /// Everything about a usable configuration.
 #[derive(Debug, Serialize)]

@@ -15,11 +15,12 @@ use self::recording::{Recorder, RecordingReport};
 use super::Failure;
 use super::output::{check_outputs, write_json};
 use super::progress::Progress;
-use crate::can::recording::Reader;
-use crate::explain::chain::{self, ChainReport};
-use crate::service::sensors;
-use crate::signals::{Inputs, Sampler, SamplerConfig, SignalsConfig};
-use crate::{Config, Quantity, Sample};
+use bus::Config;
+use bus::can::recording::Reader;
+use bus::service::sensors;
+use bus::signals::{Inputs, Sampler, SamplerConfig, SignalsConfig};
+use lab::explain::chain::{self, ChainReport};
+use physics::{Quantity, Sample};
 
 /// Without recordings: configuration and DBC. With them: the measurement chain, too.
 #[derive(Args)]
@@ -49,7 +50,7 @@ pub struct Report {
 impl Check {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        let config = Config::load(&self.config)?;
+        let config = crate::cli::configuration::load(&self.config)?;
         check_outputs(self.logs.iter().chain([&self.config]).chain(config.files()), &self.json)?;
         let parts =
             Parts::build(&config, &self.config).map_err(|problems| Failure::Usage(list(&problems)))?;

@@ -2,10 +2,10 @@
 
 use serde::Serialize;
 
-use crate::can::recording::Reader;
-use crate::can::{CanId, Frame};
-use crate::signals::{Inputs, Pushed, Sampler};
-use crate::{Faults, Micros, Quantity};
+use bus::can::recording::Reader;
+use bus::can::{CanId, Frame};
+use bus::signals::{Inputs, Pushed, Sampler};
+use physics::{Faults, Micros, Quantity};
 
 use std::collections::BTreeMap;
 

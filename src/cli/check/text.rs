@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use super::Report;
 use super::configuration::ConfigurationReport;
 use super::recording::{ChannelReport, RecordingReport};
-use crate::explain::chain::{ChainReport, Confidence};
+use lab::explain::chain::{ChainReport, Confidence};
 
 /// Writes everything.
 pub fn write(out: &mut impl Write, report: &Report) -> io::Result<()> {

@@ -2,10 +2,10 @@
 
 use std::collections::VecDeque;
 
-use crate::can::Frame;
 use crate::cli::simulate::SimulatedFrames;
-use crate::model::{Scenario, ScenarioError, Simulation, Truth};
-use crate::signals::Outputs;
+use bus::can::Frame;
+use bus::signals::Outputs;
+use physics::model::{Scenario, ScenarioError, Simulation, Truth};
 
 /// A drive that goes on as its frames are asked for.
 pub struct Drive {

@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use super::recorder::Row;
-use crate::estimate::EstimatorsConfig;
-use crate::model::{Scenario, Truth};
-use crate::{Wheel, model};
+use physics::estimate::EstimatorsConfig;
+use physics::model::{Scenario, Truth};
+use physics::{Wheel, model};
 
 /// A stretch of one surface.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,12 +13,10 @@ use nix::net::if_::InterfaceFlags;
 use tokio::sync::Notify;
 
 use super::drive::Drive;
-use crate::can::candump::Writer;
-use crate::can::{
-    Bus, CanId, Event, Frame, InterfaceName, SendError, SocketCan, SocketCanConfig, memory_pair,
-};
 use crate::cli::Failure;
-use crate::service::Link;
+use bus::can::candump::Writer;
+use bus::can::{Bus, CanId, Event, Frame, InterfaceName, SendError, SocketCan, SocketCanConfig, memory_pair};
+use bus::service::Link;
 
 /// The interface that is used without asking, if it is there.
 pub const USUAL: &str = "vcan0";

@@ -7,9 +7,9 @@ use std::ops::Range;
 
 use super::findings::{Change, Findings, Surface, at, driven};
 use super::recorder::Row;
-use crate::Wheel;
-use crate::model::{Scenario, Truth};
-use crate::report::{Page, PlotError, number};
+use lab::report::{Page, PlotError, number};
+use physics::Wheel;
+use physics::model::{Scenario, Truth};
 
 /// Everything the page is made of.
 pub struct Story<'a> {

@@ -3,12 +3,12 @@
 use std::io::{self, BufWriter, Stdout, Write};
 
 use super::terminal;
-use crate::can::Frame;
-use crate::can::candump;
-use crate::service::Sink;
-use crate::signals::publish::Incoming;
-use crate::watch::Round;
-use crate::{Estimates, Sample};
+use bus::can::Frame;
+use bus::can::candump;
+use bus::service::Sink;
+use bus::signals::publish::Incoming;
+use bus::watch::Round;
+use physics::{Estimates, Sample};
 
 /// What is written to the standard output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use super::findings::Findings;
-use crate::report::number;
-use crate::watch::Round;
+use bus::watch::Round;
+use lab::report::number;
 
 /// Above the lines. Brackets: published, but not valid yet.
 pub const HEADER: &str = "\

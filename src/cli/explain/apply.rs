@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 use crate::cli::Failure;
-use crate::explain::{Answer, Verdict};
-use crate::model::Uncertain;
-use crate::model::effect::{Course, EffectConfig, Series};
+use lab::explain::{Answer, Verdict};
+use physics::model::Uncertain;
+use physics::model::effect::{Course, EffectConfig, Series};
 
 /// Points of a course in a file, per second.
 const POINTS_PER_S: f64 = 5.0;

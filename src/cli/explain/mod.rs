@@ -1,26 +1,19 @@
 //! `gripd explain`: where simulation and recording differ, and why.
 
 mod apply;
-mod numbers;
-mod page;
 mod recordings;
-mod text;
-mod tried;
-mod words;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::Failure;
 use super::output::{check_outputs, write_json, write_text};
 use super::progress::Progress;
-use crate::Config;
-use crate::explain::Case;
-use crate::model::effect::KINDS;
-
-pub(super) use text::print;
+use super::{Failure, configuration};
+use lab::explain::Case;
+use lab::pages::explain as page;
+use physics::model::effect::KINDS;
 
 /// What differs, where, what is missing, how sure that is, and how much better it gets on data it has not
 /// seen.
@@ -54,7 +47,7 @@ pub struct Explain {
 impl Explain {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        let config = Config::load(&self.config)?;
+        let config = configuration::load(&self.config)?;
         check_outputs(
             self.logs.iter().chain(&self.holdout).chain([&self.config]).chain(config.files()),
             self.json.iter().chain(&self.html).chain(&self.apply),
@@ -78,7 +71,7 @@ impl Explain {
         let to_stdout = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
         if !to_stdout(&self.json) && !to_stdout(&self.html) && !to_stdout(&self.apply) {
             let mut stdout = std::io::stdout().lock();
-            print(explanation, &mut stdout)?;
+            page::print(explanation, &mut stdout)?;
             stdout.flush()?;
         }
         if let Some(path) = &self.json {

@@ -2,16 +2,16 @@
 
 use std::path::PathBuf;
 
-use crate::Config;
-use crate::can::Frame;
 use crate::cli::Failure;
 use crate::cli::progress::Progress;
 use crate::cli::samples;
-use crate::explain::Recording;
-use crate::explain::chain::{self, ChainReport};
-use crate::service::sensors;
-use crate::signals::Sampler;
-use crate::{Micros, Quantity};
+use bus::Config;
+use bus::can::Frame;
+use bus::service::sensors;
+use bus::signals::Sampler;
+use lab::explain::Recording;
+use lab::explain::chain::{self, ChainReport};
+use physics::{Micros, Quantity};
 
 /// Everything that was read.
 pub struct Read {

@@ -1,10 +1,6 @@
 //! `gripd identify`: the vehicle's parameters from recordings.
 
-mod json;
-mod page;
 mod recordings;
-mod snippet;
-mod text;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,11 +10,12 @@ use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser
 use serde::de::value::{Error as ValueError, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
-use super::Failure;
 use super::output::{check_outputs, write_json, write_text};
 use super::progress::Progress;
-use crate::Config;
-use crate::identify::{Drive, Identification, Identifier, IdentifyConfig, IdentifyError, Method, Record};
+use super::{Failure, configuration};
+use lab::identify::{Drive, Identifier, IdentifyConfig, IdentifyError, Method};
+use lab::pages::identify::{self as page, Story};
+use physics::Quantity;
 
 /// What is free, how and how often is searched: `[identify]` in the configuration, or the options here.
 #[derive(Args)]
@@ -49,38 +46,32 @@ pub struct Identify {
     starts: Option<usize>,
 }
 
-/// Everything that is told of an identification.
-pub(super) struct Story<'a> {
-    config: &'a Config,
-    used: &'a IdentifyConfig,
-    records: &'a [Record],
-    found: &'a Identification,
-}
-
 impl Identify {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        let config = Config::load(&self.config)?;
+        let (config, table) = configuration::load_all(&self.config)?;
         check_outputs(
             self.logs.iter().chain([&self.config]).chain(config.files()),
             self.json.iter().chain(&self.html),
         )?;
-        let used = self.settings(&config.identify)?;
+        let used = self.settings(&table)?;
         let (records, broken) = recordings::read(&self.logs, &config.clone().with_true_signals())?;
         let progress = Progress::of_share();
         let found = Identifier::new(&records, &config.vehicle, &used)
             .and_then(|identifier| identifier.run(|stage, share| progress.at(stage, share)));
         progress.finish();
         let found = found.map_err(|error| failure(&error, &broken))?;
-        let story = Story { config: &config, used: &used, records: &records, found: &found };
+        let offsets = Quantity::ALL
+            .map(|quantity| config.signals.quantities.get(&quantity).map_or(0.0, |config| config.offset));
+        let story = Story { offsets, used: &used, records: &records, found: &found };
         // With `--json -` the standard output is for programs.
         let to_stdout = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
         if !to_stdout(&self.json) && !to_stdout(&self.html) {
             let mut stdout = std::io::stdout().lock();
-            stdout.write_all(text::text(&story).as_bytes()).and_then(|()| stdout.flush())?;
+            stdout.write_all(page::text(&story).as_bytes()).and_then(|()| stdout.flush())?;
         }
         if let Some(path) = &self.json {
-            write_json(path, &json::report(&story))?;
+            write_json(path, &page::report(&story))?;
         }
         if let Some(path) = &self.html {
             let html = page::html(&story).map_err(Failure::work)?;
@@ -123,24 +114,14 @@ where
 /// Who has to do something about it: who wrote the configuration, or who drove.
 fn failure(error: &IdentifyError, broken: &[String]) -> Failure {
     match error {
-        IdentifyError::Unknown(_) | IdentifyError::Unusable { .. } | IdentifyError::Setting { .. } => {
-            Failure::usage(error)
-        }
+        IdentifyError::Parse(_)
+        | IdentifyError::Unknown(_)
+        | IdentifyError::Unusable { .. }
+        | IdentifyError::Setting { .. } => Failure::usage(error),
         IdentifyError::NothingUsable { .. } | IdentifyError::NoEnd { .. } => {
             let mut reasons = vec![error.to_string()];
             reasons.extend_from_slice(broken);
             Failure::Work(reasons.join("; "))
         }
     }
-}
-
-/// Four significant digits, or as many as a number of this uncertainty has.
-fn digits(value: f64, std: f64) -> usize {
-    let of = if std > 0.0 && std.is_finite() { 0.1 * std } else { 1e-3 * value.abs() };
-    if of > 0.0 && of.is_finite() { (-of.log10().floor()).clamp(0.0, 9.0) as usize } else { 1 }
-}
-
-/// A number to so many decimals, without trailing zeros where there are many; a dash for none.
-fn number(value: f64, decimals: usize) -> String {
-    if value.is_finite() { format!("{value:.decimals$}") } else { "–".into() }
 }

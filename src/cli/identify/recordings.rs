@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::Config;
 use crate::cli::Failure;
 use crate::cli::progress::Progress;
 use crate::cli::samples;
-use crate::identify::Record;
-use crate::service::sensors;
-use crate::signals::Sampler;
+use bus::Config;
+use bus::service::sensors;
+use bus::signals::Sampler;
+use lab::identify::Record;
 
 /// A record for each recording, and why some could not be read to their end.
 pub fn read(logs: &[PathBuf], config: &Config) -> Result<(Vec<Record>, Vec<String>), Failure> {

@@ -8,10 +8,10 @@ use tokio::time::{Instant, sleep_until};
 
 use super::look::Look;
 use super::sections::{Section, Teller};
-use crate::Micros;
 use crate::cli::Failure;
 use crate::cli::watched::Subject;
-use crate::watch::{Happening, Watch};
+use bus::watch::{Happening, Watch};
+use physics::Micros;
 
 /// Letters in a line.
 const WIDTH: usize = 76;

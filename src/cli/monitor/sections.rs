@@ -4,12 +4,12 @@ use ratatui::text::Line;
 
 use super::look::{Look, Tone};
 use super::strip::{Scale, curve, least};
-use crate::report::number;
-use crate::watch::{
+use bus::watch::{
     Column, InputNow, Link, Round, Told, Traffic, Watch, Word, fault_words, quantity_label, quantity_shown,
     source_words, state_words,
 };
-use crate::{Micros, Wheel};
+use lab::report::number;
+use physics::{Micros, Wheel};
 
 /// A heading and lines.
 pub struct Section {

@@ -16,8 +16,8 @@ use super::screen::Screen;
 use super::sections::Teller;
 use crate::cli::Failure;
 use crate::cli::watched::Subject;
-use crate::watch::{Estimator, Happening, Source, Watch};
-use crate::{Micros, Wheel};
+use bus::watch::{Estimator, Happening, Source, Watch};
+use physics::{Micros, Wheel};
 
 /// Time between two pictures.
 const PICTURE: Duration = Duration::from_millis(100);

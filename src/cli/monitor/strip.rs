@@ -1,7 +1,7 @@
 //! Pictures of one line: a curve, and an interval on a scale.
 
-use crate::Quantity;
-use crate::watch::{Column, Series};
+use bus::watch::{Column, Series};
+use physics::Quantity;
 
 /// Heights of a curve.
 const STEPS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];

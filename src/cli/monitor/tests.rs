@@ -10,14 +10,15 @@ use ratatui::style::Color;
 use super::draw::{Mode, draw};
 use super::look::Look;
 use super::sections::Teller;
-use crate::can::Frame;
 use crate::cli::SimulatedFrames;
-use crate::model::{Scenario, Simulation};
-use crate::report::number;
-use crate::service::{Engine, Sink};
-use crate::signals::Outputs;
-use crate::watch::{Estimator, Happening, Link, Watch};
-use crate::{Config, Micros, Wheel};
+use bus::Config;
+use bus::can::Frame;
+use bus::service::{Engine, Sink};
+use bus::signals::Outputs;
+use bus::watch::{Estimator, Happening, Link, Watch};
+use lab::report::number;
+use physics::model::{Scenario, Simulation};
+use physics::{Micros, Wheel};
 
 const DRIVEN: [Wheel; 2] = [Wheel::Fl, Wheel::Fr];
 
@@ -103,7 +104,7 @@ fn everything_has_room_on_the_smallest_usual_terminal() {
     assert_shows(&text, &["vcan0: up", "as a gripd on this bus publishes", "no faults", "q quit"]);
     assert_shows(&text, &["450 frames/s", "6 of 6 come, 50/s each", "all frames sound"]);
     for input in watch.inputs() {
-        assert_shows(&text, &[crate::watch::quantity_label(input.quantity)]);
+        assert_shows(&text, &[bus::watch::quantity_label(input.quantity)]);
     }
     // The numbers are those of the frames.
     let round = watch.round();

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use super::Column;
-use crate::Micros;
+use physics::Micros;
 
 /// Writes a line for each row.
 pub struct Csv<W> {

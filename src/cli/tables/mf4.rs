@@ -5,8 +5,8 @@
 use std::io::{self, Seek, Write};
 
 use super::{Column, Kind};
-use crate::Micros;
-use crate::can::recording::mdf::{self, Channel, Group, MdfFile, Records, TIME};
+use bus::can::recording::mdf::{self, Channel, Group, MdfFile, Records, TIME};
+use physics::Micros;
 
 /// Bytes of a word: those that there are have twelve at most.
 const WORD: usize = 16;

@@ -16,7 +16,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
 use super::{Column, Kind};
-use crate::Micros;
+use physics::Micros;
 
 /// Rows that are kept until they are written: some 15 MB of estimates, 5 minutes at 100 Hz.
 const GROUP: usize = 1 << 15;

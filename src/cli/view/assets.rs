@@ -15,9 +15,10 @@ pub fn find(path: &str) -> Option<Asset> {
     let (kind, content): (_, &'static [&'static str]) = match path {
         "/" => ("text/html; charset=utf-8", &[include_str!("page.html")]),
         // The colours and tables of all of gripd's pages, then what this one has beyond them.
-        "/page.css" => {
-            ("text/css; charset=utf-8", &[include_str!("../../report/page.css"), include_str!("view.css")])
-        }
+        "/page.css" => (
+            "text/css; charset=utf-8",
+            &[include_str!("../../lab/report/page.css"), include_str!("view.css")],
+        ),
         "/page.js" => (SCRIPT, &[include_str!("page.js")]),
         "/plot.js" => (SCRIPT, &[include_str!("plot.js")]),
         "/icon.svg" => ("image/svg+xml", &[include_str!("icon.svg")]),

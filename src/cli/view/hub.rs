@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use hyper::body::Bytes;
 use tokio::sync::broadcast;
 
-use crate::watch::Series;
+use bus::watch::Series;
 
 /// What each browser is told first, and then over and over.
 pub struct Hub {

@@ -7,11 +7,11 @@ use serde::Serialize;
 use serde_json::json;
 
 use crate::cli::watched::Subject;
-use crate::watch::{
+use bus::watch::{
     Column, Heard, InputNow, Link, Row, Told, Traffic as Counted, Watch, Word, fault_words, quantity_label,
     quantity_shown, source_words, state_words,
 };
-use crate::{Faults, Micros};
+use physics::{Faults, Micros};
 
 /// What does not change.
 pub fn meta(subject: &Subject) -> String {

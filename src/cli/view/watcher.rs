@@ -9,7 +9,7 @@ use super::hub::{Hub, News};
 use super::news;
 use crate::cli::Failure;
 use crate::cli::watched::Subject;
-use crate::watch::{Happening, Watch};
+use bus::watch::{Happening, Watch};
 
 /// Time between two words to the browsers.
 const NEWS: Duration = Duration::from_millis(200);

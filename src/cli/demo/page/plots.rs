@@ -5,8 +5,8 @@ use std::ops::Range;
 use super::super::findings::{Surface, driven};
 use super::super::recorder::Row;
 use super::{Story, side};
-use crate::model::Truth;
-use crate::report::{Color, Mark, Page, Plot, PlotError, Segment, Span, Stroke};
+use lab::report::{Color, Mark, Page, Plot, PlotError, Segment, Span, Stroke};
+use physics::model::Truth;
 
 impl Story<'_> {
     fn time(&self) -> Range<f64> {

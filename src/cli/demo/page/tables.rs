@@ -4,8 +4,8 @@ use super::super::findings::{InUse, Quality, Surface, at, driven};
 use super::super::recorder::Row;
 use super::super::terminal::percent;
 use super::{Story, side};
-use crate::model::Truth;
-use crate::report::number;
+use lab::report::number;
+use physics::model::Truth;
 
 impl Story<'_> {
     pub(super) fn surface_columns(&self) -> Vec<&str> {

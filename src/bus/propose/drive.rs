@@ -1,0 +1,361 @@
+//! A recording as it goes by: every signal's mean over each tenth of a second, within bounded memory.
+
+use std::collections::HashMap;
+
+use super::beside;
+use super::source::Place;
+use crate::can::{CanId, Frame};
+use crate::dbc::{Codec, Database, Mux, ValueKind};
+use physics::Micros;
+
+/// Length of a bin.
+const BIN: Micros = Micros::from_millis(100);
+/// Bins of a stretch: whole stretches are left out where a recording is long.
+const STRETCH: usize = 256;
+/// Bins kept of each signal, 20 minutes; 48 KiB. Of a longer recording every second stretch is kept, of one
+/// still longer every fourth.
+const MOST: usize = 48 * STRETCH;
+/// Raw values counted of a quality signal.
+const CODES: usize = 16;
+
+/// What a recording says of a database's signals, gathered frame by frame.
+pub struct Drive {
+    by_id: HashMap<CanId, Received>,
+    /// The bin that is being filled.
+    current: Option<i64>,
+    /// Bins in each series.
+    bins: usize,
+    /// Bins that went by, kept or not.
+    passed: usize,
+    /// Of so many stretches one is kept.
+    stride: usize,
+    frames: u64,
+}
+
+/// One message's signals.
+struct Received {
+    length: usize,
+    frames: u64,
+    counter: Option<Counting>,
+    channels: Vec<Channel>,
+}
+
+/// One signal's series.
+pub(super) struct Channel {
+    place: Place,
+    codec: Codec,
+    mux: Mux,
+    /// Bit patterns at the ends of what the bits can carry, which often mean "not available".
+    ends: Option<[u64; 2]>,
+    at_end: [u64; 2],
+    /// How often each raw value came, of signals of up to four bits.
+    codes: [u64; CODES],
+    values: u64,
+    sum: f64,
+    count: u32,
+    low: f64,
+    high: f64,
+    bins: Vec<f32>,
+}
+
+/// Does a counter count?
+struct Counting {
+    parts: Vec<Codec>,
+    places: Vec<Place>,
+    last: Option<u64>,
+    most: u64,
+    steps: u64,
+    turns: u64,
+    other: u64,
+}
+
+impl Drive {
+    /// For a database.
+    pub fn new(database: &Database) -> Self {
+        let mut by_id = HashMap::new();
+        for (message, content) in database.messages().iter().enumerate() {
+            let channels = content.signals.iter().enumerate();
+            let channels = channels.filter(|(_, signal)| signal.size <= 32 || is_float(signal.codec()));
+            let channels = channels.map(|(signal, content)| {
+                Channel::new(Place { message, signal }, content.codec(), content.mux().clone())
+            });
+            let parts = beside::counter(content);
+            let counter = (!parts.is_empty()).then(|| Counting {
+                parts: parts.iter().filter_map(|p| content.signals.get(*p)).map(|s| s.codec()).collect(),
+                places: parts.into_iter().map(|signal| Place { message, signal }).collect(),
+                last: None,
+                most: 0,
+                steps: 0,
+                turns: 0,
+                other: 0,
+            });
+            let received =
+                Received { length: content.length, frames: 0, counter, channels: channels.collect() };
+            by_id.insert(content.id, received);
+        }
+        Self { by_id, current: None, bins: 0, passed: 0, stride: 1, frames: 0 }
+    }
+
+    /// The next frame. Frames of other messages, and those that are too short, only move the time on.
+    pub fn frame(&mut self, frame: &Frame) {
+        self.advance(frame.time.0.div_euclid(BIN.0));
+        let Some(received) = self.by_id.get_mut(&frame.id) else { return };
+        let data = frame.data();
+        if !frame.is_data() || data.len() < received.length {
+            return;
+        }
+        self.frames += 1;
+        if received.frames == 0 {
+            // From here on it takes part; before, it was not there.
+            for channel in &mut received.channels {
+                channel.bins.resize(self.bins, f32::NAN);
+            }
+        }
+        received.frames += 1;
+        if let Some(counter) = &mut received.counter {
+            counter.take(data);
+        }
+        for channel in &mut received.channels {
+            channel.take(data);
+        }
+    }
+
+    /// The recording is at its end; another one, or none, may follow.
+    pub fn end_of_recording(&mut self) {
+        self.close();
+        self.blank();
+        self.current = None;
+    }
+
+    /// Frames of messages that the database has.
+    pub fn frames(&self) -> u64 {
+        self.frames
+    }
+
+    fn advance(&mut self, bin: i64) {
+        match self.current {
+            Some(current) if bin == current => {}
+            // Clocks that jump back or far ahead are no reason to wait: what was, and a gap.
+            Some(current) if bin < current || bin > current + 20 => {
+                self.close();
+                self.blank();
+                self.current = Some(bin);
+            }
+            Some(current) => {
+                for _ in current..bin {
+                    self.close();
+                }
+                self.current = Some(bin);
+            }
+            None => self.current = Some(bin),
+        }
+    }
+
+    /// Ends a bin.
+    fn close(&mut self) {
+        if self.current.is_some() {
+            self.append(false);
+        }
+    }
+
+    /// A bin that no line is drawn over, marked as infinite: what follows is not connected with what was.
+    fn blank(&mut self) {
+        if self.bins > 0 {
+            self.append(true);
+        }
+    }
+
+    fn append(&mut self, blank: bool) {
+        let stretch = self.passed / STRETCH;
+        let keep = stretch.is_multiple_of(self.stride);
+        // The last bin of a stretch stays empty: the next one may be another time.
+        let blank = blank || self.passed % STRETCH == STRETCH - 1;
+        self.passed += 1;
+        for channel in self.by_id.values_mut().filter(|r| r.frames > 0).flat_map(|r| &mut r.channels) {
+            let mean = if channel.count > 0 { channel.sum / f64::from(channel.count) } else { f64::NAN };
+            (channel.sum, channel.count) = (0.0, 0);
+            if keep {
+                channel.bins.push(if blank { f32::INFINITY } else { mean as f32 });
+            }
+        }
+        self.bins += usize::from(keep);
+        if self.bins >= MOST {
+            self.thin();
+        }
+    }
+
+    /// Every second stretch goes.
+    fn thin(&mut self) {
+        for channel in self.by_id.values_mut().flat_map(|r| &mut r.channels) {
+            let mut place = 0;
+            channel.bins.retain(|_| {
+                place += 1;
+                ((place - 1) / STRETCH).is_multiple_of(2)
+            });
+        }
+        self.bins /= 2;
+        self.stride *= 2;
+    }
+
+    /// The series of a signal, if its message came: a value for each tenth of a second, not a number where there
+    /// is none. Gaps of up to a second are filled with the line between their ends.
+    pub(super) fn series(&self, database: &Database, place: Place) -> Option<Vec<f64>> {
+        let channel = self.channel(database, place)?;
+        let mut series: Vec<f64> = channel.bins.iter().map(|value| f64::from(*value)).collect();
+        fill(&mut series);
+        Some(series)
+    }
+
+    /// The record of a signal, if its message came.
+    pub(super) fn channel(&self, database: &Database, place: Place) -> Option<&Channel> {
+        let received = self.by_id.get(&database.messages().get(place.message)?.id)?;
+        (received.frames > 0).then(|| received.channels.iter().find(|c| c.place == place)).flatten()
+    }
+
+    /// Did the message come?
+    pub(super) fn came(&self, database: &Database, place: Place) -> bool {
+        let id = database.messages().get(place.message).map(|message| message.id);
+        id.and_then(|id| self.by_id.get(&id)).is_some_and(|received| received.frames > 0)
+    }
+
+    /// The message's counter, if it counts by one: its parts, and at how much it starts over.
+    pub(super) fn counter(&self, database: &Database, message: usize) -> Option<(&[Place], u64)> {
+        let counter = self.by_id.get(&database.messages().get(message)?.id)?.counter.as_ref()?;
+        let counts = counter.most > 0
+            && counter.turns >= 3
+            && counter.steps >= 50
+            && counter.other * 20 < counter.steps;
+        counts.then_some((counter.places.as_slice(), counter.most + 1))
+    }
+}
+
+impl Channel {
+    fn new(place: Place, codec: Codec, mux: Mux) -> Self {
+        let mask = codec.extractor.mask();
+        let ends = match codec.kind {
+            ValueKind::Unsigned if codec.extractor.size() >= 8 => Some([mask, mask]),
+            ValueKind::Signed if codec.extractor.size() >= 8 => Some([mask / 2 + 1, mask / 2]),
+            _ => None,
+        };
+        Self {
+            place,
+            codec,
+            mux,
+            ends,
+            at_end: [0; 2],
+            codes: [0; CODES],
+            values: 0,
+            sum: 0.0,
+            count: 0,
+            low: f64::INFINITY,
+            high: f64::NEG_INFINITY,
+            bins: Vec::new(),
+        }
+    }
+
+    fn take(&mut self, data: &[u8]) {
+        if !self.mux.is_active(data) {
+            return;
+        }
+        let Some(bits) = self.codec.bits(data) else { return };
+        if let Some(ends) = self.ends
+            && let Some(end) = ends.iter().position(|end| *end == bits)
+        {
+            self.at_end[end] += 1;
+            return;
+        }
+        if let Some(code) = usize::try_from(bits).ok().and_then(|bits| self.codes.get_mut(bits)) {
+            *code += 1;
+        }
+        let value = self.codec.physical(bits);
+        if value.is_finite() {
+            self.values += 1;
+            self.sum += value;
+            self.count += 1;
+            self.low = self.low.min(value);
+            self.high = self.high.max(value);
+        }
+    }
+
+    /// Has it more than one value?
+    pub(super) fn varies(&self) -> bool {
+        self.values > 1 && self.high > self.low
+    }
+
+    /// Lowest and highest value, in the file's unit.
+    pub(super) fn range(&self) -> Option<[f64; 2]> {
+        (self.values > 0).then_some([self.low, self.high])
+    }
+
+    /// The raw code at an end of the range that came while no other value came near it: it means "not available".
+    pub(super) fn not_available(&self) -> Option<i64> {
+        let (end, _) = self.at_end.iter().enumerate().find(|(_, count)| **count > 0)?;
+        let code = self.ends?[end];
+        let at = self.codec.physical(code);
+        let (low, high) = self.codec.range();
+        let near = |value: f64| value.is_finite() && (value - at).abs() < 0.1 * (high - low);
+        (!near(self.low) && !near(self.high)).then(|| self.codec.integer(code))
+    }
+
+    /// The raw value that nearly all frames have.
+    pub(super) fn usual_code(&self) -> Option<u64> {
+        let (code, count) = self.codes.iter().enumerate().max_by_key(|(_, count)| **count)?;
+        (*count as f64 >= 0.9 * self.values as f64 && *count > 0).then_some(code as u64)
+    }
+
+    /// The share of frames that have the raw value.
+    pub(super) fn share_of(&self, code: u64) -> f64 {
+        let count = usize::try_from(code).ok().and_then(|code| self.codes.get(code)).copied().unwrap_or(0);
+        if self.values > 0 { count as f64 / self.values as f64 } else { 0.0 }
+    }
+}
+
+impl Counting {
+    fn take(&mut self, data: &[u8]) {
+        let mut value = 0;
+        let mut shift = 0;
+        for part in &self.parts {
+            let Some(bits) = part.bits(data) else { return };
+            value |= bits << shift;
+            shift += part.extractor.size();
+        }
+        self.most = self.most.max(value);
+        if let Some(last) = self.last {
+            match value {
+                v if v == last + 1 => self.steps += 1,
+                0 if last == self.most => {
+                    self.steps += 1;
+                    self.turns += 1;
+                }
+                _ => self.other += 1,
+            }
+        }
+        self.last = Some(value);
+    }
+}
+
+fn is_float(codec: Codec) -> bool {
+    matches!(codec.kind, ValueKind::Float32 | ValueKind::Float64)
+}
+
+/// Straight lines over gaps of up to ten bins.
+fn fill(series: &mut [f64]) {
+    let mut last: Option<usize> = None;
+    for place in 0..series.len() {
+        if series[place].is_nan() {
+            continue;
+        }
+        if series[place].is_infinite() {
+            series[place] = f64::NAN;
+            last = None;
+            continue;
+        }
+        if let Some(from) = last.filter(|from| (2..=10).contains(&(place - from))) {
+            for bin in from + 1..place {
+                let share = (bin - from) as f64 / (place - from) as f64;
+                series[bin] = series[from] + share * (series[place] - series[from]);
+            }
+        }
+        last = Some(place);
+    }
+}

@@ -1,0 +1,131 @@
+//! Reading the configuration anew while the service runs.
+//!
+//! Files are read, checked and compiled on a thread of their own, so that no frame waits for a disk. The
+//! loop gets an engine that is ready to take over, or the reason why there is none.
+
+use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
+
+use tokio::sync::{Notify, oneshot};
+use tokio::time::{Instant, sleep_until};
+
+use super::{Engine, SavedState, SetupError, systemd};
+use crate::config::ConfigError;
+use crate::config::{Address, Config};
+use physics::estimate::Learned;
+
+/// A configuration that was read anew and can be used.
+#[derive(Debug)]
+pub struct Fresh {
+    /// What was read.
+    pub config: Config,
+    /// Made of it; it has seen no frame yet.
+    pub engine: Engine,
+    /// Where what is learned is to be kept.
+    pub state: Option<SavedState>,
+    /// What is kept there of this car.
+    pub learned: Option<Learned>,
+}
+
+/// Reads the configuration anew whenever the bell was rung. However often it rings, files are read by one
+/// thread at a time, and once a second at most; the last ring is always followed by a reading.
+pub struct Reloads {
+    bell: Arc<Notify>,
+    read: Arc<Read>,
+    /// What is open, by name.
+    input: String,
+    output: Option<String>,
+    metrics: Option<Address>,
+    next: Instant,
+    stage: Stage,
+}
+
+type Read = dyn Fn() -> Result<Config, ConfigError> + Send + Sync;
+
+/// Kept here and not in a future, which a `select!` drops whenever something else comes first.
+enum Stage {
+    Idle,
+    Rung,
+    Reading(oneshot::Receiver<Result<Fresh, SetupError>>),
+}
+
+impl Reloads {
+    /// Between the beginnings of two readings.
+    const PAUSE: Duration = Duration::from_secs(1);
+
+    /// `at_start` is what the service runs with, `read` gives what the files say now.
+    pub fn new(
+        at_start: &Config,
+        bell: Arc<Notify>,
+        read: impl Fn() -> Result<Config, ConfigError> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            bell,
+            read: Arc::new(read),
+            input: at_start.bus.interface.clone(),
+            output: at_start.publish.interface.clone(),
+            metrics: at_start.service.metrics.clone(),
+            next: Instant::now(),
+            stage: Stage::Idle,
+        }
+    }
+
+    /// The next configuration, or why it cannot be used, for people to read. Cancel-safe.
+    pub(super) async fn next(&mut self) -> Result<Fresh, String> {
+        loop {
+            match &mut self.stage {
+                Stage::Idle => {
+                    self.bell.notified().await;
+                    self.stage = Stage::Rung;
+                }
+                Stage::Rung => {
+                    sleep_until(self.next).await;
+                    self.next = Instant::now() + Self::PAUSE;
+                    systemd::reloading();
+                    tracing::info!("reading the configuration anew");
+                    self.stage = Stage::Reading(self.start());
+                }
+                Stage::Reading(answer) => {
+                    let result = answer.await;
+                    self.stage = Stage::Idle;
+                    // Without an answer the thread could not be had, or it panicked.
+                    let fresh = result.map_err(|_| "it could not be read to its end".to_owned())?;
+                    let fresh = fresh.map_err(|error| error.to_string())?;
+                    self.warn_of_what_stays(&fresh.config);
+                    return Ok(fresh);
+                }
+            }
+        }
+    }
+
+    fn start(&self) -> oneshot::Receiver<Result<Fresh, SetupError>> {
+        let (answer, result) = oneshot::channel();
+        let read = Arc::clone(&self.read);
+        let work = move || drop(answer.send(prepare(&*read)));
+        if let Err(error) = thread::Builder::new().name("reload".into()).spawn(work) {
+            tracing::warn!("no thread for reading the configuration: {error}");
+        }
+        result
+    }
+
+    fn warn_of_what_stays(&self, config: &Config) {
+        let keys = [
+            ("bus.interface", self.input != config.bus.interface),
+            ("publish.interface", self.output != config.publish.interface),
+            ("service.metrics", self.metrics != config.service.metrics),
+        ];
+        for (key, _) in keys.iter().filter(|(_, changed)| *changed) {
+            tracing::warn!("{key} has changed: it is opened at the start only, restart for that");
+        }
+    }
+}
+
+fn prepare(read: &Read) -> Result<Fresh, SetupError> {
+    let config = read()?;
+    let engine = Engine::new(&config)?;
+    let state = SavedState::of_process(&config);
+    // What is wrong with the file is said by the keeper that takes it over.
+    let learned = state.as_ref().and_then(|state| state.load().ok().flatten());
+    Ok(Fresh { config, engine, state, learned })
+}

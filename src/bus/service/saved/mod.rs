@@ -1,0 +1,201 @@
+//! Saved state: what the estimators learned, in a file, from one drive to the next.
+//!
+//! A file that is not wholly right is not used at all: not one that was cut short or changed, nor one of
+//! another vehicle, of another mapping of its signals, or of a newer version. It is moved aside and not
+//! overwritten, so that somebody can look at it, and the estimators start from the data sheet.
+
+mod file;
+mod keeper;
+
+use std::ffi::{OsStr, OsString};
+use std::fs::{self, File};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::Config;
+use crate::new_file::{NewFile, remove_leftovers};
+use physics::estimate::Learned;
+
+pub use file::{fingerprint, parse, text};
+pub use keeper::Keeper;
+
+/// Why a file is not used.
+#[derive(Debug, Error)]
+pub enum Refusal {
+    /// It cannot be read, or is no ordinary file.
+    #[error("cannot be read: {0}")]
+    Read(#[from] io::Error),
+    /// Not a file of ours, or too damaged to tell.
+    #[error("is no state of gripd, or too damaged to tell ({0})")]
+    NotOurs(&'static str),
+    /// Cut short or changed.
+    #[error("is damaged or was changed by hand: its checksum is not that of its contents")]
+    Checksum,
+    /// Another version's.
+    #[error("has version {found}; this gripd reads version {} only", file::VERSION)]
+    Version {
+        /// The file's.
+        found: i64,
+    },
+    /// Learned on another car, or with other signals.
+    #[error(
+        "is of another vehicle: [vehicle] or the mapping of its [signals] is not the one it was learned with"
+    )]
+    OtherVehicle,
+    /// Contents that this version does not write.
+    #[error("has contents that no gripd writes: {0}")]
+    Contents(String),
+    /// A number that no car can have.
+    #[error("says what no car can be: its {0} is not a number, or out of bounds")]
+    Value(&'static str),
+}
+
+impl Refusal {
+    /// Is it the file that is wrong? Otherwise it could not be looked at, and may be good.
+    fn is_of_the_file(&self) -> bool {
+        !matches!(self, Self::Read(_))
+    }
+}
+
+/// What the service starts with.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TakenUp {
+    /// What was saved, if it can be used.
+    pub learned: Option<Learned>,
+    /// Nothing is lost when the file is written.
+    pub may_write: bool,
+    /// There is something in the file's place that cannot be used.
+    pub refused: bool,
+}
+
+/// The file and the car it has to be of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SavedState {
+    path: PathBuf,
+    fingerprint: String,
+}
+
+impl SavedState {
+    /// Larger is none of ours, bytes.
+    const LARGEST: u64 = 1 << 16;
+    /// Name of the file in the folder that systemd gives.
+    const NAME: &str = "learned.toml";
+
+    /// The car of `config`, in the file `path`.
+    pub fn new(path: &Path, config: &Config) -> Self {
+        Self { path: path.to_owned(), fingerprint: fingerprint(config) }
+    }
+
+    /// Where the configuration wants it: `[service] state_file`, else in the first folder of systemd's
+    /// `STATE_DIRECTORY`, else (or with an empty name) nowhere.
+    pub fn of_service(config: &Config, state_directory: Option<&OsStr>) -> Option<Self> {
+        let path = match &config.service.state_file {
+            Some(path) => Some(path.clone()).filter(|path| !path.as_os_str().is_empty()),
+            None => state_directory
+                .and_then(|folders| std::env::split_paths(folders).next())
+                .filter(|folder| folder.is_absolute())
+                .map(|folder| folder.join(Self::NAME)),
+        };
+        path.map(|path| Self::new(&path, config))
+    }
+
+    /// The same in this process's environment.
+    pub fn of_process(config: &Config) -> Option<Self> {
+        Self::of_service(config, std::env::var_os("STATE_DIRECTORY").as_deref())
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What was saved; `None` if there is no file. Changes nothing.
+    ///
+    /// # Errors
+    /// Why the file is not used.
+    pub fn load(&self) -> Result<Option<Learned>, Refusal> {
+        let size = match fs::metadata(&self.path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(error.into()),
+            // Opening a pipe would wait for somebody to write into it.
+            Ok(there) if !there.is_file() => {
+                return Err(io::Error::new(io::ErrorKind::InvalidInput, "not an ordinary file").into());
+            }
+            Ok(there) => there.len(),
+        };
+        if size > Self::LARGEST {
+            return Err(Refusal::NotOurs("too large"));
+        }
+        let mut bytes = Vec::new();
+        File::open(&self.path)?.take(Self::LARGEST).read_to_end(&mut bytes)?;
+        file::parse(&bytes, &self.fingerprint).map(Some)
+    }
+
+    /// At the start of the service: what was saved, if it can be used, with a line in the log. A file that
+    /// is refused is moved aside to `NAME.refused` (an earlier one of that name is given up). One that can
+    /// be neither used nor moved is left alone: it must not be written.
+    pub fn take_up(&self) -> TakenUp {
+        let path = self.path.display();
+        if let Err(error) = remove_leftovers(&self.path) {
+            tracing::debug!("{path}: leftovers beside it were not looked for: {error}");
+        }
+        let refusal = match self.load() {
+            Ok(learned) => {
+                match &learned {
+                    Some(learned) => {
+                        tracing::info!(
+                            "{path}: goes on from what {:.0} s of driving taught",
+                            learned.driving_s
+                        );
+                    }
+                    None => tracing::info!("{path}: nothing saved yet; the estimators start from [vehicle]"),
+                }
+                return TakenUp { learned, may_write: true, refused: false };
+            }
+            Err(refusal) => refusal,
+        };
+        if !refusal.is_of_the_file() {
+            tracing::warn!(
+                "{path} {refusal}; the estimators start from [vehicle] and nothing will be saved. Make it a \
+                 file that this user may read and write, or name another one in [service] state_file"
+            );
+            return TakenUp { refused: true, ..TakenUp::default() };
+        }
+        let aside = self.aside();
+        match fs::rename(&self.path, &aside) {
+            Ok(()) => tracing::warn!(
+                "{path} {refusal}; the estimators start from [vehicle]. The file is kept as {}: put it back \
+                 where it belongs, or delete it",
+                aside.display()
+            ),
+            Err(error) => {
+                tracing::warn!(
+                    "{path} {refusal}; the estimators start from [vehicle], and nothing will be saved, since \
+                     the file cannot be moved aside ({error}): move or delete it, and restart"
+                );
+                return TakenUp { refused: true, ..TakenUp::default() };
+            }
+        }
+        TakenUp { learned: None, may_write: true, refused: true }
+    }
+
+    /// Where a refused file is moved to.
+    pub fn aside(&self) -> PathBuf {
+        let mut name = self.path.file_name().map_or_else(OsString::new, OsStr::to_owned);
+        name.push(".refused");
+        self.path.with_file_name(name)
+    }
+
+    /// Writes it: aside, onto the disk, then under its name. After a power cut there is the old file or
+    /// the new one.
+    ///
+    /// # Errors
+    /// If the folder cannot be written, or the disk is full; then the old file is still there.
+    pub fn save(&self, learned: &Learned) -> io::Result<()> {
+        let new = NewFile::create(&self.path)?;
+        new.writer()?.write_all(file::text(learned, &self.fingerprint)?.as_bytes())?;
+        new.commit()
+    }
+}

@@ -1,0 +1,102 @@
+//! Names and numbers of the interface in plain words.
+
+use physics::{Faults, Quantity};
+
+/// What a fault means, in a few words; of several, what the lowest means.
+pub fn fault_words(fault: Faults) -> &'static str {
+    let Some(first) = fault.iter().next() else { return "none" };
+    match first {
+        Faults::TIMEOUT => "an input has not come for too long",
+        Faults::NOT_AVAILABLE => "an input says itself that it is not valid",
+        Faults::RANGE => "an input is outside what can be",
+        Faults::RATE => "an input jumps faster than it can",
+        Faults::STUCK => "an input stands still and should not",
+        Faults::CHECKSUM => "an input frame has a wrong checksum",
+        Faults::COUNTER => "an input's counter stands still or jumps",
+        Faults::FRAME => "an input frame has the wrong length or kind",
+        Faults::TIME => "the frames' clock jumps",
+        Faults::WHEEL_MISMATCH => "one wheel contradicts the others",
+        Faults::MOTION_MISMATCH => "yaw rate, steering, wheels contradict each other",
+        Faults::BUS_DOWN => "the interface is down or gone",
+        Faults::BUS_ERROR => "the CAN controller reports errors",
+        Faults::DROPPED => "frames were lost before they were read",
+        Faults::INCONSISTENT => "an estimator contradicts its own uncertainty",
+        Faults::CONFIG => "a new configuration or saved state was refused",
+        _ => "unknown",
+    }
+}
+
+/// What the service's state means.
+pub fn state_words(state: &str) -> &'static str {
+    match state {
+        "starting" => "starting: no sample yet",
+        "running" => "running: all required inputs are there",
+        "degraded" => "degraded: a required input is missing or doubtful",
+        "no_input" => "no input: nothing usable comes from the bus",
+        _ => "unknown",
+    }
+}
+
+/// Where the friction comes from.
+pub fn source_words(source: &str) -> &'static str {
+    match source {
+        "none" => "nothing tells it yet",
+        "lower_bound" => "at least what was used",
+        "slope_map" => "mapped from the slip slope",
+        "brush" => "bend of the slip curve",
+        "joint" => "an axle slides sideways",
+        "abs" => "an ABS braking",
+        "limit" => "spinning wheels",
+        _ => "unknown",
+    }
+}
+
+/// What a quantity is called where there is little room.
+pub fn quantity_label(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::WheelSpeedFl => "wheel FL",
+        Quantity::WheelSpeedFr => "wheel FR",
+        Quantity::WheelSpeedRl => "wheel RL",
+        Quantity::WheelSpeedRr => "wheel RR",
+        Quantity::YawRate => "yaw rate",
+        Quantity::LateralAcceleration => "lat. acc.",
+        Quantity::SteeringWheelAngle => "steering",
+        Quantity::LongitudinalAcceleration => "long. acc.",
+        Quantity::DriveTorque => "drive tq.",
+        Quantity::BrakeTorque => "brake tq.",
+        Quantity::BrakePressure => "brake pr.",
+        Quantity::VehicleSpeed => "speed",
+        Quantity::BrakeActive => "braking",
+        Quantity::AbsActive => "ABS",
+    }
+}
+
+/// How people read a quantity: factor from SI, unit, decimals.
+pub fn quantity_shown(quantity: Quantity) -> (f64, &'static str, usize) {
+    let degrees = 180.0 / std::f64::consts::PI;
+    match quantity {
+        Quantity::YawRate => (degrees, "°/s", 2),
+        Quantity::SteeringWheelAngle => (degrees, "°", 1),
+        Quantity::VehicleSpeed => (3.6, "km/h", 1),
+        Quantity::DriveTorque | Quantity::BrakeTorque => (1.0, "N m", 0),
+        Quantity::BrakePressure => (1.0, "bar", 1),
+        Quantity::BrakeActive | Quantity::AbsActive => (1.0, "", 0),
+        other => (1.0, other.unit(), 2),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Row;
+    use super::*;
+
+    #[test]
+    fn everything_has_words() {
+        for fault in Faults::all().iter() {
+            assert_ne!(fault_words(fault), "unknown", "{fault:?}");
+        }
+        assert!(Row::STATES.iter().all(|state| state_words(state) != "unknown"));
+        assert!(Row::SOURCES.iter().all(|source| source_words(source) != "unknown"));
+        assert!(Quantity::ALL.iter().all(|quantity| quantity_label(*quantity).chars().count() <= 10));
+    }
+}

@@ -1,0 +1,41 @@
+//! A drive of the project's own simulator for the tests of the engine. (The proof has another: tests/concealed.)
+
+use super::fit::{Data, Fit};
+use super::model::Model;
+use super::predict::noise::Noise;
+use super::predict::{Drive, Recording};
+use super::split::{Part, Split};
+use physics::model::{Scenario, Uncertain, Vehicle};
+
+/// Steering, driving and braking, for forty-five seconds.
+const DRIVE: &str = include_str!("../../../tests/data/steered.toml");
+
+/// The recording of that drive with effects (TOML), and what a user knows of the car.
+pub fn recorded(effects: &str) -> (Vehicle, Recording) {
+    let scenario = Scenario::parse(&format!("{DRIVE}\n{effects}")).unwrap();
+    let recording = Recording::simulated("bench", &scenario).unwrap();
+    let mut vehicle = scenario.vehicle.clone();
+    vehicle.mass_kg = Uncertain { value: 1560.0, std: 60.0 };
+    vehicle.yaw_inertia_kgm2 = Some(Uncertain { value: 2450.0, std: 200.0 });
+    vehicle.lateral_stiffness_front = Uncertain { value: 12.0, std: 1.5 };
+    vehicle.lateral_stiffness_rear = Uncertain { value: 13.0, std: 1.5 };
+    vehicle.longitudinal_stiffness = Uncertain { value: 28.0, std: 4.0 };
+    (vehicle, recording)
+}
+
+/// The training part of drives.
+pub fn training(drives: &[Drive]) -> Data<'_> {
+    Data {
+        drives,
+        split: Split::new(drives, 0),
+        part: Part::Train,
+        own_noise: Noise::first(drives),
+        share: 1.0,
+    }
+}
+
+/// The plain model, fitted.
+pub fn fitted<'a>(data: &Data<'_>, vehicle: &'a Vehicle) -> Fit<'a> {
+    let plain = Model::plain(vehicle, true);
+    data.fit(&plain, &plain.ordinary(|_| true), &data.own_noise, 6)
+}

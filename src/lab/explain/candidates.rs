@@ -1,0 +1,194 @@
+//! What could be missing: every effect of the library that this bus and this drive could show.
+
+use super::model::{Chosen, Model};
+use super::predict::Drive;
+use super::predict::drive::STEP_S;
+use super::predict::noise::Live;
+use physics::Quantity;
+use physics::model::TireKind;
+use physics::model::effect::{Channel, Course, Kind};
+
+/// One thing that could be missing.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// What.
+    pub kind: &'static Kind,
+    /// Of what.
+    pub channel: Option<Channel>,
+    /// The parameters that a search may change.
+    pub free: Vec<usize>,
+    /// Parameters fixed beforehand: place and coordinate.
+    pub fixed: Vec<(usize, f64)>,
+    /// It varies while one drives, so.
+    pub live: Option<Live>,
+    /// It is there within these stretches only, s; none: always.
+    pub stretches: Vec<[f64; 2]>,
+}
+
+impl Candidate {
+    /// The effect at which nothing happens; `slot` is the place of its course among those estimated.
+    pub fn chosen(&self, slot: usize) -> Chosen {
+        let course = match self.live {
+            Some(_) => Course::Live(slot),
+            None if self.stretches.is_empty() => Course::None,
+            None => Course::Stretches { intervals: self.stretches.clone(), value: 1.0 },
+        };
+        let mut chosen = Chosen::usual(self.kind, self.channel, course);
+        for (place, number) in &self.fixed {
+            chosen.numbers[*place] = *number;
+        }
+        chosen.free.clone_from(&self.free);
+        chosen
+    }
+
+    /// Its name, with its channel.
+    pub fn name(&self) -> String {
+        match self.channel {
+            Some(channel) => format!("{}:{channel}", self.kind.name),
+            None => self.kind.name.to_owned(),
+        }
+    }
+}
+
+/// Onsets that are tried are so far apart at least, s.
+const ONSETS_S: f64 = 5.0;
+/// And so many at most.
+const MOST_ONSETS: usize = 20;
+
+/// When something could have begun, s, in a recording of so many seconds.
+pub fn onsets(seconds: f64) -> Vec<f64> {
+    let step = (seconds / (MOST_ONSETS + 1) as f64).max(ONSETS_S);
+    (1..).map(|i| f64::from(i) * step).take_while(|t| *t < seconds - 0.5 * step).collect()
+}
+
+/// The same in the longest of some drives of which only an excerpt is gone over: between its runs any moment is
+/// as good as another, which the next run's beginning stands for.
+pub fn onsets_within(drives: &[Drive]) -> Vec<f64> {
+    let Some(longest) = drives.iter().max_by(|a, b| a.used_seconds().total_cmp(&b.used_seconds())) else {
+        return Vec::new();
+    };
+    let mut all: Vec<f64> = longest.runs.iter().skip(1).map(|(from, _)| *from as f64 * STEP_S).collect();
+    let mut before = 0.0;
+    let used = onsets(longest.used_seconds());
+    for (from, to) in &longest.runs {
+        let (from, seconds) = (*from as f64 * STEP_S, (to - from) as f64 * STEP_S);
+        let within = used.iter().map(|used| used - before).filter(|used| (3.0..seconds - 3.0).contains(used));
+        all.extend(within.map(|used| from + used));
+        before += seconds;
+    }
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+/// All candidates of these kinds for a model, of a recording in which something could have begun at these moments, s.
+pub fn library(
+    kinds: &[&'static Kind],
+    model: &Model<'_>,
+    has: impl Fn(Quantity) -> bool,
+    onsets: &[f64],
+) -> Vec<Candidate> {
+    let mut all = Vec::new();
+    for kind in kinds.iter().copied() {
+        let of: Vec<Option<Channel>> = match kind.channels {
+            [] => vec![None],
+            channels => {
+                channels.iter().filter(|channel| is_there(**channel, &has)).map(|c| Some(*c)).collect()
+            }
+        };
+        for channel in of {
+            if !makes_sense(kind, channel, model) {
+                continue;
+            }
+            let everything: Vec<usize> = (0..kind.parameters.len()).collect();
+            let plain = Candidate {
+                kind,
+                channel,
+                free: everything.clone(),
+                fixed: Vec::new(),
+                live: None,
+                stretches: Vec::new(),
+            };
+            if let Some(course) = kind.surroundings(channel) {
+                let slow = kind.name == "sensor_drift";
+                let live = Live {
+                    size: course.size,
+                    length_s: course.length_s,
+                    least_s: if slow { 8.0 } else { 0.2 },
+                    difference: if course.sign == 0.0 { 0.02 * course.size } else { 0.5 * course.size },
+                };
+                if course.sign == 0.0 {
+                    all.push(Candidate { live: Some(live), ..plain });
+                    continue;
+                }
+                // How much of the road is different is estimated; how different, is set: somewhat, and much.
+                let numbers: &[&[f64]] = match kind.name {
+                    "friction_split" => &[&[2.0, 0.0], &[0.0, 2.0], &[5.0, 0.0], &[0.0, 5.0]],
+                    "friction_change" => &[&[2.0], &[5.0]],
+                    _ => &[&[-0.7], &[-1.6]],
+                };
+                for numbers in numbers {
+                    let fixed = numbers.iter().copied().enumerate().collect();
+                    all.push(Candidate { live: Some(live), free: Vec::new(), fixed, ..plain.clone() });
+                }
+                continue;
+            }
+            if kind.name == "tire_radius" {
+                for wheel in 0..4 {
+                    all.push(Candidate { free: vec![wheel], ..plain.clone() });
+                }
+                continue;
+            }
+            match kind.place_of("at_s") {
+                Some(at) => {
+                    let free: Vec<usize> = everything.iter().copied().filter(|place| *place != at).collect();
+                    for onset in onsets {
+                        all.push(Candidate {
+                            free: free.clone(),
+                            fixed: vec![(at, *onset)],
+                            ..plain.clone()
+                        });
+                    }
+                    if kind.name == "payload" {
+                        all.push(Candidate { free, fixed: vec![(at, -1.0)], ..plain });
+                    }
+                }
+                None => all.push(plain),
+            }
+        }
+    }
+    all
+}
+
+fn is_there(channel: Channel, has: &impl Fn(Quantity) -> bool) -> bool {
+    match channel {
+        Channel::One(quantity) => has(quantity),
+        Channel::Pair(a, b) => has(a) && has(b),
+    }
+}
+
+/// Could it be told from the ordinary numbers at all?
+fn makes_sense(kind: &Kind, channel: Option<Channel>, model: &Model<'_>) -> bool {
+    let quantity = channel.and_then(Channel::quantity);
+    match kind.name {
+        // No number to search: the chain audit looks for them.
+        "sensor_sign" | "channel_swap" => false,
+        "sensor_scale" => !matches!(
+            quantity,
+            // Those are the steering ratio and the tires' radii.
+            Some(
+                Quantity::SteeringWheelAngle
+                    | Quantity::WheelSpeedFl
+                    | Quantity::WheelSpeedFr
+                    | Quantity::WheelSpeedRl
+                    | Quantity::WheelSpeedRr
+            )
+        ),
+        // How late an axle's wheels are is an ordinary number; a wheel that steps is a tire.
+        "sensor_delay" | "sensor_bias" => quantity.is_none_or(|quantity| quantity.wheel().is_none()),
+        // That of a torque is a grade.
+        "sensor_drift" => !matches!(quantity, Some(Quantity::DriveTorque | Quantity::BrakePressure)),
+        "tire_saturation" => model.vehicle.tire == TireKind::Linear,
+        "air_drag" | "rolling_resistance" | "road_grade" => model.knows_torque,
+        _ => true,
+    }
+}

@@ -1,0 +1,253 @@
+//! Scales and units: the magnitudes of all relations' slopes, attributed to one channel.
+
+use nalgebra::DMatrix;
+
+use super::attribution::{Cause, Evidence, attribute};
+use super::relations::{Link, Relation, link};
+use super::report::{ChainReport, Confidence, Finding, RelationReport};
+use super::series::Series;
+use super::units;
+use physics::{Quantity, Wheel};
+
+/// Misfit (χ²) that one cause must take away.
+const FOUND: f64 = 16.0;
+/// By so much it must beat the next cause to be sure, and to be named at all.
+const SURE: f64 = 12.0;
+const AHEAD: f64 = 6.0;
+/// A smaller deviation does no harm.
+const HARMLESS: f64 = 0.015;
+
+/// A channel (or the four wheels together) whose scale may be wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Channel {
+    Wheels,
+    Yaw,
+    Lateral,
+    Steering,
+    Longitudinal,
+}
+
+impl Channel {
+    pub(super) const ALL: [Self; 5] =
+        [Self::Wheels, Self::Yaw, Self::Lateral, Self::Steering, Self::Longitudinal];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Wheels => "wheel_speed",
+            Self::Yaw => Quantity::YawRate.name(),
+            Self::Lateral => Quantity::LateralAcceleration.name(),
+            Self::Steering => Quantity::SteeringWheelAngle.name(),
+            Self::Longitudinal => Quantity::LongitudinalAcceleration.name(),
+        }
+    }
+
+    pub(super) fn quantities(self) -> Vec<Quantity> {
+        match self {
+            Self::Wheels => Wheel::ALL.map(Quantity::wheel_speed).to_vec(),
+            Self::Yaw => vec![Quantity::YawRate],
+            Self::Lateral => vec![Quantity::LateralAcceleration],
+            Self::Steering => vec![Quantity::SteeringWheelAngle],
+            Self::Longitudinal => vec![Quantity::LongitudinalAcceleration],
+        }
+    }
+
+    /// Body roll, pitch, tires and roads make scales look off by less than this (logarithmic).
+    fn explained_by_physics(self) -> f64 {
+        match self {
+            // Understeer and a steering ratio that varies with the angle.
+            Self::Steering => 0.8,
+            _ => 0.25,
+        }
+    }
+
+    /// By which power of this channel's factor a relation's slope grows.
+    fn power(self, relation: Relation) -> f64 {
+        let own = match relation {
+            Relation::RearWheels | Relation::FrontWheels => Self::Wheels,
+            Relation::Lateral => Self::Lateral,
+            Relation::Steering => Self::Steering,
+            Relation::Longitudinal => Self::Longitudinal,
+        };
+        let mut power = f64::from(u8::from(self == own));
+        match (self, relation) {
+            (Self::Yaw, Relation::Longitudinal) => {}
+            (Self::Yaw, _) => power -= 1.0,
+            (Self::Wheels, Relation::Lateral | Relation::Longitudinal) => power -= 1.0,
+            // Speed multiplies the steering angle there.
+            (Self::Wheels, Relation::Steering) => power += 1.0,
+            _ => {}
+        }
+        power
+    }
+}
+
+/// How far a relation's slope may be from one without anything being wrong (logarithmic), beside what
+/// the vehicle's own uncertainty allows.
+fn model_error(series: &Series, relation: Relation) -> f64 {
+    let driven = |front: bool| {
+        let wheel = if front { Wheel::Fl } else { Wheel::Rl };
+        series.vehicle.driven_axle.drives(wheel)
+    };
+    match relation {
+        Relation::RearWheels if !driven(false) => 0.01,
+        Relation::FrontWheels if !driven(true) => 0.015,
+        // Inner and outer wheel slip differently under drive torque.
+        Relation::RearWheels | Relation::FrontWheels => 0.08,
+        Relation::Lateral | Relation::Longitudinal => 0.01,
+        Relation::Steering => 0.02,
+    }
+}
+
+fn covariance(series: &Series, links: &[Link]) -> DMatrix<f64> {
+    let vehicle = &series.vehicle;
+    let share = |u: physics::model::Uncertain| u.std / u.value;
+    let radius = share(vehicle.wheel_radius_m);
+    let track = share(vehicle.track_rear_m).max(share(vehicle.track_front_m));
+    let is_axle = |link: &Link| matches!(link.relation, Relation::RearWheels | Relation::FrontWheels);
+    DMatrix::from_fn(links.len(), links.len(), |i, j| {
+        let (a, b) = (&links[i], &links[j]);
+        let mut sum = radius.powi(2) * Channel::Wheels.power(a.relation) * Channel::Wheels.power(b.relation);
+        if is_axle(a) && is_axle(b) {
+            sum += track.powi(2);
+        }
+        if i == j {
+            sum += (a.gain_std / a.gain).powi(2) + model_error(series, a.relation).powi(2);
+            if a.relation == Relation::Steering {
+                sum += share(vehicle.steering_ratio).powi(2) + share(vehicle.wheelbase_m).powi(2);
+            }
+        }
+        sum
+    })
+}
+
+/// Finds wrong scales one after the other and puts them right in the series.
+pub(super) fn scales(series: &mut Series, report: &mut ChainReport) {
+    let mut first = true;
+    for _ in 0..3 {
+        let links: Vec<Link> = Relation::ALL.into_iter().filter_map(|r| link(series, r)).collect();
+        if std::mem::take(&mut first) {
+            note(&links, report);
+        }
+        let links: Vec<Link> = links.into_iter().filter(Link::has_scale).collect();
+        let Some((channel, factor)) = next_scale(series, &links, report) else { return };
+        for quantity in channel.quantities() {
+            series.scale(quantity, 1.0 / factor);
+        }
+        series.refresh();
+    }
+}
+
+/// Every comparison goes into the report, and what could not be compared.
+fn note(links: &[Link], report: &mut ChainReport) {
+    for relation in Relation::ALL {
+        let link = links.iter().find(|link| link.relation == relation);
+        let clear = link.filter(|link| link.is_clear);
+        report.relations.push(RelationReport {
+            relation: relation.name(),
+            gain: link.map(|link| link.gain),
+            gain_std: link.map(|link| link.gain_std),
+            delay_s: None,
+            delay_std: None,
+            explained: link.map(|link| link.explained),
+        });
+        if clear.is_none() {
+            report.unclear(
+                format!("{}: too little happened to compare them", relation.name()),
+                relation.manoeuvre(),
+            );
+        }
+    }
+}
+
+fn next_scale(series: &Series, links: &[Link], report: &mut ChainReport) -> Option<(Channel, f64)> {
+    let evidence = Evidence {
+        seen: links.iter().map(|link| link.gain.abs().ln()).collect(),
+        covariance: covariance(series, links),
+    };
+    let causes: Vec<Cause<Channel>> = Channel::ALL
+        .into_iter()
+        .map(|channel| Cause {
+            channel,
+            pattern: links.iter().map(|link| channel.power(link.relation)).collect(),
+        })
+        .collect();
+    let (_, explanations) = attribute(&evidence, &causes)?;
+    let best = *explanations.first()?;
+    if best.gain < FOUND || best.value.abs() < HARMLESS {
+        return None;
+    }
+    let next = explanations.get(1).map_or(0.0, |next| next.gain);
+    let factor = best.value.exp();
+    let large = best.value.abs() > best.channel.explained_by_physics();
+    let words = units::mistake(best.channel, factor, best.std, &series.vehicle).filter(|_| large);
+    let confidence = if large && best.gain - next > SURE {
+        Confidence::Certain
+    } else if best.gain - next > AHEAD {
+        Confidence::Likely
+    } else {
+        Confidence::Unclear
+    };
+    let mut or: Vec<String> = explanations[1..]
+        .iter()
+        .filter(|other| best.gain - other.gain < AHEAD && other.gain > FOUND)
+        .map(|other| {
+            format!("sensor_scale of {} ({:+.1} %)", other.channel.name(), 100.0 * other.value.exp_m1())
+        })
+        .collect();
+    if !large {
+        or.extend(physics(best.channel).map(str::to_owned));
+    }
+    let repair = match words {
+        Some(words) => format!("{words}; or multiply its gain by {:.5}", 1.0 / factor),
+        None => correction(series, best.channel, factor),
+    };
+    report.findings.push(Finding {
+        effect: "sensor_scale",
+        channel: best.channel.name().to_owned(),
+        value: Some(factor - 1.0),
+        std: Some(factor * best.std),
+        t: best.gain.sqrt(),
+        evidence: format!(
+            "values are {factor:.4} times what the other channels say ({})",
+            links
+                .iter()
+                .filter(|link| best.channel.power(link.relation) != 0.0)
+                .map(|link| format!("{}: {:.3} ± {:.3}", link.relation.name(), link.gain, link.gain_std))
+                .collect::<Vec<_>>()
+                .join("; ")
+        ),
+        confidence,
+        repair,
+        or,
+    });
+    Some((best.channel, factor))
+}
+
+/// What, apart from the sensor, makes a channel's scale look wrong by some percent.
+fn physics(channel: Channel) -> Option<&'static str> {
+    match channel {
+        Channel::Wheels => Some("wheel_radius_m is off"),
+        Channel::Yaw => None,
+        Channel::Lateral => Some("body_roll (the accelerometer leans with the body)"),
+        Channel::Longitudinal => Some("the accelerometer pitches with the body"),
+        Channel::Steering => Some("steering_ratio is off"),
+    }
+}
+
+fn correction(series: &Series, channel: Channel, factor: f64) -> String {
+    match channel {
+        Channel::Wheels => format!(
+            "[vehicle] wheel_radius_m = {:.4}, or multiply the gain of all wheel speeds by {:.4}",
+            series.vehicle.wheel_radius_m.value * factor,
+            1.0 / factor
+        ),
+        Channel::Steering => format!(
+            "[vehicle] steering_ratio = {:.2}, or multiply its gain by {:.4}",
+            series.vehicle.steering_ratio.value * factor,
+            1.0 / factor
+        ),
+        _ => {
+            format!("multiply its gain by {:.4} (gain = {:.4} if there is none)", 1.0 / factor, 1.0 / factor)
+        }
+    }
+}

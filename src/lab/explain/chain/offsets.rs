@@ -1,0 +1,158 @@
+//! What each channel reads when it should read zero.
+
+use super::regression::{FREE, Fit, fit, student};
+use super::relations::{Link, Relation, rows};
+use super::report::{ChainReport, Confidence, Finding, Offset};
+use super::series::Series;
+use physics::{Quantity, Wheel};
+
+/// Wheels slower than this stand, rad/s.
+const STANDING: f64 = 0.05;
+/// So many times the bound is beyond any road, too.
+const BEYOND_ROADS: f64 = 6.0;
+/// Standing for less than this is not counted, s.
+const STANDING_S: f64 = 1.0;
+
+/// Offsets beyond these are no ordinary sensor's, SI, and whether a road could do the same.
+fn extraordinary(quantity: Quantity) -> (f64, Option<&'static str>) {
+    match quantity {
+        Quantity::YawRate => (0.03, None),
+        Quantity::LateralAcceleration => (0.5, Some("road_bank, or the sensor is not level")),
+        Quantity::LongitudinalAcceleration => (0.6, Some("road_grade, or the sensor is not level")),
+        _ => (0.2, Some("wheel_alignment")),
+    }
+}
+
+fn add(
+    report: &mut ChainReport,
+    quantity: Quantity,
+    value: f64,
+    std: f64,
+    blocks: usize,
+    from: &'static str,
+) {
+    if !(value.is_finite() && std.is_finite()) {
+        return;
+    }
+    let repair = format!("take {value:.4} from its offset (offset = {:.4} if there is none)", -value);
+    let (bound, physics) = extraordinary(quantity);
+    let physics = physics.filter(|_| value.abs() < BEYOND_ROADS * bound);
+    let t = value / std;
+    let known = report.findings.iter().any(|f| f.effect == "sensor_bias" && f.channel == quantity.name());
+    if value.abs() > bound && t.abs() > student(blocks) && (value.abs() - bound) > std && !known {
+        report.findings.push(Finding {
+            effect: "sensor_bias",
+            channel: quantity.name().to_owned(),
+            value: Some(value),
+            std: Some(std),
+            t,
+            evidence: format!("{value:+.4} ± {std:.4} {} {from}", quantity.unit()),
+            confidence: if physics.is_none() { Confidence::Certain } else { Confidence::Likely },
+            repair: repair.clone(),
+            or: physics.map(str::to_owned).into_iter().collect(),
+        });
+    }
+    report.offsets.push(Offset { channel: quantity.name(), value, std, from, repair });
+}
+
+/// The yaw rate while the car stands: nothing could be clearer.
+pub(super) fn at_standstill(series: &Series, report: &mut ChainReport) -> bool {
+    let stands = |row: usize| {
+        Wheel::ALL.iter().all(|wheel| series.raw(Quantity::wheel_speed(*wheel))[row].abs() < STANDING)
+    };
+    let yaw = series.raw(Quantity::YawRate);
+    let least = (STANDING_S / series.dt) as usize;
+    let mut means: Vec<f64> = Vec::new();
+    let mut row = 0;
+    while row < series.len() {
+        let length = (row..series.len()).take_while(|row| stands(*row)).count();
+        // The first half second is still rocking.
+        let settled = row + length.min(least / 2);
+        for second in yaw[settled..row + length].chunks_exact(least.max(1)) {
+            let mean = second.iter().sum::<f64>() / second.len() as f64;
+            if mean.is_finite() {
+                means.push(mean);
+            }
+        }
+        row += length.max(1);
+    }
+    let count = means.len();
+    if count < 2 {
+        return false;
+    }
+    let mean = means.iter().sum::<f64>() / count as f64;
+    let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (count - 1) as f64;
+    let std = (variance / count as f64).sqrt().max(1e-6);
+    add(report, Quantity::YawRate, mean, std, count.max(10), "at standstill");
+    true
+}
+
+/// All offsets.
+pub(super) fn offsets(series: &Series, delays: &[Link], report: &mut ChainReport) {
+    at_standstill(series, report);
+    let delay = |relation: Relation| {
+        delays.iter().find(|link| link.relation == relation).map_or(0.0, |link| link.delay)
+    };
+    let yaw = yaw_rate(series, delay(Relation::RearWheels));
+    if let Some(fit) = &yaw {
+        add(report, Quantity::YawRate, -fit.value[1], fit.std[1], fit.blocks, "against the rear wheels");
+    }
+    let zero = yaw.map_or((0.0, 0.02), |fit| (-fit.value[1], fit.std[1]));
+    if let Some(fit) = lateral(series, delay(Relation::Lateral), zero) {
+        let from = "against speed x yaw rate (includes the road's bank)";
+        add(report, Quantity::LateralAcceleration, fit.value[3], fit.std[3], fit.blocks, from);
+    }
+    if let Some(fit) = steering(series, delay(Relation::Steering), zero) {
+        let scale = series.vehicle.steering_ratio.value * series.vehicle.wheelbase_m.value;
+        let (value, std) = (fit.value[4] * scale, fit.std[4] * scale);
+        add(report, Quantity::SteeringWheelAngle, value, std, fit.blocks, "against the yaw rate");
+    }
+    let y = series.smooth(Quantity::LongitudinalAcceleration);
+    let level = rows(series, &y, delay(Relation::Longitudinal), |_| true, |row| [1.0, series.v_dot[row]]);
+    if let Some(fit) = fit(&level, [FREE, (1.0, 0.1)]) {
+        let from = "against the wheels (includes the road's grade)";
+        add(report, Quantity::LongitudinalAcceleration, fit.value[0], fit.std[0], fit.blocks, from);
+    }
+}
+
+/// The rear wheels' difference when the yaw rate reads zero; equal radii within some tenths of a percent.
+fn yaw_rate(series: &Series, delay: f64) -> Option<Fit<3>> {
+    let vehicle = &series.vehicle;
+    let track = vehicle.track_rear_m.value;
+    let (left, right) = (series.raw(Quantity::WheelSpeedRl), series.raw(Quantity::WheelSpeedRr));
+    let to_yaw = vehicle.wheel_radius_m.value / track;
+    let y = series.smoothed(|row| (right[row] - left[row]) * to_yaw);
+    let rows = rows(series, &y, delay, |_| true, |row| [series.r[row], 1.0, series.v[row]]);
+    fit(&rows, [FREE, FREE, (0.0, 0.002 / track)])
+}
+
+fn lateral(series: &Series, delay: f64, zero: (f64, f64)) -> Option<Fit<4>> {
+    let y = series.smooth(Quantity::LateralAcceleration);
+    let rows = rows(
+        series,
+        &y,
+        delay,
+        |row| series.vr[row].abs() < 3.0,
+        |row| [series.vr[row], series.r_dot[row], series.v[row], 1.0],
+    );
+    fit(&rows, [FREE, FREE, (-zero.0, zero.1), FREE])
+}
+
+/// Only while going nearly straight: there the steering ratio does not matter.
+fn steering(series: &Series, delay: f64, zero: (f64, f64)) -> Option<Fit<5>> {
+    let vehicle = &series.vehicle;
+    let to_yaw = 1.0 / (vehicle.steering_ratio.value * vehicle.wheelbase_m.value);
+    let angle = series.raw(Quantity::SteeringWheelAngle);
+    let y = series.smoothed(|row| angle[row] * series.speed(row) * to_yaw);
+    let rows = rows(
+        series,
+        &y,
+        delay,
+        |row| series.vr[row].abs() < 2.0,
+        |row| {
+            let (v, r) = (series.v[row], series.r[row]);
+            [r, v * v * r, v * series.r_dot[row], 1.0, v]
+        },
+    );
+    fit(&rows, [(1.0, 0.3), (0.0, 0.01), (0.01, 0.01), (-zero.0, zero.1), FREE])
+}

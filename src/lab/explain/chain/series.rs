@@ -1,0 +1,204 @@
+//! The samples as time series, smoothed alike, so that equations between them keep holding.
+
+use physics::model::{DrivenAxle, Vehicle};
+use physics::{Quantity, Sample, Wheel};
+
+/// Standard deviation of the Gaussian that everything is smoothed with, s: frequencies of manoeuvres
+/// pass, noise does not.
+const SMOOTHING_S: f64 = 0.1;
+/// The kernel reaches so many standard deviations to both sides.
+const REACH: f64 = 3.0;
+/// Below this speed wheel sensors are coarse and angles ill-defined, m/s.
+const SLOWEST: f64 = 3.0;
+/// Where a unit is wrong by a factor the above means nothing: then this share of the usual speed.
+const SLOWEST_SHARE: f64 = 0.3;
+/// Blocks for jackknife and bootstrap, s: longer than manoeuvres are correlated.
+const BLOCK_S: f64 = 3.0;
+/// Less motion than this is not worth an audit, s.
+pub(super) const LEAST_MOVING_S: f64 = 5.0;
+
+/// All channels on one grid; gaps in time are rows of NaN.
+#[derive(Clone, Debug)]
+pub(super) struct Series {
+    pub(super) vehicle: Vehicle,
+    /// Distance of the rows, s.
+    pub(super) dt: f64,
+    raw: Vec<Vec<f64>>,
+    /// Smoothed speed, m/s, of the wheels that are not driven (of all, where all are).
+    pub(super) v: Vec<f64>,
+    pub(super) v_dot: Vec<f64>,
+    /// Smoothed yaw rate.
+    pub(super) r: Vec<f64>,
+    pub(super) r_dot: Vec<f64>,
+    /// v times r, smoothed.
+    pub(super) vr: Vec<f64>,
+    pub(super) vr_dot: Vec<f64>,
+    moving: Vec<bool>,
+}
+
+impl Series {
+    /// `None` if there is nothing in the samples.
+    pub(super) fn new(samples: &[Sample], vehicle: &Vehicle) -> Option<Self> {
+        let mut steps: Vec<f64> = samples.iter().map(|s| s.elapsed_s).filter(|s| *s > 0.0).collect();
+        steps.sort_by(f64::total_cmp);
+        let dt = *steps.get(steps.len() / 2)?;
+        let mut raw = vec![Vec::new(); Quantity::COUNT];
+        let mut last = None;
+        for sample in samples {
+            let gap = sample.elapsed_s > 1.5 * dt || last.is_some_and(|last| sample.time <= last);
+            for quantity in Quantity::ALL {
+                let channel = &mut raw[quantity as usize];
+                if gap {
+                    channel.push(f64::NAN);
+                }
+                channel.push(sample.get(quantity).unwrap_or(f64::NAN));
+            }
+            last = Some(sample.time);
+        }
+        let mut series = Self {
+            vehicle: vehicle.clone(),
+            dt,
+            raw,
+            v: Vec::new(),
+            v_dot: Vec::new(),
+            r: Vec::new(),
+            r_dot: Vec::new(),
+            vr: Vec::new(),
+            vr_dot: Vec::new(),
+            moving: Vec::new(),
+        };
+        series.refresh();
+        Some(series)
+    }
+
+    /// Rows.
+    pub(super) fn len(&self) -> usize {
+        self.raw[0].len()
+    }
+
+    /// Length of the drive, s.
+    pub(super) fn seconds(&self) -> f64 {
+        self.len() as f64 * self.dt
+    }
+
+    /// Of which the car moved, s.
+    pub(super) fn moving_seconds(&self) -> f64 {
+        self.moving.iter().filter(|moving| **moving).count() as f64 * self.dt
+    }
+
+    /// Is the car moving fast enough at this row?
+    pub(super) fn moves(&self, row: usize) -> bool {
+        self.moving[row]
+    }
+
+    /// The block a row belongs to.
+    pub(super) fn block(&self, row: usize) -> usize {
+        (row as f64 * self.dt / BLOCK_S) as usize
+    }
+
+    /// A channel as it came.
+    pub(super) fn raw(&self, quantity: Quantity) -> &[f64] {
+        &self.raw[quantity as usize]
+    }
+
+    /// Does the channel have any value?
+    pub(super) fn has(&self, quantity: Quantity) -> bool {
+        self.raw(quantity).iter().any(|value| value.is_finite())
+    }
+
+    /// Multiplies a channel; call [`Self::refresh`] afterwards.
+    pub(super) fn scale(&mut self, quantity: Quantity, factor: f64) {
+        self.raw[quantity as usize].iter_mut().for_each(|value| *value *= factor);
+    }
+
+    /// Exchanges two channels; call [`Self::refresh`] afterwards.
+    pub(super) fn swap(&mut self, one: Quantity, other: Quantity) {
+        self.raw.swap(one as usize, other as usize);
+    }
+
+    /// A channel, smoothed.
+    pub(super) fn smooth(&self, quantity: Quantity) -> Vec<f64> {
+        smooth(self.raw(quantity), self.dt)
+    }
+
+    /// Any combination of raw values of a row, smoothed.
+    pub(super) fn smoothed(&self, of: impl Fn(usize) -> f64) -> Vec<f64> {
+        let raw: Vec<f64> = (0..self.len()).map(of).collect();
+        smooth(&raw, self.dt)
+    }
+
+    /// The derivative of a smoothed series, per second.
+    pub(super) fn derivative(&self, smooth: &[f64]) -> Vec<f64> {
+        let at = |row: usize| smooth.get(row).copied().unwrap_or(f64::NAN);
+        (0..smooth.len())
+            .map(|row| (at(row + 1) - row.checked_sub(1).map_or(f64::NAN, at)) / (2.0 * self.dt))
+            .collect()
+    }
+
+    /// Wheels whose speed is the car's.
+    fn reference(&self) -> [bool; 4] {
+        let driven = self.vehicle.driven_axle;
+        Wheel::ALL.map(|wheel| driven == DrivenAxle::All || !driven.drives(wheel))
+    }
+
+    /// Speed of the car from wheels, unsmoothed, m/s.
+    pub(super) fn speed(&self, row: usize) -> f64 {
+        let reference = self.reference();
+        let wheels = Wheel::ALL.into_iter().filter(|wheel| reference[*wheel as usize]);
+        let count = reference.iter().filter(|used| **used).count() as f64;
+        let sum: f64 = wheels.map(|wheel| self.raw(Quantity::wheel_speed(wheel))[row]).sum();
+        self.vehicle.wheel_radius_m.value * sum / count
+    }
+
+    /// Everything derived, anew.
+    pub(super) fn refresh(&mut self) {
+        let yaw = Quantity::YawRate;
+        self.v = self.smoothed(|row| self.speed(row));
+        self.v_dot = self.derivative(&self.v);
+        self.r = self.smooth(yaw);
+        self.r_dot = self.derivative(&self.r);
+        self.vr = self.smoothed(|row| self.speed(row) * self.raw(yaw)[row]);
+        self.vr_dot = self.derivative(&self.vr);
+        let mut speeds: Vec<f64> = self.v.iter().copied().filter(|v| v.is_finite()).collect();
+        speeds.sort_by(f64::total_cmp);
+        let usual = speeds.get(speeds.len() * 9 / 10).copied().unwrap_or(0.0);
+        let slowest = SLOWEST.min(SLOWEST_SHARE * usual).max(1e-3);
+        self.moving = self.v.iter().map(|v| *v > slowest).collect();
+    }
+
+    /// Understeer parameter κ = 1/(c g) of an axle with normalized stiffness c, s²/m, and how well it is
+    /// known: slip angle per lateral acceleration.
+    pub(super) fn kappa(&self, front: bool) -> (f64, f64) {
+        let stiffness =
+            if front { self.vehicle.lateral_stiffness_front } else { self.vehicle.lateral_stiffness_rear };
+        let kappa = 1.0 / (stiffness.value * physics::model::GRAVITY);
+        // Nobody knows it better: the surface, the load and the temperature change it.
+        let relative = (stiffness.std / stiffness.value).max(0.3);
+        (kappa, relative * kappa)
+    }
+}
+
+/// Convolution with a Gaussian; NaN wherever the kernel meets one.
+fn smooth(raw: &[f64], dt: f64) -> Vec<f64> {
+    let reach = (REACH * SMOOTHING_S / dt).ceil() as usize;
+    let weight = |offset: usize| (-0.5 * (offset as f64 * dt / SMOOTHING_S).powi(2)).exp();
+    let mut kernel: Vec<f64> = (0..=2 * reach).map(|i| weight(i.abs_diff(reach))).collect();
+    let sum: f64 = kernel.iter().sum();
+    kernel.iter_mut().for_each(|w| *w /= sum);
+    let mut smooth = vec![f64::NAN; raw.len()];
+    for (centre, window) in raw.windows(kernel.len()).enumerate() {
+        smooth[centre + reach] = window.iter().zip(&kernel).map(|(value, w)| value * w).sum();
+    }
+    smooth
+}
+
+/// The value of a smoothed series between rows.
+pub(super) fn at(series: &[f64], place: f64) -> f64 {
+    if place.is_nan() || place < 0.0 {
+        return f64::NAN;
+    }
+    let row = place as usize;
+    let share = place - row as f64;
+    let value = |row: usize| series.get(row).copied().unwrap_or(f64::NAN);
+    if share == 0.0 { value(row) } else { value(row) + share * (value(row + 1) - value(row)) }
+}

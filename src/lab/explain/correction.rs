@@ -1,0 +1,80 @@
+//! What could be explained at all: forces and a moment that nobody knows, each varying as it likes.
+//!
+//! It is no physics, and says how much physics is missing: the gain of a named effect is judged against
+//! it, and where nothing has a name it still helps to predict.
+
+use super::fit::{Data, Fit};
+use super::model::Chosen;
+use super::predict::noise::Live;
+use physics::model::effect::{Acting, Course, Effect, Kind, Now, Setting};
+
+/// An unknown force or moment.
+#[derive(Clone, Debug)]
+struct Unknown {
+    course: Course,
+    of: Of,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Of {
+    Along,
+    Across,
+    Moment,
+}
+
+impl Effect for Unknown {
+    fn act(&self, now: &Now<'_>, _states: &[f64], on: &mut Acting) {
+        let value = self.course.at(now);
+        match self.of {
+            Of::Along => on.external.fx += value,
+            Of::Across => on.external.fy += value,
+            Of::Moment => on.external.moment += value,
+        }
+    }
+}
+
+const fn kind(name: &'static str, place: &'static str, make: fn(&Setting<'_>) -> Box<dyn Effect>) -> Kind {
+    Kind {
+        name,
+        about: "something acts on the car that no effect of the library does",
+        equation: "… + u(t)",
+        source: "no physics: a smooth course of its own",
+        place,
+        to_tell_apart: "",
+        channels: &[],
+        parameters: &[],
+        course: None,
+        make,
+    }
+}
+
+static ALONG: Kind = kind("unknown_longitudinal_force", "longitudinal force balance", |setting| {
+    Box::new(Unknown { course: setting.course.clone(), of: Of::Along })
+});
+static ACROSS: Kind = kind("unknown_lateral_force", "lateral force balance", |setting| {
+    Box::new(Unknown { course: setting.course.clone(), of: Of::Across })
+});
+static MOMENT: Kind = kind("unknown_yaw_moment", "yaw moment balance", |setting| {
+    Box::new(Unknown { course: setting.course.clone(), of: Of::Moment })
+});
+
+/// First sizes, N and N m, and length, s.
+const FORCE_N: f64 = 150.0;
+const MOMENT_NM: f64 = 150.0;
+const LENGTH_S: f64 = 0.7;
+
+/// The plain model with all three; without a known torque the longitudinal one is there already.
+pub fn correct<'a>(data: &Data<'_>, baseline: &Fit<'a>, rounds: usize) -> Fit<'a> {
+    let mut model = baseline.model.clone();
+    let mut noise = baseline.noise.clone();
+    let kinds: &[(&'static Kind, f64)] = if model.knows_torque {
+        &[(&ACROSS, FORCE_N), (&MOMENT, MOMENT_NM), (&ALONG, FORCE_N)]
+    } else {
+        &[(&ACROSS, FORCE_N), (&MOMENT, MOMENT_NM)]
+    };
+    for (kind, size) in kinds {
+        model.effects.push(Chosen::usual(kind, None, Course::Live(noise.live.len())));
+        noise = noise.with(Live { size: *size, length_s: LENGTH_S, least_s: 0.1, difference: 0.02 * size });
+    }
+    data.fit(&model, &baseline.free, &noise, rounds)
+}

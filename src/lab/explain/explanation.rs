@@ -1,0 +1,146 @@
+//! The whole job, from recordings to an answer.
+
+use super::answer::Told;
+use super::candidates::library;
+use super::chain::ChainReport;
+use super::correction::correct;
+use super::excerpt::Excerpt;
+use super::fit::Data;
+use super::gross;
+use super::model::Model;
+use super::predict::noise::{Live, Noise};
+use super::predict::{Drive, Recording, drive::STEP_S};
+use super::result::{Explanation, Verdict};
+use super::select::select;
+use super::split::{Part, Split};
+use super::verdict::Gains;
+use super::whole::Search;
+use physics::Quantity;
+use physics::model::Vehicle;
+use physics::model::effect::{EffectConfig, Kind};
+
+/// What there is to explain.
+#[derive(Debug)]
+pub struct Case<'a> {
+    /// The car, with what is uncertain of it.
+    pub vehicle: &'a Vehicle,
+    /// Effects that the configuration switches on: they belong to the plain model here.
+    pub effects: &'a [EffectConfig],
+    /// Recordings, the held-out ones last.
+    pub recordings: &'a [Recording],
+    /// How many of them the user has set apart.
+    pub held_out: usize,
+    /// What the audit of the measurement chain says of each.
+    pub chain: &'a [ChainReport],
+    /// What could be missing: [`KINDS`](physics::model::effect::KINDS), or some of them.
+    pub library: &'a [&'static Kind],
+    /// For what is drawn at random.
+    pub seed: u64,
+}
+
+/// An answer with the model it speaks of.
+#[derive(Debug)]
+pub struct Answer<'a> {
+    /// The answer.
+    pub explanation: Explanation,
+    /// The extended model, with its courses smoothed over all readings of the first recording.
+    pub model: Model<'a>,
+}
+
+/// Seconds that must be usable.
+const LEAST_SECONDS: f64 = 15.0;
+
+/// Rounds of fitting with unknown forces, and of fitting them to everything, if an excerpt came first.
+const CORRECTION_ROUNDS: usize = 4;
+const CORRECTION_AGAIN: usize = 1;
+
+impl<'a> Case<'a> {
+    /// Explains. `progress` is told the stage and how far it is.
+    pub fn explain(&self, progress: &(dyn Fn(&str, f64) + Sync)) -> Answer<'a> {
+        let drives: Vec<Drive> =
+            self.recordings.iter().map(|recording| Drive::new(recording, self.vehicle)).collect();
+        let has = |quantity: Quantity| self.recordings.iter().any(|recording| recording.has(quantity));
+        let knows_torque = drives.iter().all(|drive| drive.knows_torque);
+        let split = Split::new(&drives, self.held_out);
+        let noise = first_noise(&drives, knows_torque);
+        let own_noise = noise.clone();
+        let mut data = Data { drives: &drives, split, part: Part::Train, own_noise, share: 1.0 };
+        let plain = Model::plain(self.vehicle, knows_torque).with_configured(self.effects);
+        let usable: f64 =
+            drives.iter().flat_map(|d| &d.runs).map(|(from, to)| (to - from) as f64 * STEP_S).sum();
+        if usable < LEAST_SECONDS {
+            return Answer { explanation: too_little(usable), model: plain };
+        }
+        progress("fitting the plain model", 0.0);
+        let free = plain.ordinary(has);
+        let suggested = gross::suggested(self.chain);
+        let library = |model: &Model<'_>, onsets: &[f64]| library(self.library, model, has, onsets);
+        let excerpt = Excerpt::of(&data);
+        let selection = match excerpt.clone() {
+            Some(excerpt) => {
+                let search = Search { data: &data, plain: (&plain, &free, &noise), suggested: &suggested };
+                search.select(excerpt, &library, progress)
+            }
+            None => {
+                let baseline = data.fit_thoroughly(&plain, &free, &noise);
+                let before = gross::taken(&data, &plain, &baseline, (&free, &noise), &suggested);
+                select(&data, (baseline, before), &library, progress)
+            }
+        };
+        data.split = selection.split.clone();
+        progress("what could be explained", 0.0);
+        let sound = selection.chosen.iter().rfind(|taken| gross::is_gross(&taken.candidate));
+        let sound = sound.map_or(&selection.baseline, |taken| &taken.fit);
+        let corrected = match excerpt {
+            Some(excerpt) => {
+                let some = excerpt.drives(&drives);
+                let first = correct(&data.over(&some), sound, CORRECTION_ROUNDS);
+                data.fit_again(&first, CORRECTION_AGAIN)
+            }
+            None => correct(&data, sound, CORRECTION_ROUNDS),
+        };
+        tracing::debug!(noise = ?selection.baseline.noise, "of the plain model");
+        tracing::debug!(noise = ?selection.extended.noise, "of the extended model");
+        let gains = Gains::of(&data, &selection, &corrected);
+        let verdict = gains.verdict(drives.iter().any(turns));
+        tracing::debug!(?gains, ?verdict, "judged");
+        progress("proving", 0.0);
+        Told {
+            case: self,
+            drives: &drives,
+            data: &data,
+            corrected: &corrected,
+            selection: &selection,
+            verdict,
+        }
+        .answer(usable)
+    }
+}
+
+/// Noise to begin with; where nobody knows what drives the car, that is a course of its own.
+fn first_noise(drives: &[Drive], knows_torque: bool) -> Noise {
+    let noise = Noise::first(drives);
+    if knows_torque {
+        return noise;
+    }
+    noise.with(Live { size: 1.5, length_s: 1.0, least_s: 0.2, difference: 0.03 })
+}
+
+fn too_little(usable: f64) -> Explanation {
+    let mut explanation = Explanation::empty(Verdict::InsufficientExcitation);
+    explanation.seconds = usable;
+    explanation.to_drive.push(format!(
+        "only {usable:.0} s of driving above 3 m/s with all inputs could be used; drive for two minutes with curves \
+         to both sides, accelerating and braking"
+    ));
+    explanation
+}
+
+/// Root mean square of the yaw rate above which a drive turns at all, rad/s.
+const LEAST_TURNING: f64 = 0.01;
+
+fn turns(drive: &Drive) -> bool {
+    let rates = drive.measured.iter().filter(|m| m.channel == Quantity::YawRate as u8);
+    let (count, square) = rates.fold((0.0, 0.0), |(n, square), m| (n + 1.0, square + m.value * m.value));
+    square > LEAST_TURNING * LEAST_TURNING * count
+}

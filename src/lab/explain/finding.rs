@@ -1,0 +1,132 @@
+//! A chosen effect in the words and numbers of the answer.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::answer::Told;
+use super::candidates::Candidate;
+use super::course::Course;
+use super::fit::Fit;
+use super::model::Place;
+use super::naming::{Refitted, onset_std};
+use super::predict::Drive;
+use super::result::{Estimate, Finding, Ranked, Where};
+use super::select::{Round, Selection};
+use physics::model::effect::Spec;
+
+/// A rival whose evidence is less than so far behind cannot be told from what was chosen.
+const TOLD_APART: f64 = 7.0;
+
+/// So much of a number is how the rest of the car was written down: where noise alone leaves less doubt, the
+/// same physics simulated by other equations (tests/concealed) comes out this far off.
+fn model_share(name: &str) -> f64 {
+    match name {
+        // Only the product of the height and the stiffness that comes with load shows to first order; what
+        // tells them apart is the curve of stiffness over load far from the usual one.
+        "cg_height_m" | "load_sensitivity" | "load_sensitivity_along" => 0.2,
+        _ => 0.02,
+    }
+}
+
+/// What is told of the effect chosen in this round. `place` is where its fit is better than the one before.
+pub fn finding(told: &Told<'_, '_>, number: usize, extended: &Fit<'_>, mut place: Where) -> Finding {
+    let taken = &told.selection.chosen[number];
+    let candidate = &taken.candidate;
+    place.equation = match candidate.channel {
+        Some(channel) => format!("{}: {channel}", candidate.kind.place),
+        None => candidate.kind.place.into(),
+    };
+    // Those that the configuration switches on come first in the model.
+    let effect = told.case.effects.len() + number;
+    let mut parameters = own_numbers(told, extended, effect);
+    if let Some((at, place)) = taken.onset().zip(candidate.kind.place_of("at_s")) {
+        let std = onset_std(told.data, extended, effect, place);
+        parameters.insert("at_s".into(), Estimate { value: at, std });
+    }
+    let mut series = None;
+    if candidate.live.is_some() {
+        if let Some(course) = Course::new(told.drives, (extended, effect), candidate, &place.recording) {
+            place.intervals = course.clear_stretches();
+            place.recording.clone_from(&course.drive.name);
+            course.summarize(candidate, (extended, effect), &mut parameters);
+            series = Some(course.decimated(candidate));
+        }
+    } else if !candidate.stretches.is_empty() {
+        place.intervals.clone_from(&candidate.stretches);
+    } else if let Some(at) = taken.onset() {
+        place.intervals = vec![[at, told.drives.first().map_or(at, Drive::seconds)]];
+    }
+    for (name, estimate) in parameters.iter_mut().filter(|(name, _)| *name != "at_s") {
+        estimate.std = estimate.std.hypot(model_share(name) * estimate.value);
+    }
+    let round = &told.selection.rounds[number];
+    Finding {
+        effect: candidate.kind.name.into(),
+        channel: candidate.channel.map(|channel| channel.to_string()),
+        probability: probability(taken, round),
+        indistinguishable_from: rivals(taken, round),
+        to_tell_apart: candidate.kind.to_tell_apart.into(),
+        parameters,
+        series,
+        place,
+        about: candidate.kind.about.into(),
+        equation: candidate.kind.equation.into(),
+        evidence: taken.evidence,
+    }
+}
+
+/// Among all that was fitted in its round, and nothing at all. What it was preferred to for being simpler is no
+/// more probable, whatever its evidence.
+fn probability(taken: &Refitted<'_>, round: &Round<'_>) -> f64 {
+    let weight = |evidence: f64| (0.5 * (evidence - taken.evidence).min(0.0)).exp();
+    let others = round.refitted.iter().filter(|other| other.candidate.name() != taken.candidate.name());
+    let rest: f64 = others.map(|other| weight(other.evidence)).sum::<f64>() + weight(0.0);
+    1.0 / (1.0 + rest)
+}
+
+/// What this recording cannot tell it from.
+fn rivals(taken: &Refitted<'_>, round: &Round<'_>) -> Vec<String> {
+    let close = round.refitted.iter().filter(|other| other.evidence > taken.evidence - TOLD_APART);
+    let names: BTreeSet<String> = close.map(|other| other.candidate.name()).collect();
+    names.into_iter().filter(|name| *name != taken.candidate.name()).collect()
+}
+
+/// Everything that was tried in the first round, best first: fitted ones by their evidence, the others to
+/// first order, never above a fitted one.
+pub fn ranking(selection: &Selection<'_>) -> Vec<Ranked> {
+    let mut ranking: Vec<Ranked> = Vec::new();
+    let mut seen = BTreeSet::new();
+    let Some(round) = selection.rounds.first() else { return ranking };
+    let mut rank = |candidate: &Candidate, score: f64, refitted: bool| {
+        if seen.insert(candidate.name()) {
+            let least = ranking.last().map_or(f64::INFINITY, |last| last.score);
+            ranking.push(Ranked {
+                effect: candidate.kind.name.into(),
+                channel: candidate.channel.map(|channel| channel.to_string()),
+                score: score.min(least),
+                refitted,
+            });
+        }
+    };
+    for other in &round.refitted {
+        rank(&other.candidate, other.evidence, true);
+    }
+    let refused: Vec<String> = round.following.iter().map(|(candidate, _)| candidate.name()).collect();
+    for other in round.scanned.iter().filter(|other| !refused.contains(&other.candidate.name())) {
+        rank(&other.candidate, other.gain, false);
+    }
+    ranking
+}
+
+/// Numbers of one of the effects, by name.
+fn own_numbers(told: &Told<'_, '_>, fit: &Fit<'_>, number: usize) -> BTreeMap<String, Estimate> {
+    let Some(chosen) = fit.model.effects.get(number) else { return BTreeMap::new() };
+    let variances = told.data.variances(fit);
+    let of = |(place, spec): (usize, Spec)| {
+        let coordinate = chosen.numbers[place];
+        // What is not searched has nothing to say.
+        let free = fit.free.iter().position(|free| free.place == Place::Effect(number, place))?;
+        let std = variances[free].sqrt() * spec.scale.slope(coordinate).abs();
+        Some((spec.name.to_owned(), Estimate { value: spec.value(coordinate), std }))
+    };
+    chosen.specs().enumerate().filter_map(of).collect()
+}

@@ -1,0 +1,70 @@
+//! Gross errors of the measurement chain: a wrong sign, two channels taken for each other. They bend the
+//! plain model's fit out of all shape, so they are tried before anything else, where the audit of the chain
+//! suggests them.
+
+use super::candidates::Candidate;
+use super::chain::{ChainReport, Confidence};
+use super::fit::{Data, Fit};
+use super::model::{Chosen, Free, Model};
+use super::naming::Refitted;
+use super::predict::noise::Noise;
+use physics::model::effect::{Channel, Course, named};
+
+/// Gain, twice the log-likelihood ratio, below which a suggestion is not taken: such an error is never
+/// a small one.
+const LEAST_GAIN: f64 = 200.0;
+
+/// Is it such an error?
+pub fn is_gross(candidate: &Candidate) -> bool {
+    matches!(candidate.kind.name, "sensor_sign" | "channel_swap")
+}
+
+/// What the audit suggests.
+pub fn suggested(chain: &[ChainReport]) -> Vec<Candidate> {
+    let findings = chain.iter().flat_map(|report| &report.findings);
+    let gross = findings.filter(|finding| {
+        finding.confidence >= Confidence::Likely && matches!(finding.effect, "sensor_sign" | "channel_swap")
+    });
+    let mut all: Vec<Candidate> = Vec::new();
+    for finding in gross {
+        let (Some(kind), Ok(channel)) = (named(finding.effect), finding.channel.parse::<Channel>()) else {
+            continue;
+        };
+        if all.iter().any(|other| other.kind.name == kind.name && other.channel == Some(channel)) {
+            continue;
+        }
+        all.push(Candidate {
+            kind,
+            channel: Some(channel),
+            free: Vec::new(),
+            fixed: Vec::new(),
+            live: None,
+            stretches: Vec::new(),
+        });
+    }
+    all
+}
+
+/// Takes those that make the plain model fit far better, one after the other.
+pub fn taken<'a>(
+    data: &Data<'_>,
+    plain: &Model<'a>,
+    baseline: &Fit<'a>,
+    (free, noise): (&[Free], &Noise),
+    suggested: &[Candidate],
+) -> Vec<Refitted<'a>> {
+    let mut taken: Vec<Refitted<'a>> = Vec::new();
+    let mut model = plain.clone();
+    let mut cost = baseline.cost();
+    for candidate in suggested {
+        let with = model.with(Chosen::usual(candidate.kind, candidate.channel, Course::None));
+        let fit = data.fit(&with, free, noise, 8);
+        let gain = cost - fit.cost();
+        if gain > LEAST_GAIN {
+            cost -= gain;
+            model = with;
+            taken.push(Refitted { candidate: candidate.clone(), fit, evidence: gain });
+        }
+    }
+    taken
+}

@@ -1,0 +1,325 @@
+//! A model of the car as a search sees it: its numbers, its effects, and which of them are free.
+
+use super::predict::late::{Delays, Late};
+use super::predict::{Car, Settings};
+use crate::identify::{Parameter, Values};
+use physics::Quantity;
+use physics::model::effect::{Channel, Course, EffectConfig, KINDS, Kind, Setting, Spec};
+use physics::model::{TireKind, Vehicle};
+
+/// An effect with its numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chosen {
+    /// What it is.
+    pub kind: &'static Kind,
+    /// What it is of.
+    pub channel: Option<Channel>,
+    /// The coordinate of each of its parameters ([`Spec::scale`]).
+    pub numbers: Vec<f64>,
+    /// Which of them a search may change.
+    pub free: Vec<usize>,
+    /// How it varies.
+    pub course: Course,
+}
+
+impl Chosen {
+    /// With the usual numbers, at which nothing happens; all of them free.
+    pub fn usual(kind: &'static Kind, channel: Option<Channel>, course: Course) -> Self {
+        let mut chosen = Self { kind, channel, numbers: Vec::new(), free: Vec::new(), course };
+        chosen.numbers = chosen.specs().map(|spec| spec.mean).collect();
+        chosen.free = (0..chosen.numbers.len()).collect();
+        chosen
+    }
+
+    /// What is known of its numbers.
+    pub fn specs(&self) -> impl Iterator<Item = Spec> + '_ {
+        (0..self.kind.parameters.len()).filter_map(|place| self.kind.spec(place, self.channel))
+    }
+
+    /// When it begins, s; long ago, where it is always there.
+    pub fn onset(&self) -> f64 {
+        self.kind.place_of("at_s").map_or(f64::NEG_INFINITY, |place| self.numbers[place])
+    }
+
+    /// Its numbers in their units.
+    pub fn values(&self) -> Vec<f64> {
+        self.specs().zip(&self.numbers).map(|(spec, number)| spec.value(*number)).collect()
+    }
+
+    /// Where it stands in the list of all effects: they act in that order.
+    fn order(&self) -> usize {
+        KINDS.iter().position(|kind| std::ptr::eq(*kind, self.kind)).unwrap_or(usize::MAX)
+    }
+}
+
+/// The plain model with any effects.
+#[derive(Clone, Debug)]
+pub struct Model<'a> {
+    /// What does not change.
+    pub vehicle: &'a Vehicle,
+    /// Are drive and brake torques known?
+    pub knows_torque: bool,
+    /// Ordinary numbers.
+    pub values: Values,
+    /// How late sensors and torques are, s.
+    pub delays: Delays,
+    /// How much of the lateral curve's bend the longitudinal one has.
+    pub bend_along: f64,
+    /// Physics beyond the plain model.
+    pub effects: Vec<Chosen>,
+}
+
+/// A number that a search may change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// Of the vehicle, or a sensor's offset.
+    Ordinary(Parameter),
+    /// How late something is.
+    Delay(Late),
+    /// How much of the lateral curve's bend the longitudinal one has: friction along and across are
+    /// seldom the same, and one limit is all that the vehicle's table has.
+    BendAlong,
+    /// Of an effect: which effect, which number.
+    Effect(usize, usize),
+}
+
+/// A free number: its place, its prior and a step, all in the coordinate that is searched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Free {
+    /// Where it is.
+    pub place: Place,
+    /// Mean of the prior.
+    pub mean: f64,
+    /// Standard deviation of the prior.
+    pub std: f64,
+    /// Step of differences.
+    pub step: f64,
+}
+
+/// So many standard deviations from what its owner says of it a number is ordinary; beyond, something else
+/// is wrong.
+const ORDINARY_STDS: f64 = 5.0;
+const ORDINARY_DELAY_STDS: f64 = 2.5;
+
+/// Mean and standard deviation of what is thought of the longitudinal curve's bend.
+const BEND_ALONG: (f64, f64) = (0.5, 0.5);
+
+impl<'a> Model<'a> {
+    /// The plain model as the vehicle's table has it.
+    pub fn plain(vehicle: &'a Vehicle, knows_torque: bool) -> Self {
+        Self {
+            vehicle,
+            knows_torque,
+            values: Values::of(vehicle),
+            delays: Late::usual(),
+            bend_along: BEND_ALONG.0,
+            effects: Vec::new(),
+        }
+    }
+
+    /// The same with effects that a configuration switches on, as it has them.
+    pub fn with_configured(&self, effects: &[EffectConfig]) -> Self {
+        let mut model = self.clone();
+        model.effects.extend(effects.iter().map(|config| Chosen {
+            kind: config.kind(),
+            channel: config.channel(),
+            numbers: config.coordinates().iter().map(|coordinate| coordinate.value).collect(),
+            free: Vec::new(),
+            course: config.course().clone(),
+        }));
+        model
+    }
+
+    /// The car it describes.
+    pub fn car(&self) -> Car {
+        let mut effects: Vec<&Chosen> = self.effects.iter().collect();
+        effects.sort_by_key(|chosen| chosen.order());
+        let effects = effects.into_iter().map(|chosen| {
+            let values = chosen.values();
+            chosen.kind.effect(&Setting { values: &values, channel: chosen.channel, course: &chosen.course })
+        });
+        Car::new(Settings {
+            vehicle: self.vehicle,
+            values: &self.values,
+            knows_torque: self.knows_torque,
+            delays: self.delays,
+            bend_along: self.bend_along,
+            effects: effects.collect(),
+        })
+    }
+
+    /// The same with another effect.
+    pub fn with(&self, chosen: Chosen) -> Self {
+        let mut model = self.clone();
+        model.effects.push(chosen);
+        model
+    }
+
+    /// What is free in the plain model: all that the vehicle's table calls uncertain, and the sensors'
+    /// offsets.
+    pub fn ordinary(&self, has: impl Fn(Quantity) -> bool) -> Vec<Free> {
+        let drive = if self.knows_torque {
+            crate::identify::Drive::Torque
+        } else {
+            crate::identify::Drive::WheelSpeeds
+        };
+        let is_slip_offset = |p: &Parameter| {
+            use Parameter::{SlipOffsetFl, SlipOffsetFr, SlipOffsetRl, SlipOffsetRr};
+            matches!(p, SlipOffsetFl | SlipOffsetFr | SlipOffsetRl | SlipOffsetRr)
+        };
+        let usual = Parameter::usual(self.vehicle, drive, &has);
+        let mut parameters: Vec<Parameter> = usual.into_iter().filter(|p| !is_slip_offset(p)).collect();
+        if !self.knows_torque && has(Quantity::LongitudinalAcceleration) {
+            parameters.push(Parameter::LongitudinalAccelerationOffset);
+        }
+        let mut free: Vec<Free> = parameters.into_iter().map(|p| self.free_ordinary(p)).collect();
+        let late = Late::ALL.into_iter().filter(|late| has(late.quantity()));
+        free.extend(late.filter(|late| self.knows_torque || *late != Late::Torque).map(|late| {
+            let (mean, std) = late.prior();
+            Free { place: Place::Delay(late), mean, std, step: 0.001 }
+        }));
+        // Linear tires have a bend once an effect gives them a limit.
+        if self.knows_torque {
+            free.push(Free { place: Place::BendAlong, mean: BEND_ALONG.0, std: BEND_ALONG.1, step: 0.05 });
+        }
+        free
+    }
+
+    fn free_ordinary(&self, parameter: Parameter) -> Free {
+        let prior = parameter.prior(self.vehicle);
+        let place = Place::Ordinary(parameter);
+        if is_logarithmic(parameter) {
+            let std = prior.std / prior.value;
+            return Free { place, mean: prior.value.ln(), std, step: (0.1 * std).clamp(1e-3, 0.05) };
+        }
+        Free { place, mean: prior.value, std: prior.std, step: 0.05 * prior.std }
+    }
+
+    /// The numbers of one of its effects that a search may change.
+    pub fn free_of_effect(&self, effect: usize) -> Vec<Free> {
+        let chosen = &self.effects[effect];
+        let free = chosen.specs().enumerate().filter(|(place, _)| chosen.free.contains(place));
+        let free = free.map(|(place, spec)| Free {
+            place: Place::Effect(effect, place),
+            mean: spec.mean,
+            std: spec.std,
+            step: spec.step,
+        });
+        free.collect()
+    }
+
+    /// The coordinate of a free number.
+    pub fn get(&self, place: Place) -> f64 {
+        match place {
+            Place::Ordinary(p) if is_logarithmic(p) => self.values.get(p).ln(),
+            Place::Ordinary(p) => self.values.get(p),
+            Place::Delay(late) => self.delays[late as usize],
+            Place::BendAlong => self.bend_along,
+            Place::Effect(effect, number) => self.effects[effect].numbers[number],
+        }
+    }
+
+    /// Name and value of an ordinary number in its unit, and how the value changes with the coordinate;
+    /// none of an effect's.
+    pub fn ordinary_number(&self, place: Place) -> Option<(String, f64, f64)> {
+        Some(match place {
+            Place::Ordinary(p) => {
+                let value = self.values.get(p);
+                (p.name().into(), value, if is_logarithmic(p) { value } else { 1.0 })
+            }
+            Place::Delay(late) => (late.name().into(), self.delays[late as usize], 1.0),
+            Place::BendAlong => ("longitudinal_bend".into(), self.bend_along, 1.0),
+            Place::Effect(..) => return None,
+        })
+    }
+
+    /// Changes a free number, within its bounds.
+    pub fn set(&mut self, place: Place, coordinate: f64) {
+        match place {
+            Place::Ordinary(p) => {
+                let Free { mean, std, .. } = self.free_ordinary(p);
+                let within = coordinate.clamp(mean - ORDINARY_STDS * std, mean + ORDINARY_STDS * std);
+                let value = if is_logarithmic(p) { within.exp() } else { within };
+                let (low, high) = p.bounds();
+                self.values.set(p, value.clamp(low, high));
+            }
+            Place::Delay(late) => {
+                let (mean, std) = late.prior();
+                let most = ORDINARY_DELAY_STDS * std;
+                self.delays[late as usize] = coordinate.clamp(mean - most, mean + most);
+            }
+            Place::BendAlong => self.bend_along = coordinate.clamp(0.0, 1.2),
+            Place::Effect(effect, number) => {
+                let chosen = &mut self.effects[effect];
+                if let Some(spec) = chosen.kind.spec(number, chosen.channel) {
+                    chosen.numbers[number] = coordinate.clamp(spec.bounds.0, spec.bounds.1);
+                }
+            }
+        }
+    }
+
+    /// Until when another model says the same, s: what begins later makes no difference before. (No effect that
+    /// begins later has states of its own.)
+    pub fn same_until(&self, other: &Self) -> f64 {
+        let is_straight = |model: &Self| model.vehicle.tire == TireKind::Linear && model.effects.is_empty();
+        let bends_alike = self.bend_along == other.bend_along || (is_straight(self) && is_straight(other));
+        let is_plain_alike = self.values == other.values
+            && self.delays == other.delays
+            && bends_alike
+            && self.knows_torque == other.knows_torque;
+        if !is_plain_alike {
+            return f64::NEG_INFINITY;
+        }
+        let count = self.effects.len().max(other.effects.len());
+        let pairs = (0..count).map(|place| (self.effects.get(place), other.effects.get(place)));
+        let different = pairs.filter(|(one, another)| one != another);
+        different
+            .flat_map(|(one, another)| [one, another])
+            .flatten()
+            .map(Chosen::onset)
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The same, one number changed by so much (in the other direction at its bound). Returns the change
+    /// made.
+    pub fn varied(&self, free: &Free) -> (Self, f64) {
+        let back = Free { step: -free.step, ..*free };
+        self.moved(free).or_else(|| self.moved(&back)).unwrap_or_else(|| (self.clone(), free.step))
+    }
+
+    /// The same, one number changed by its step, and the change made; none where its bounds forbid it.
+    pub fn moved(&self, free: &Free) -> Option<(Self, f64)> {
+        let at = self.get(free.place);
+        let mut model = self.clone();
+        model.set(free.place, at + free.step);
+        let made = model.get(free.place) - at;
+        (made.abs() > 0.5 * free.step.abs()).then_some((model, made))
+    }
+}
+
+/// Is its logarithm searched for?
+fn is_logarithmic(parameter: Parameter) -> bool {
+    use Parameter::{Drag, DriveTorqueRatio, MagicCurvature, RollingResistance};
+    !parameter.is_offset()
+        && !matches!(parameter, DriveTorqueRatio | Drag | RollingResistance | MagicCurvature)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_linear_tire_bends_along_as_it_likes_once_it_has_a_limit() {
+        let vehicle = Vehicle { tire: TireKind::Linear, ..Vehicle::thesis() };
+        let plain = Model::plain(&vehicle, true);
+        let free = plain.ordinary(|_| true);
+        let bend = free.iter().find(|free| free.place == Place::BendAlong).unwrap();
+        // Until then nothing is different.
+        assert_eq!(plain.same_until(&plain.varied(bend).0), f64::INFINITY);
+        let limit = KINDS.iter().find(|kind| kind.name == "tire_saturation").unwrap();
+        let limited = plain.with(Chosen::usual(limit, None, Course::None));
+        assert_eq!(limited.same_until(&limited.varied(bend).0), f64::NEG_INFINITY);
+        // Without a torque its slips are measured.
+        assert!(Model::plain(&vehicle, false).ordinary(|_| true).iter().all(|f| f.place != Place::BendAlong));
+    }
+}

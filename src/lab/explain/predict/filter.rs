@@ -1,0 +1,267 @@
+//! The filter that holds a car to a recording as tightly as sensors and equations allow.
+
+use super::car::{self, BODY_STATES, Car, Instant, MOST_LIVE, State};
+use super::drive::{Drive, STEP_S};
+use super::lane::Lane;
+use super::noise::{Live, Noise};
+use super::pass::{Ask, Filtered, Innovation, Out};
+use physics::Quantity;
+use physics::model::effect::Readings;
+
+/// Most states that the filter corrects.
+pub const FILTERED: usize = BODY_STATES + MOST_LIVE;
+
+/// A square of the filtered states.
+pub type Square = [[f64; FILTERED]; FILTERED];
+/// A number for each filtered state.
+pub type Column = [f64; FILTERED];
+
+/// Differences by which the filter linearizes, in the state's units.
+const DIFFERENCE: [f64; BODY_STATES] = [1e-3, 1e-3, 1e-4];
+
+/// What is known of a start: measured speed and yaw rate, and that no car drifts much.
+const START_STD: [f64; BODY_STATES] = [0.3, 0.5, 0.03];
+
+/// How one reading corrects the state.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gain {
+    /// The correction of the state per unit of the innovation.
+    pub(super) k: Column,
+    /// Derivatives of the reading by the state.
+    pub(super) c: Column,
+    /// Variance of the innovation.
+    pub(super) s: f64,
+}
+
+/// A run in progress: state and covariance of the filter, and the cars beside it.
+#[derive(Clone)]
+pub(super) struct Filter {
+    pub(super) lane: Lane,
+    p: Square,
+    n: usize,
+    /// Derivatives of rates and readings by the state, where they were taken last, and how many steps ago.
+    derivatives: Option<(Derivatives, usize)>,
+}
+
+impl Filter {
+    /// Where a run begins, at a grid point.
+    pub(super) fn new((car, drive, noise): (&Car, &Drive, &Noise), k: usize) -> Self {
+        let lane = Lane::start(car, drive, k);
+        Self { lane, p: start_covariance(noise), n: BODY_STATES + noise.live.len(), derivatives: None }
+    }
+
+    /// One step: predicts, compares, corrects.
+    pub(super) fn step(
+        &mut self,
+        (car, drive, noise): (&Car, &Drive, &Noise),
+        (k, begins): (usize, bool),
+        out: &mut Out,
+        ask: &mut Ask<'_>,
+    ) {
+        let Out { gains, errors, sums } = out;
+        let n = self.n;
+        let from = self.lane.state;
+        let before = self.lane.before;
+        let predicted = self.lane.predict(car, drive, k, &noise.live);
+        let t = k as f64 * STEP_S;
+        let (derivatives, age) = self.derivatives.take().unwrap_or_else(|| {
+            let (input, rate) = (&predicted.inputs.at[0], predicted.inputs.steering_rate);
+            let at = |state: &State| {
+                let state = car.settled(t, state, input, &before);
+                car.instant(t, &state, input, rate, &before, car::Ask::Readings)
+            };
+            (Derivatives::of(&from, &noise.live, None, at), 0)
+        });
+        let a = transition(&derivatives.rates, n, noise);
+        let mut p = sandwich(&a, &self.p, n);
+        for (i, diffusion) in noise.diffusion.iter().enumerate() {
+            p[i][i] += diffusion * diffusion * STEP_S;
+        }
+        for (i, live) in noise.live.iter().enumerate() {
+            let keeps = (-STEP_S / live.length_s).exp();
+            p[BODY_STATES + i][BODY_STATES + i] += live.size * live.size * (1.0 - keeps * keeps);
+        }
+        let (p_before, x_before) = (p, column_of(&predicted.next));
+        // They change slowly, and serve this step's readings and the next ones' transitions.
+        let derivatives = if age + 1 < SERVES {
+            self.derivatives.insert((derivatives, age + 1))
+        } else {
+            let (input, rate) = (&predicted.inputs.at[2], predicted.inputs.steering_rate);
+            let first = predicted.first.before();
+            let at = |state: &State| {
+                let state = car.settled(t + STEP_S, state, input, &first);
+                car.instant(t + STEP_S, &state, input, rate, &first, car::Ask::Readings)
+            };
+            // Where no effect has states of its own, that is what was predicted.
+            let settled = car.settled(t + STEP_S, &predicted.next, input, &first);
+            let here = (settled == predicted.next).then_some(predicted.end);
+            self.derivatives.insert((Derivatives::of(&predicted.next, &noise.live, here, at), 0))
+        };
+        let by = &derivatives.0.readings;
+        let mut correction = [0.0; FILTERED];
+        let (_, measured) = drive.of_step(k);
+        for reading in measured {
+            let channel = usize::from(reading.channel);
+            let noise = noise.sensor[channel];
+            let at = t + f64::from(reading.share) * STEP_S;
+            if !noise.is_finite() || !ask.readers.see(at) {
+                continue;
+            }
+            let (mut c, mut pc): (Column, Column) = ([0.0; FILTERED], [0.0; FILTERED]);
+            for (c, by) in c.iter_mut().zip(by) {
+                *c = by[channel];
+            }
+            for (pc, row) in pc.iter_mut().zip(&p) {
+                *pc = dot(row, &c, n);
+            }
+            let own = dot(&c, &pc, n);
+            let s = own + noise * noise;
+            let shift = dot(&c, &correction, n);
+            let says = self.lane.reading(car, &predicted, channel, f64::from(reading.share));
+            let error = reading.value - says - shift;
+            let mut k_: Column = [0.0; FILTERED];
+            for i in 0..n {
+                k_[i] = pc[i] / s;
+                for (j, pc) in pc.iter().enumerate().take(n) {
+                    p[i][j] -= k_[i] * pc;
+                }
+                correction[i] += k_[i] * error;
+            }
+            gains.push(Gain { k: k_, c, s });
+            errors.push(error);
+            sums.log_s += s.ln();
+            sums.square[channel] += error * error / s;
+            sums.excess[channel] += error * error - own;
+            sums.of[channel] += 1;
+            if let Some(innovations) = &mut ask.innovations {
+                innovations.push(Innovation {
+                    t: at,
+                    channel: reading.channel,
+                    value: reading.value,
+                    error,
+                    std: s.sqrt(),
+                });
+            }
+        }
+        make_symmetric(&mut p, n);
+        self.p = p;
+        self.lane.finish(&predicted, &correction);
+        if let Some(steps) = &mut ask.steps {
+            let filtered = (column_of(&self.lane.state), p);
+            steps.push(Filtered { k: k + 1, begins, a, predicted: (x_before, p_before), filtered });
+        }
+    }
+}
+
+fn start_covariance(noise: &Noise) -> Square {
+    let mut p = [[0.0; FILTERED]; FILTERED];
+    for (i, std) in START_STD.iter().enumerate() {
+        p[i][i] = std * std;
+    }
+    for (i, live) in noise.live.iter().enumerate() {
+        p[BODY_STATES + i][BODY_STATES + i] = live.size * live.size;
+    }
+    p
+}
+
+/// Steps that derivatives serve.
+const SERVES: usize = 2;
+
+/// Derivatives by the filtered states.
+#[derive(Clone)]
+struct Derivatives {
+    rates: Square,
+    readings: [Readings; FILTERED],
+}
+
+impl Derivatives {
+    /// By differences from what is `here`, if that is known.
+    fn of(state: &State, live: &[Live], here: Option<Instant>, at: impl Fn(&State) -> Instant) -> Self {
+        let here = here.unwrap_or_else(|| at(state));
+        let mut rates = [[0.0; FILTERED]; FILTERED];
+        let mut readings = [[0.0; Quantity::COUNT]; FILTERED];
+        for column in 0..BODY_STATES + live.len() {
+            let mut moved = *state;
+            let difference = match column.checked_sub(BODY_STATES) {
+                None => {
+                    moved.body[column] += DIFFERENCE[column];
+                    DIFFERENCE[column]
+                }
+                Some(place) => {
+                    moved.live[place] += live[place].difference;
+                    live[place].difference
+                }
+            };
+            let there = at(&moved);
+            let by = 1.0 / difference;
+            for (row, rates) in rates.iter_mut().enumerate().take(BODY_STATES) {
+                rates[column] = (there.rate.body[row] - here.rate.body[row]) * by;
+            }
+            for (channel, reading) in readings[column].iter_mut().enumerate() {
+                *reading = (there.readings[channel] - here.readings[channel]) * by;
+            }
+        }
+        Self { rates, readings }
+    }
+}
+
+/// Rounding must not grow into a covariance that is none.
+fn make_symmetric(p: &mut Square, n: usize) {
+    for (i, j) in (0..n).flat_map(|i| (0..i).map(move |j| (i, j))) {
+        let mean = 0.5 * (p[i][j] + p[j][i]);
+        p[i][j] = mean;
+        p[j][i] = mean;
+    }
+}
+
+fn column_of(state: &State) -> Column {
+    std::array::from_fn(|i| match i.checked_sub(BODY_STATES) {
+        None => state.body[i],
+        Some(live) => state.live[live],
+    })
+}
+
+/// exp(J h) to second order; courses decay on their own.
+fn transition(j: &Square, n: usize, noise: &Noise) -> Square {
+    let mut a = [[0.0; FILTERED]; FILTERED];
+    for i in 0..n {
+        for k in 0..n {
+            let mut square = 0.0;
+            for (by, row) in j[i].iter().zip(j).take(BODY_STATES) {
+                square += by * row[k];
+            }
+            a[i][k] = STEP_S * j[i][k] + 0.5 * STEP_S * STEP_S * square;
+        }
+        a[i][i] += 1.0;
+    }
+    for (i, live) in noise.live.iter().enumerate() {
+        a[BODY_STATES + i][BODY_STATES + i] = (-STEP_S / live.length_s).exp();
+    }
+    a
+}
+
+/// Σ aᵢ bᵢ over the first `n`: a loop, for it is at the bottom of everything here.
+#[inline(always)]
+pub(super) fn dot(a: &Column, b: &Column, n: usize) -> f64 {
+    a.iter().zip(b).take(n).fold(0.0, |sum, (a, b)| sum + a * b)
+}
+
+/// A P Aᵀ.
+fn sandwich(a: &Square, p: &Square, n: usize) -> Square {
+    let mut ap = [[0.0; FILTERED]; FILTERED];
+    for (ap, a) in ap.iter_mut().zip(a).take(n) {
+        // Row by row: neighbours in memory are neighbours in the loop.
+        for (a, p) in a.iter().zip(p).take(n) {
+            for (ap, p) in ap.iter_mut().zip(p) {
+                *ap += a * p;
+            }
+        }
+    }
+    let mut out = [[0.0; FILTERED]; FILTERED];
+    for (out, ap) in out.iter_mut().zip(&ap).take(n) {
+        for (out, a) in out.iter_mut().zip(a).take(n) {
+            *out = dot(ap, a, n);
+        }
+    }
+    out
+}

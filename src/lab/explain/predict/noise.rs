@@ -1,0 +1,113 @@
+//! How much the sensors and the equations err.
+
+use super::car::{BODY_STATES, MOST_LIVE};
+use super::drive::{COMPARED, Drive};
+use physics::Quantity;
+
+/// A course that is estimated while the filter runs: an Ornstein–Uhlenbeck process.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Live {
+    /// Standard deviation, in the course's unit.
+    pub size: f64,
+    /// Correlation length, s.
+    pub length_s: f64,
+    /// Shortest correlation length that makes sense, s.
+    pub least_s: f64,
+    /// Over which difference the filter takes its influence to be linear. That of a slippery patch is
+    /// none at all at first.
+    pub difference: f64,
+}
+
+/// Standard deviations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Noise {
+    /// What the equations miss of vx, vy and yaw rate: diffusion, per √s.
+    pub diffusion: [f64; BODY_STATES],
+    /// Of a reading, by quantity.
+    pub sensor: [f64; Quantity::COUNT],
+    /// Courses that are estimated.
+    pub live: Vec<Live>,
+}
+
+impl Noise {
+    /// A first guess: sensors from the differences of their readings, equations nearly right.
+    pub fn first(drives: &[Drive]) -> Self {
+        let mut sensor = [f64::NAN; Quantity::COUNT];
+        for channel in COMPARED {
+            let of_drive = |drive: &Drive| -> Vec<f64> {
+                drive.measured.iter().filter(|m| m.channel == channel as u8).map(|m| m.value).collect()
+            };
+            let tracks: Vec<Vec<f64>> = drives.iter().map(of_drive).collect();
+            if let Some(std) = white_std(tracks.iter().map(Vec::as_slice)) {
+                sensor[channel as usize] = std.max(floor(channel));
+            }
+        }
+        Self { diffusion: Self::LEAST_DIFFUSION, sensor, live: Vec::new() }
+    }
+
+    /// No car and no steering sensor is better than this, per √s.
+    pub const LEAST_DIFFUSION: [f64; BODY_STATES] = [1e-3, 1e-3, 5e-4];
+
+    /// How many numbers there are that a search may scale: diffusions, size and length of each course; the
+    /// last one stands for all diffusions together.
+    pub fn scales(&self) -> usize {
+        BODY_STATES + 2 * self.live.len() + 1
+    }
+
+    /// The same with one of those scaled, if that changes anything and can be.
+    pub fn scaled(&self, place: usize, by: f64) -> Option<Self> {
+        let mut noise = self.clone();
+        match place.checked_sub(BODY_STATES) {
+            Some(place) if place == 2 * self.live.len() => {
+                for (diffusion, least) in noise.diffusion.iter_mut().zip(Self::LEAST_DIFFUSION) {
+                    *diffusion = (*diffusion * by).clamp(least, 3000.0 * least);
+                }
+            }
+            None => {
+                let least = Self::LEAST_DIFFUSION[place];
+                noise.diffusion[place] = (noise.diffusion[place] * by).clamp(least, 3000.0 * least);
+            }
+            Some(place) => {
+                let live = noise.live.get_mut(place / 2)?;
+                if place % 2 == 0 {
+                    live.size *= by;
+                } else {
+                    live.length_s = (live.length_s * by).clamp(live.least_s, 60.0);
+                }
+            }
+        }
+        (noise != *self).then_some(noise)
+    }
+
+    /// The same with another course to estimate.
+    pub fn with(&self, live: Live) -> Self {
+        let mut noise = self.clone();
+        if noise.live.len() < MOST_LIVE {
+            noise.live.push(live);
+        }
+        noise
+    }
+}
+
+/// Standard deviation of the white noise in some tracks. Second differences leave of a smooth signal
+/// nothing, of white noise six times its variance.
+pub fn white_std<'t>(tracks: impl Iterator<Item = &'t [f64]>) -> Option<f64> {
+    let mut squares: Vec<f64> =
+        tracks.flat_map(|track| track.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2) / 6.0)).collect();
+    let middle = squares.len() / 2;
+    if squares.is_empty() {
+        return None;
+    }
+    let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
+    // The median of a squared normal number is 0.455 of its variance.
+    Some((*median / 0.455).sqrt())
+}
+
+/// No sensor of a car is better than this.
+pub fn floor(channel: Quantity) -> f64 {
+    match channel {
+        Quantity::YawRate => 2e-4,
+        Quantity::LateralAcceleration | Quantity::LongitudinalAcceleration => 5e-3,
+        _ => 5e-3,
+    }
+}

@@ -1,0 +1,395 @@
+//! One pass over a drive: a filter holds the car to the recording, and other cars, a little different,
+//! are held to it by the same gains.
+//!
+//! With the gains kept, what a car of the lane says minus what the first one says is the exact effect of
+//! their difference on the innovations, whatever states and delays it has; so derivatives by any number
+//! of any effect come by differences, all with one pass and without storing the drive.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::car::Car;
+use super::drive::{Drive, STEP_S, points};
+use super::filter::{Column, Filter, Gain, Square};
+use super::lane::Lane;
+use super::noise::Noise;
+use physics::Quantity;
+use physics::model::effect::Readings;
+
+/// Blocks in which sums are kept, s.
+pub const BLOCK_S: f64 = 5.0;
+
+/// Which readings the filter may look at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Readers {
+    /// All.
+    #[default]
+    All,
+    /// Those of every other second, from the first or from the second one.
+    EveryOther(bool),
+}
+
+impl Readers {
+    /// May it look at a reading of this time, s?
+    pub fn see(self, t: f64) -> bool {
+        match self {
+            Self::All => true,
+            Self::EveryOther(odd) => (t.floor() as i64 % 2 == 1) == odd,
+        }
+    }
+}
+
+/// What a pass shall also say.
+#[derive(Default)]
+pub struct Ask<'a> {
+    /// Which readings the filter may look at.
+    pub readers: Readers,
+    /// Every innovation of the first car.
+    pub innovations: Option<&'a mut Vec<Innovation>>,
+    /// Every step of the first car.
+    pub steps: Option<&'a mut Vec<Filtered>>,
+}
+
+/// Sums over one block of a drive.
+#[derive(Clone, Debug)]
+pub struct Sums {
+    /// Which drive.
+    pub drive: usize,
+    /// From, to, s.
+    pub t: (f64, f64),
+    /// Products of the whitened innovations (first) and their derivatives by each difference (the others,
+    /// with changed sign: how much a step takes away).
+    pub gram: DMatrix<f64>,
+    /// A column for each difference that is looked at alone: products of its derivatives with all those, and with
+    /// themselves (last).
+    pub alone: DMatrix<f64>,
+    /// Σ ln s.
+    pub log_s: f64,
+    /// Σ e²/s by quantity.
+    pub square: Readings,
+    /// Σ e² − (s − r²): estimates r² with `of`.
+    pub excess: Readings,
+    /// Readings by quantity.
+    pub of: [usize; Quantity::COUNT],
+}
+
+/// What comes of the steps of a block.
+pub(super) struct Out {
+    pub(super) gains: Vec<Gain>,
+    pub(super) errors: Vec<f64>,
+    pub(super) sums: Sums,
+}
+
+impl Out {
+    fn new(drive: usize, between: (usize, usize)) -> Self {
+        Self { gains: Vec::new(), errors: Vec::new(), sums: Sums::empty(drive, between) }
+    }
+}
+
+/// What the first car said of a reading.
+#[derive(Clone, Copy, Debug)]
+pub struct Innovation {
+    /// Time, s.
+    pub t: f64,
+    /// Quantity.
+    pub channel: u8,
+    /// Measured.
+    pub value: f64,
+    /// Measured minus predicted.
+    pub error: f64,
+    /// Standard deviation it should have.
+    pub std: f64,
+}
+
+/// A step of the first car, for smoothing.
+#[derive(Clone, Copy, Debug)]
+pub struct Filtered {
+    /// Grid point at the step's end.
+    pub k: usize,
+    /// Does the step begin a run?
+    pub begins: bool,
+    /// From the last filtered state to the predicted one.
+    pub a: Square,
+    /// Predicted state and covariance.
+    pub predicted: (Column, Square),
+    /// Filtered state and covariance.
+    pub filtered: (Column, Square),
+}
+
+/// A car that differs from the one the filter is made for.
+#[derive(Debug)]
+pub struct Other {
+    /// The car.
+    pub car: Car,
+    /// By how much of something it differs.
+    pub by: f64,
+    /// Until when it is the same, s.
+    pub same_until: f64,
+}
+
+impl Other {
+    /// Does it differ by this grid point?
+    fn differs(&self, k: usize) -> bool {
+        k as f64 * STEP_S + AHEAD_S > self.same_until
+    }
+}
+
+/// Readings may be so late, s, or ahead: so long before anything can be seen of it, a car that begins to differ
+/// goes its own way.
+const AHEAD_S: f64 = 1.0;
+
+/// The cars beside the one that the filter is made for.
+#[derive(Clone, Copy, Default)]
+pub struct Beside<'a> {
+    /// Those whose differences are looked at together.
+    pub together: &'a [Other],
+    /// Those of which each is looked at beside the former only: so many take so many times one's time.
+    pub alone: &'a [Other],
+}
+
+/// Goes over a drive with the car that the filter is made for, and others beside it.
+pub fn pass(
+    (number, drive): (usize, &Drive),
+    car: &Car,
+    beside: Beside<'_>,
+    noise: &Noise,
+    mut ask: Ask<'_>,
+) -> Vec<Sums> {
+    let runs = drive.runs.iter();
+    runs.flat_map(|run| pass_run((number, drive), *run, car, beside, noise, &mut ask)).collect()
+}
+
+/// Goes over one run of a drive.
+pub fn pass_run(
+    (number, drive): (usize, &Drive),
+    (from, to): (usize, usize),
+    car: &Car,
+    beside: Beside<'_>,
+    noise: &Noise,
+    ask: &mut Ask<'_>,
+) -> Vec<Sums> {
+    let mut all = Vec::new();
+    let per_block = points(BLOCK_S);
+    let mut filter = Filter::new((car, drive, noise), from);
+    let mut together = Lanes::start(beside.together, drive, from);
+    let mut alone = Lanes::start(beside.alone, drive, from);
+    // The filter over one block, with where it was at its beginning. The blocks' borders are the drive's, not
+    // the run's.
+    let mut filtered = |filter: &mut Filter, k: usize| {
+        let end = ((k / per_block + 1) * per_block).min(to);
+        let begin = filter.lane.clone();
+        let mut out = Out::new(number, (k, end));
+        for step in k..end {
+            filter.step((car, drive, noise), (step, step == from), &mut out, ask);
+        }
+        let Out { gains, errors, sums } = out;
+        (Block { drive, noise, steps: k..end, begin, gains, errors }, sums)
+    };
+    let mut block = (from < to).then(|| filtered(&mut filter, from));
+    while let Some((over, mut sums)) = block.take() {
+        let end = over.steps.end;
+        let mut go_on = || (end < to).then(|| filtered(&mut filter, end));
+        let mut follow = || over.products(&mut together, &mut alone);
+        // The filter goes ahead while the others follow.
+        let has_others = !(beside.together.is_empty() && beside.alone.is_empty());
+        let (next, products) = if has_others { rayon::join(go_on, follow) } else { (go_on(), follow()) };
+        (sums.gram, sums.alone) = products;
+        all.push(sums);
+        block = next;
+    }
+    all
+}
+
+/// Steps that the filter has gone over.
+struct Block<'a> {
+    drive: &'a Drive,
+    noise: &'a Noise,
+    steps: Range<usize>,
+    /// Where it was at their beginning.
+    begin: Lane,
+    gains: Vec<Gain>,
+    errors: Vec<f64>,
+}
+
+impl Block<'_> {
+    /// [`Sums::gram`] and [`Sums::alone`].
+    fn products(&self, together: &mut Lanes<'_>, alone: &mut Lanes<'_>) -> (DMatrix<f64>, DMatrix<f64>) {
+        let count = self.errors.len();
+        let first = self.errors.iter().zip(&self.gains).map(|(error, gain)| error / gain.s.sqrt());
+        let mut columns: Vec<f64> = first.collect();
+        // One that is still the same makes no difference.
+        for own in together.follow(self, |own| own) {
+            columns.extend(own.unwrap_or_else(|| vec![0.0; count]));
+        }
+        let z = DMatrix::from_vec(count, together.others.len() + 1, columns);
+        let of_one = |own: Vec<f64>| {
+            let own = DVector::from_vec(own);
+            let square = own.norm_squared();
+            z.tr_mul(&own).push(square)
+        };
+        let mut by_one = DMatrix::zeros(z.ncols() + 1, alone.others.len());
+        for (mut column, own) in by_one.column_iter_mut().zip(alone.follow(self, of_one)) {
+            if let Some(own) = own {
+                column.copy_from(&own);
+            }
+        }
+        (z.transpose() * &z, by_one)
+    }
+}
+
+/// Other cars on their way; those that are still the same as the first have no lane of their own.
+struct Lanes<'a> {
+    others: &'a [Other],
+    lanes: Vec<Option<Lane>>,
+}
+
+impl<'a> Lanes<'a> {
+    fn start(others: &'a [Other], drive: &Drive, k: usize) -> Self {
+        let lane = |other: &Other| other.differs(k).then(|| Lane::start(&other.car, drive, k));
+        Self { others, lanes: others.iter().map(lane).collect() }
+    }
+
+    /// Follows over a block: what is made of the innovations' derivatives by each difference, in standard deviations.
+    fn follow<T: Send>(&mut self, over: &Block<'_>, of: impl Fn(Vec<f64>) -> T + Sync) -> Vec<Option<T>> {
+        let own = |(lane, other): (&mut Option<Lane>, &Other)| {
+            if lane.is_none() && other.differs(over.steps.end) {
+                *lane = Some(over.begin.clone());
+            }
+            let lane = lane.as_mut()?;
+            let mut errors = Vec::with_capacity(over.errors.len());
+            for step in over.steps.clone() {
+                lane.follow(&other.car, over.drive, step, over.noise, &over.gains, &mut errors);
+            }
+            for (own, (error, gain)) in errors.iter_mut().zip(over.errors.iter().zip(&over.gains)) {
+                *own = (error - *own) * (1.0 / gain.s.sqrt()) / other.by;
+            }
+            Some(of(errors))
+        };
+        self.lanes.par_iter_mut().zip(self.others).map(own).collect()
+    }
+}
+
+/// Steps of the filter that are kept at a time, on the way back.
+const KEPT: usize = points(60.0);
+
+/// Goes over a drive with one car only, and then shows its steps, stretch by stretch from the end: the steps of a
+/// stretch are made again, for those of an hour would fill the memory.
+pub fn pass_backwards(
+    drive: &Drive,
+    car: &Car,
+    noise: &Noise,
+    readers: Readers,
+    show: &mut impl FnMut(&[Filtered]),
+) {
+    let mut steps = Vec::new();
+    for &(from, to) in drive.runs.iter().rev() {
+        let mut filter = Filter::new((car, drive, noise), from);
+        let mut out = Out::new(0, (from, to));
+        let mut go = |filter: &mut Filter, k: usize, steps: Option<&mut Vec<Filtered>>| {
+            let mut ask = Ask { readers, innovations: None, steps };
+            for step in k..(k + KEPT).min(to) {
+                out.gains.clear();
+                out.errors.clear();
+                filter.step((car, drive, noise), (step, step == from), &mut out, &mut ask);
+            }
+        };
+        let mut begins: Vec<(usize, Filter)> = Vec::new();
+        for k in (from..to).step_by(KEPT) {
+            begins.push((k, filter.clone()));
+            go(&mut filter, k, None);
+        }
+        for (k, mut filter) in begins.into_iter().rev() {
+            steps.clear();
+            go(&mut filter, k, Some(&mut steps));
+            show(&steps);
+        }
+    }
+}
+
+/// Goes over a drive with one car only; `watch` sees it at the beginning of each step: the step, the end of
+/// its run, and whether it begins one.
+pub(super) fn pass_with(
+    (number, drive): (usize, &Drive),
+    car: &Car,
+    noise: &Noise,
+    watch: &mut impl FnMut(&Lane, usize, usize, bool),
+) {
+    for &(from, to) in &drive.runs {
+        let mut filter = Filter::new((car, drive, noise), from);
+        let mut out = Out::new(number, (from, to));
+        for step in from..to {
+            watch(&filter.lane, step, to, step == from);
+            out.gains.clear();
+            out.errors.clear();
+            filter.step((car, drive, noise), (step, step == from), &mut out, &mut Ask::default());
+        }
+    }
+}
+
+impl Sums {
+    fn empty(drive: usize, (from, to): (usize, usize)) -> Self {
+        Self {
+            drive,
+            t: (from as f64 * STEP_S, to as f64 * STEP_S),
+            gram: DMatrix::zeros(0, 0),
+            alone: DMatrix::zeros(0, 0),
+            log_s: 0.0,
+            square: [0.0; Quantity::COUNT],
+            excess: [0.0; Quantity::COUNT],
+            of: [0; Quantity::COUNT],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::bench::recorded;
+    use super::super::super::model::{Chosen, Model};
+    use super::*;
+    use physics::model::effect::{Channel, Course, KINDS, Setting};
+
+    #[test]
+    fn what_begins_late_needs_no_lane_until_then() {
+        let (vehicle, recording) = recorded("");
+        let drives = [Drive::new(&recording, &vehicle)];
+        let plain = Model::plain(&vehicle, true);
+        let kind = KINDS.iter().find(|kind| kind.name == "sensor_bias").unwrap();
+        let steering = Some(Channel::One(Quantity::SteeringWheelAngle));
+        let mut jump = Chosen::usual(kind, steering, Course::None);
+        jump.numbers[kind.place_of("at_s").unwrap()] = 22.0;
+        jump.numbers[kind.place_of("bias").unwrap()] = 0.02;
+        let jumps = plain.with(jump);
+        assert_eq!(plain.same_until(&jumps), 22.0);
+        assert_eq!(jumps.same_until(&jumps), f64::INFINITY);
+        let sums = |same_until: f64| {
+            let others = [Other { car: jumps.car(), by: 0.02, same_until }];
+            let beside = Beside { together: &others, alone: &others };
+            pass((0, &drives[0]), &plain.car(), beside, &Noise::first(&drives), Ask::default())
+        };
+        let (own, late) = (sums(f64::NEG_INFINITY), sums(22.0));
+        for (own, late) in own.iter().zip(&late) {
+            assert!((&own.gram - &late.gram).amax() <= 1e-9 * own.gram.amax(), "{:?}", own.t);
+            assert_eq!(own.gram[(1, 1)] > 0.0, own.t.1 > 22.0, "{:?}", own.t);
+            // Alone, it has the same products with the innovations, with itself together with others, and with itself.
+            let expected = [late.gram[(1, 0)], late.gram[(1, 1)], late.gram[(1, 1)]];
+            for (product, expected) in late.alone.iter().zip(expected) {
+                assert!((product - expected).abs() <= 1e-9 * expected.abs(), "{:?}", late.t);
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_that_begins_late_has_states_of_its_own() {
+        let late: Vec<_> = KINDS.iter().filter(|kind| kind.place_of("at_s").is_some()).collect();
+        assert!(late.len() >= 3);
+        for kind in late {
+            let channel = kind.channels.first().copied();
+            let chosen = Chosen::usual(kind, channel, Course::None);
+            let values = chosen.values();
+            let effect = kind.effect(&Setting { values: &values, channel, course: &chosen.course });
+            assert_eq!(effect.states(), 0, "{}", kind.name);
+        }
+    }
+}

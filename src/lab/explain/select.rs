@@ -1,0 +1,359 @@
+//! Choosing forward: the best effect, then what is best beside it, until nothing is left that the data
+//! ask for and held-out data confirm.
+
+use std::collections::BTreeSet;
+
+use rayon::prelude::*;
+
+use super::candidates::{Candidate, onsets, onsets_within};
+use super::exogenous::follows_motion;
+use super::fit::{Data, Fit, Learn};
+use super::model::Model;
+use super::naming::{Refitted, Scored, refine, refit, scan};
+use super::patches;
+use super::predict::Drive;
+use super::smooth::courses;
+use super::split::{BLOCK_S, Part, Split};
+use physics::Quantity;
+use physics::model::effect::{Channel, Kind};
+
+/// Evidence (twice the logarithm of the odds) that the first finding needs. The odds must beat those of
+/// some fifty candidates, each with a small chance of its own.
+pub const LEAST_EVIDENCE: f64 = 24.0;
+
+/// Further findings need this, and this share of all that has been found.
+const FURTHER_EVIDENCE: f64 = 30.0;
+const FURTHER_SHARE: f64 = 0.015;
+
+/// So many findings at most: what is beyond is noise, or another car.
+const MOST_FINDINGS: usize = 5;
+
+/// Candidates that are fitted together with everything else: so many at most, down to this share of the
+/// best one's first-order gain.
+const MOST_REFITTED: usize = 5;
+const LEAST_SHARE: f64 = 0.08;
+/// …and of the evidence that is needed.
+const LEAST_OF_FIRST_ORDER: f64 = 0.3;
+
+/// A held-out block within so many seconds of where something began is needed to learn when it did.
+pub const ONSET_S: f64 = 3.0;
+
+/// A course of which more than this follows from the driver's own inputs is none of wind and road.
+pub const MOST_FOLLOWING: f64 = 0.4;
+
+/// See [`is_noteworthy`].
+const LEAST_TORQUE_SCALE: f64 = 0.01;
+
+/// Rounds of fitting without learning any noise.
+const STRICT_ROUNDS: usize = 4;
+
+/// Rounds of a first fit, of one that may win, and of the one that is kept.
+const FIRST_ROUNDS: usize = 2;
+const NEXT_ROUNDS: usize = 3;
+const LAST_ROUNDS: usize = 8;
+
+/// So many after their first fit, and all with this share of the best one's evidence, may win.
+pub const MOST_RIVALS: usize = 3;
+pub const RIVAL_SHARE: f64 = 0.5;
+
+/// One round of choosing.
+#[derive(Clone, Debug)]
+pub struct Round<'a> {
+    /// All candidates to first order, best first.
+    pub scanned: Vec<Scored>,
+    /// Those fitted together, best first; what was refused is left out.
+    pub refitted: Vec<Refitted<'a>>,
+    /// Candidates refused for following the driver's inputs, each with its evidence.
+    pub following: Vec<(Candidate, f64)>,
+}
+
+impl Round<'_> {
+    /// With what another look found.
+    fn and(mut self, other: Self) -> Self {
+        self.refitted.extend(other.refitted);
+        self.refitted = best_of_each(self.refitted);
+        self.following.extend(other.following);
+        self
+    }
+}
+
+/// What was chosen.
+#[derive(Clone, Debug)]
+pub struct Selection<'a> {
+    /// The plain model.
+    pub baseline: Fit<'a>,
+    /// With all that was chosen.
+    pub extended: Fit<'a>,
+    /// What was chosen, in this order.
+    pub chosen: Vec<Refitted<'a>>,
+    /// All rounds.
+    pub rounds: Vec<Round<'a>>,
+    /// What was fitted to and what was not, at last.
+    pub split: Split,
+}
+
+/// Chooses, beginning with what was taken before. `library` has the candidates for a model, of something that could
+/// have begun at certain moments, s; `progress` is told the stage and how far it is.
+pub fn select<'a>(
+    data: &Data<'_>,
+    (mut baseline, before): (Fit<'a>, Vec<Refitted<'a>>),
+    library: &impl Fn(&Model<'_>, &[f64]) -> Vec<Candidate>,
+    progress: &(dyn Fn(&str, f64) + Sync),
+) -> Selection<'a> {
+    let mut data = data.clone();
+    let mut extended = baseline.clone();
+    let mut chosen: Vec<Refitted<'a>> = Vec::new();
+    let mut rounds = Vec::new();
+    let longest = data.drives.iter().map(Drive::seconds).fold(0.0, f64::max);
+    let onsets = if data.share < 1.0 { onsets_within(data.drives) } else { onsets(longest) };
+    for taken in before {
+        extended = taken.fit.clone();
+        let refitted = vec![taken.clone()];
+        rounds.push(Round { scanned: Vec::new(), refitted, following: Vec::new() });
+        chosen.push(taken);
+    }
+    while chosen.len() < MOST_FINDINGS {
+        progress(if chosen.is_empty() { "naming" } else { "looking for more" }, chosen.len() as f64 / 5.0);
+        let is_new = |candidate: &Candidate| {
+            let same = |other: &Refitted<'_>| {
+                other.candidate.name() == candidate.name() && other.candidate.free == candidate.free
+            };
+            !chosen.iter().any(same)
+        };
+        let library: Vec<Candidate> = library(&extended.model, &onsets).into_iter().filter(is_new).collect();
+        let found: f64 = chosen.iter().map(|refitted| refitted.evidence).sum();
+        // An excerpt tells as much less: what passes here must pass again on everything.
+        let least = least_evidence(data.share, !chosen.is_empty(), found);
+        // Equations that hardly err as they are would only say the same again.
+        let least_diffusion = data.strict(&extended.noise).diffusion;
+        let errs =
+            extended.noise.diffusion.iter().zip(least_diffusion).any(|(learnt, least)| *learnt > least);
+        let strictly = || errs.then(|| data.fit_strictly(&extended, STRICT_ROUNDS));
+        let learnt = (&extended, Learn::Noise);
+        let mut round = if let Some(strict) = chosen.is_empty().then(strictly).flatten() {
+            look(&data, &extended, &[learnt, (&strict, Learn::Nothing)], &library, least)
+        } else {
+            look(&data, &extended, &[learnt], &library, least)
+        };
+        let shows = |round: &Round<'_>| round.refitted.first().is_some_and(|first| first.evidence > least);
+        // Beside what was found, the rest mostly shows without.
+        if !chosen.is_empty()
+            && !shows(&round)
+            && let Some(strict) = strictly()
+        {
+            round = round.and(look(&data, &extended, &[(&strict, Learn::Nothing)], &library, least));
+        }
+        prefer_the_simpler(&mut round.refitted);
+        for refitted in &round.refitted {
+            tracing::debug!(name = refitted.candidate.name(), evidence = refitted.evidence, "fitted");
+        }
+        let best = round.refitted.first().filter(|_| shows(&round)).cloned();
+        rounds.push(round);
+        let Some(mut first) = best else { break };
+        if let Some(split) = first.onset().and_then(|at| data.split.released(at, ONSET_S)) {
+            data.split = split;
+            let again = |fit: &Fit<'a>| data.fit(&fit.model, &fit.free, &fit.noise, NEXT_ROUNDS);
+            baseline = again(&baseline);
+            extended = if chosen.is_empty() { baseline.clone() } else { again(&extended) };
+            // What was fitted to other blocks cannot be compared; and within one that was held out, it could
+            // have begun anywhere.
+            let mut fit = first.fit.clone();
+            fit.model = first.begun_within(&data, BLOCK_S);
+            first = Refitted::new(&extended, first.candidate, again(&fit));
+            first = refine(&data, &extended, &first, NEXT_ROUNDS);
+        }
+        let (after, noise) = (&first.fit, &first.fit.noise);
+        let polished = data.fit(&after.model, &after.free, noise, LAST_ROUNDS);
+        let fit = if polished.cost() < after.cost() { polished } else { after.clone() };
+        let held = data.of(Part::Holdout);
+        let gain = held.minus_two_ln(&extended.sums) - held.minus_two_ln(&fit.sums);
+        let confirmed = is_confirmed(gain, first.evidence, !chosen.is_empty());
+        tracing::debug!(
+            name = first.candidate.name(),
+            evidence = first.evidence,
+            held_out = gain,
+            confirmed,
+            numbers = ?fit.model.effects.last().map(|effect| effect.values()),
+            live = ?fit.noise.live,
+        );
+        if !confirmed {
+            break;
+        }
+        chosen.push(Refitted { fit: fit.clone(), ..first });
+        extended = fit;
+    }
+    Selection { baseline, extended, chosen, rounds, split: data.split }
+}
+
+/// Evidence that is needed in a share of the recordings, after so much has been found or nothing.
+pub fn least_evidence(share: f64, is_further: bool, found: f64) -> f64 {
+    if is_further {
+        f64::max(share * FURTHER_EVIDENCE, FURTHER_SHARE * found)
+    } else {
+        share * LEAST_EVIDENCE
+    }
+}
+
+/// Does what it is fitted to confirm the held-out part? It must not make the prediction of what it has not seen
+/// worse.
+pub fn is_confirmed(gain: f64, evidence: f64, is_further: bool) -> bool {
+    gain > -0.02 * evidence - 5.0 && (!is_further || gain > 0.0)
+}
+
+/// Scans the library from some fits, fits what is worth it, and refuses what only follows the driver.
+fn look<'a>(
+    data: &Data<'_>,
+    before: &Fit<'a>,
+    grounds: &[(&Fit<'a>, Learn)],
+    library: &[Candidate],
+    least: f64,
+) -> Round<'a> {
+    let scans: Vec<Vec<Scored>> = grounds.iter().map(|(at, _)| scan(data, at, library)).collect();
+    tracing::trace!(candidates = library.len(), grounds = grounds.len(), "scanned");
+    let (refitted, refused): (Vec<_>, Vec<_>) =
+        fitted(data, before, grounds.iter().zip(&scans), library, least)
+            .into_iter()
+            .partition(|refitted| following_share(data, refitted) <= MOST_FOLLOWING);
+    let following = refused.into_iter().map(|refused| (refused.candidate, refused.evidence)).collect();
+    Round { scanned: scans.into_iter().next().unwrap_or_default(), refitted, following }
+}
+
+/// The candidates that are worth it by any of the scans, fitted with everything else, best first.
+fn fitted<'f, 'a: 'f>(
+    data: &Data<'_>,
+    before: &Fit<'a>,
+    scans: impl Iterator<Item = (&'f (&'f Fit<'a>, Learn), &'f Vec<Scored>)>,
+    library: &[Candidate],
+    least: f64,
+) -> Vec<Refitted<'a>> {
+    let worth: Vec<(&(&Fit<'a>, Learn), &Scored)> = scans
+        .flat_map(|(ground, scanned)| worth(scanned, least).map(move |scored| (ground, scored)))
+        .collect();
+    let first: Vec<Refitted<'a>> = worth
+        .par_iter()
+        .map(|(ground, scored)| refit(data, before, **ground, scored, FIRST_ROUNDS))
+        .collect();
+    for ((ground, scored), first) in worth.iter().zip(&first) {
+        tracing::trace!(
+            name = scored.candidate.name(),
+            from = ?ground.1,
+            gain = scored.gain,
+            evidence = first.evidence,
+            "first fit"
+        );
+    }
+    let mut all = best_of_each(first);
+    let enough = RIVAL_SHARE * all.first().map_or(0.0, |first| first.evidence);
+    all.par_iter_mut().enumerate().for_each(|(rank, refitted)| {
+        if rank < MOST_RIVALS || refitted.evidence > enough {
+            *refitted = refine(data, before, refitted, NEXT_ROUNDS);
+        }
+    });
+    let patches = patches(data, before, &all, library);
+    all.retain(|refitted| patches::is_possible(data, refitted) && is_noteworthy(refitted));
+    best_of_each(all.into_iter().chain(patches).collect())
+}
+
+/// Torques are told by maps and by pads: a scale of theirs that is off by less is nobody's mistake.
+fn is_noteworthy(refitted: &Refitted<'_>) -> bool {
+    let candidate = &refitted.candidate;
+    let of_a_torque = matches!(
+        candidate.channel.and_then(Channel::quantity),
+        Some(Quantity::DriveTorque | Quantity::BrakePressure)
+    );
+    let number = refitted.fit.model.effects.last().and_then(|effect| effect.numbers.first());
+    let is_scale = of_a_torque && candidate.kind.name == "sensor_scale";
+    !is_scale || number.is_none_or(|number| number.abs() > LEAST_TORQUE_SCALE)
+}
+
+/// What lies in patches, within clear edges: each kind of them wherever the course of any kind has some; and each
+/// kind of slippery ones where wheels slide.
+fn patches<'a>(
+    data: &Data<'_>,
+    before: &Fit<'a>,
+    all: &[Refitted<'a>],
+    library: &[Candidate],
+) -> Vec<Refitted<'a>> {
+    let patchy: Vec<&Refitted<'a>> = all
+        .iter()
+        .filter(|refitted| refitted.candidate.live.is_some() && patches::is_patchy(&refitted.candidate))
+        .collect();
+    let mut places: Vec<Vec<[f64; 2]>> =
+        patchy.par_iter().filter_map(|refitted| patches::intervals(data, &refitted.fit)).collect();
+    places.dedup();
+    let mut pairs: Vec<(&Candidate, &Vec<[f64; 2]>)> = patchy
+        .iter()
+        .flat_map(|refitted| places.iter().map(move |place| (&refitted.candidate, place)))
+        .collect();
+    let sliding = patches::of_sliding(data);
+    if let Some(place) = &sliding {
+        let is_there = |kind: &Kind| before.model.effects.iter().any(|effect| effect.kind.name == kind.name);
+        let slippery = patches::slippery(library).filter(|candidate| !is_there(candidate.kind));
+        pairs.extend(slippery.map(|candidate| (candidate, place)));
+    }
+    let placed = pairs
+        .par_iter()
+        .filter_map(|(candidate, place)| patches::placed(data, before, candidate, place, NEXT_ROUNDS));
+    placed.collect()
+}
+
+/// The candidates of a scan that are worth a fit.
+fn worth(scanned: &[Scored], least: f64) -> impl Iterator<Item = &Scored> {
+    let best = scanned.first().map_or(0.0, |scored| scored.gain);
+    let enough = move |(rank, scored): &(usize, &Scored)| {
+        // What grows with the square shows little to first order.
+        let hides = scored.candidate.kind.name == "load_transfer";
+        let is_among_best = *rank < MOST_REFITTED && scored.gain > LEAST_SHARE * best;
+        scored.gain > LEAST_OF_FIRST_ORDER * least && (hides || is_among_best)
+    };
+    scanned.iter().enumerate().filter(enough).map(|(_, scored)| scored)
+}
+
+/// Of each candidate the fit with most evidence, best first.
+fn best_of_each(mut refitted: Vec<Refitted<'_>>) -> Vec<Refitted<'_>> {
+    refitted.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    let mut seen = BTreeSet::new();
+    refitted.retain(|refitted| seen.insert(refitted.candidate.name()));
+    refitted
+}
+
+/// How much of a candidate's course follows from the driver's inputs.
+pub fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> f64 {
+    if refitted.candidate.live.is_none() {
+        return 0.0;
+    }
+    let Some(length) = refitted.fit.noise.live.last().map(|live| live.length_s) else { return 0.0 };
+    let model = &refitted.fit.model;
+    // Slippery patches show where the driver makes them show.
+    if patches::is_patchy(&refitted.candidate) {
+        return 0.0;
+    }
+    let shares = data.drives.iter().map(|drive| {
+        let courses = courses(drive, model, &refitted.fit.noise, Default::default());
+        let is_of_the_road = refitted.candidate.channel.is_none();
+        courses.last().map_or(0.0, |course| follows_motion(drive, course, length, is_of_the_road))
+    });
+    let shares: Vec<f64> = shares.collect();
+    let share = shares.iter().sum::<f64>() / shares.len().max(1) as f64;
+    tracing::trace!(name = refitted.candidate.name(), share, "follows the driver");
+    share
+}
+
+/// A number that is the same all the time is the simpler explanation than a course that could be anything, or
+/// something that begins at a moment of its choice: where both explain about the same, it goes first.
+pub fn prefer_the_simpler(refitted: &mut [Refitted<'_>]) {
+    // A jump before the beginning is one all the same.
+    let jumps =
+        |candidate: &Candidate| candidate.channel.is_some() && candidate.kind.place_of("at_s").is_some();
+    let always = |other: &Refitted<'_>| {
+        other.candidate.live.is_none() && other.onset().is_none() && !jumps(&other.candidate)
+    };
+    let Some(best) = refitted.first().filter(|best| !always(best)) else { return };
+    let enough = 0.9 * best.evidence;
+    let simpler = refitted
+        .iter()
+        .position(|other| always(other) && other.evidence > enough && other.candidate.channel.is_none());
+    if let Some(place) = simpler {
+        refitted[..=place].rotate_right(1);
+    }
+}

@@ -1,0 +1,196 @@
+//! What it all came to: does what has a name explain what there is to explain?
+
+use super::fit::{Data, Fit};
+use super::predict::car::BODY_STATES;
+use super::result::Verdict;
+use super::select::Selection;
+use physics::Quantity;
+
+/// What the unknown forces' sizes and lengths, which were searched for, are worth.
+const FREEDOM: f64 = 24.0;
+
+/// Gain of the unknown forces below which nothing is missing…
+const LEAST_MISSING: f64 = 45.0;
+
+/// …and per second of long drives: no equation holds to the last digit, and time adds up what that is worth.
+const LEAST_MISSING_PER_S: f64 = 0.15;
+
+/// What an equation misses where nothing is missing, per second of driving: torque and brakes are never
+/// quite those on the bus.
+const USUALLY_MISSING: [f64; BODY_STATES] = [6.0, 1.0, 1.0];
+
+/// So much of what the equations miss may be left; more, and what was named is not all there is.
+const MOST_LEFT: f64 = 0.2;
+
+/// What is left beside a name may be so much at least, per second…
+const ALWAYS_LEFT: f64 = 5.0;
+
+/// …and never more than this.
+const NEVER_LEFT: f64 = 1000.0;
+
+/// Where anything is left, a cause that holds less of all the evidence found is not what is missing: several
+/// together imitate it.
+const LEAST_LEADING: f64 = 0.5;
+
+/// Some restlessness is every sensor's, and so much of it may be left beside a name.
+const USUALLY_RESTLESS: f64 = 600.0;
+const MOST_RESTLESS: f64 = 0.5;
+
+/// …and never more than this: what has a name leaves less than a tenth of it.
+const NEVER_RESTLESS: f64 = 5000.0;
+
+/// By how much −2 ln likelihood falls, the prior counted in.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gains {
+    /// Seconds that this is of.
+    pub seconds: f64,
+    /// With what was chosen; none, if nothing was.
+    pub named: Option<f64>,
+    /// Share of the evidence of all that was chosen which the first has.
+    pub leading: f64,
+    /// With unknown forces instead.
+    pub unknown: f64,
+    /// With a course that had to be refused instead.
+    pub refused: f64,
+    /// What each equation of the plain model misses.
+    pub missing: [f64; BODY_STATES],
+    /// What each equation misses beside what was chosen.
+    pub left: [f64; BODY_STATES],
+    /// How much more than usual a sensor errs now and then…
+    pub restless: f64,
+    /// …and beside what was chosen.
+    pub still_restless: f64,
+}
+
+impl Gains {
+    /// Of a selection and the plain model with unknown forces.
+    pub fn of(data: &Data<'_>, selection: &Selection<'_>, corrected: &Fit<'_>) -> Self {
+        let plain = &selection.baseline;
+        let following = selection.rounds.iter().take(1).flat_map(|round| &round.following);
+        let has_names = !selection.chosen.is_empty();
+        let counted = data.counted(&plain.sums);
+        let missing = data.missing(plain);
+        let evidence: f64 = selection.chosen.iter().map(|chosen| chosen.evidence).sum();
+        Self {
+            leading: selection.chosen.first().map_or(1.0, |first| first.evidence / evidence),
+            seconds: counted.map(|sums| sums.t.1 - sums.t.0).sum(),
+            named: has_names.then(|| plain.cost() - selection.extended.cost()),
+            unknown: plain.cost() - corrected.cost() - FREEDOM,
+            refused: following.map(|(_, evidence)| *evidence).fold(0.0, f64::max),
+            missing,
+            left: if has_names { data.missing(&selection.extended) } else { missing },
+            restless: restless(data, plain),
+            still_restless: restless(data, &selection.extended),
+        }
+    }
+
+    /// What is missing beyond what always is.
+    fn beyond_usual(&self, missing: &[f64; BODY_STATES]) -> f64 {
+        let usual = USUALLY_MISSING.map(|usual| usual * self.seconds);
+        missing.iter().zip(usual).map(|(missing, usual)| (missing - usual).max(0.0)).sum()
+    }
+
+    /// The verdict; a drive that does not turn cannot clear the car.
+    pub fn verdict(&self, turns: bool) -> Verdict {
+        let left = self.beyond_usual(&self.left);
+        let most = MOST_LEFT * self.beyond_usual(&self.missing);
+        let always = ALWAYS_LEFT * self.seconds;
+        let is_much = left > most.clamp(always, NEVER_LEFT * self.seconds);
+        let imitates = left > always && self.leading < LEAST_LEADING;
+        let most = (MOST_RESTLESS * self.restless).clamp(USUALLY_RESTLESS, NEVER_RESTLESS);
+        let is_restless = self.still_restless > most;
+        let least = LEAST_MISSING.max(LEAST_MISSING_PER_S * self.seconds);
+        match self.named {
+            Some(_) if is_much || is_restless || imitates => Verdict::UnknownPhysics,
+            Some(_) => Verdict::MissingPhysics,
+            None if is_much || is_restless || self.unknown.max(self.refused) > least => {
+                Verdict::UnknownPhysics
+            }
+            None if turns => Verdict::Adequate,
+            None => Verdict::InsufficientExcitation,
+        }
+    }
+}
+
+/// The gain, if the most restless sensor's noise were not the same everywhere: by blocks in which it errs more
+/// than in the median one.
+fn restless(data: &Data<'_>, fit: &Fit<'_>) -> f64 {
+    let of = |channel: Quantity| {
+        let place = channel as usize;
+        let blocks = data.counted(&fit.sums).filter(|sums| sums.of[place] > 20);
+        let shares: Vec<(f64, f64)> =
+            blocks.map(|sums| (sums.square[place] / sums.of[place] as f64, sums.of[place] as f64)).collect();
+        let mut sorted: Vec<f64> = shares.iter().map(|(share, _)| *share).collect();
+        sorted.sort_by(f64::total_cmp);
+        let median = sorted.get(sorted.len() / 2).copied()?;
+        let gain = |(share, count): &(f64, f64)| {
+            let more = (share / median).max(1.0);
+            count * (more - 1.0 - more.ln())
+        };
+        Some(shares.iter().map(gain).sum())
+    };
+    Quantity::ALL.into_iter().filter_map(of).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn verdict(named: Option<f64>, missing: f64, left: f64) -> Verdict {
+        let of_yaw = |missing| [50.0, 0.0, missing];
+        let gains = Gains {
+            seconds: 60.0,
+            leading: 1.0,
+            missing: of_yaw(missing),
+            left: of_yaw(left),
+            ..Gains::default()
+        };
+        Gains { named, ..gains }.verdict(true)
+    }
+
+    #[test]
+    fn nothing_to_gain_is_adequate_on_a_drive_that_turns() {
+        assert_eq!(verdict(None, 10.0, 10.0), Verdict::Adequate);
+        let straight = Gains { seconds: 60.0, unknown: 10.0, ..Gains::default() };
+        assert_eq!(straight.verdict(false), Verdict::InsufficientExcitation);
+    }
+
+    #[test]
+    fn what_a_name_explains_is_missing_and_what_it_leaves_is_unknown() {
+        assert_eq!(verdict(Some(900.0), 9000.0, 200.0), Verdict::MissingPhysics);
+        assert_eq!(verdict(Some(900.0), 9000.0, 5000.0), Verdict::UnknownPhysics);
+        assert_eq!(verdict(None, 9000.0, 9000.0), Verdict::UnknownPhysics);
+    }
+
+    #[test]
+    fn a_sensor_that_errs_far_more_now_and_then_is_something_unknown() {
+        let gains = Gains { seconds: 60.0, restless: 5000.0, still_restless: 5000.0, ..Gains::default() };
+        assert_eq!(gains.verdict(true), Verdict::UnknownPhysics);
+        let named = Gains { named: Some(9000.0), leading: 1.0, still_restless: 100.0, ..gains };
+        assert_eq!(named.verdict(true), Verdict::MissingPhysics);
+        // Half as much as before, and yet far from what any name leaves.
+        let imitated = Gains { restless: 120_000.0, still_restless: 50_000.0, ..named };
+        assert_eq!(imitated.verdict(true), Verdict::UnknownPhysics);
+    }
+
+    #[test]
+    fn several_that_only_together_explain_it_are_no_name_for_it() {
+        let (missing, left) = ([0.0, 90_000.0, 0.0], [0.0, 5000.0, 0.0]);
+        let gains = Gains { seconds: 60.0, named: Some(9000.0), missing, left, ..Gains::default() };
+        assert_eq!(Gains { leading: 0.8, ..gains }.verdict(true), Verdict::MissingPhysics);
+        assert_eq!(Gains { leading: 0.34, ..gains }.verdict(true), Verdict::UnknownPhysics);
+        let complete = Gains { leading: 0.34, left: [0.0; 3], ..gains };
+        assert_eq!(complete.verdict(true), Verdict::MissingPhysics, "several small causes");
+    }
+
+    #[test]
+    fn without_a_name_unknown_forces_and_refused_courses_count() {
+        let gains = Gains { seconds: 60.0, refused: 500.0, ..Gains::default() };
+        assert_eq!(gains.verdict(true), Verdict::UnknownPhysics);
+        let gains = Gains { seconds: 60.0, unknown: 70.0, ..Gains::default() };
+        assert_eq!(gains.verdict(true), Verdict::UnknownPhysics);
+        // Ten minutes add up to as much without anything missing.
+        assert_eq!(Gains { seconds: 600.0, ..gains }.verdict(true), Verdict::Adequate);
+        assert_eq!(Gains { seconds: 600.0, unknown: 500.0, ..gains }.verdict(true), Verdict::UnknownPhysics);
+    }
+}

@@ -1,0 +1,330 @@
+//! The whole job: from records and a vehicle to parameters with their uncertainty.
+
+use std::borrow::Cow;
+
+use nalgebra::DVector;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+
+use super::car::Drive;
+use super::config::IdentifyConfig;
+use super::error::IdentifyError;
+use super::excitation;
+use super::fit::{Ahead, Fit, Noise, Search};
+use super::free::Free;
+use super::free_run;
+use super::input_noise;
+use super::motion::Channel;
+use super::parameter::Values;
+use super::prepare;
+use super::profile;
+use super::record::Record;
+use super::result::{Identification, Identified, Path};
+use super::segment::Segment;
+use super::setup;
+use super::slips;
+use super::uncertainty::{self, Shift, Uncertainty};
+use physics::model::Vehicle;
+
+/// Records, prepared for searching.
+#[derive(Clone, Debug)]
+pub struct Identifier<'a> {
+    vehicle: &'a Vehicle,
+    config: &'a IdentifyConfig,
+    records: Cow<'a, [Record]>,
+    values: Values,
+    free: Vec<Free>,
+    segments: Vec<Segment>,
+    drive: Drive,
+    noise: Noise,
+    is_steered: bool,
+}
+
+impl<'a> Identifier<'a> {
+    /// Prepares records.
+    ///
+    /// # Errors
+    /// What is wrong with the settings, or why there is nothing to learn from.
+    pub fn new(
+        records: &'a [Record],
+        vehicle: &'a Vehicle,
+        config: &'a IdentifyConfig,
+    ) -> Result<Self, IdentifyError> {
+        config.validate()?;
+        let has = |quantity| records.iter().any(|record| record.sensors.has(quantity));
+        let slides = excitation::slides(records, vehicle);
+        let drive = config.drive.unwrap_or_else(|| Drive::usual(has, slides));
+        if drive == Drive::Torque && slides {
+            tracing::warn!(
+                "tires slide in these recordings: with drive = \"torque\" stiffnesses come out too low"
+            );
+        }
+        let measured_before = records.iter().all(setup::has_slips);
+        if drive == Drive::Slips && !measured_before && !slips::can_be_had(vehicle, has) {
+            let reason = "no slip without an undriven wheel to compare with, and four wheel speeds; \
+                          torque or wheel_speeds will do";
+            return Err(IdentifyError::Setting { key: "drive", value: "\"slips\"".into(), reason });
+        }
+        let values = Values::of(vehicle);
+        let free = setup::free(vehicle, config, has, drive)?;
+        let records = setup::prepared(records, vehicle, drive);
+        let segments =
+            prepare::segments(&records, vehicle, &values, drive, config.segment_s, 0.5 * config.segment_s);
+        if segments.is_empty() {
+            let records = records.iter().map(|record| record.name.clone()).collect::<Vec<_>>().join(", ");
+            let braking =
+                if drive == Drive::Torque { "only where its pressure is known" } else { "left out" };
+            return Err(IdentifyError::NothingUsable { least_s: 0.5 * config.segment_s, braking, records });
+        }
+        let noise = setup::first_noise(&records);
+        let is_steered = excitation::is_steered(&records);
+        Ok(Self { vehicle, config, records, values, free, segments, drive, noise, is_steered })
+    }
+
+    /// Names of the free parameters.
+    pub fn names(&self) -> Vec<&'static str> {
+        self.free.iter().map(|free| free.parameters.name()).collect()
+    }
+
+    /// Searches from one start, in the parameters' units; no uncertainty. `None` if it comes to no end.
+    pub fn search(&self, from: &[f64]) -> Option<Path> {
+        let fit = self.fit(from)?;
+        Some(self.path(from, &fit))
+    }
+
+    /// Searches from several starts; a path that meets another goes on with it. Those that come to no end
+    /// have an infinite cost.
+    pub fn search_from(&self, starts: &[Vec<f64>]) -> Vec<Path> {
+        self.searches(starts, &mut |_, _| ()).0
+    }
+
+    /// All paths, and the best end.
+    fn searches(
+        &self,
+        starts: &[Vec<f64>],
+        progress: &mut impl FnMut(&str, f64),
+    ) -> (Vec<Path>, Option<Fit>) {
+        let mut best: Option<(f64, Fit)> = None;
+        let mut paths: Vec<Path> = Vec::new();
+        let mut met: Vec<(Ahead, usize)> = Vec::new();
+        let search = self.search_in();
+        for (number, from) in starts.iter().enumerate() {
+            progress("searching", number as f64 / starts.len() as f64);
+            let from = from.clone();
+            let ahead = self.coordinates(&from).and_then(|theta| search.ahead(theta, &self.noise));
+            let earlier = ahead.as_ref().and_then(|ahead| met.iter().find(|(other, _)| ahead.meets(other)));
+            if let (Some(ahead), Some((_, path))) = (&ahead, earlier) {
+                let same = Path { from, iterations: ahead.iterations, ..paths[*path].clone() };
+                paths.push(same);
+                continue;
+            }
+            let Some((ahead, fit)) = ahead.and_then(|a| search.finish(&a, &self.noise).map(|fit| (a, fit)))
+            else {
+                let to = vec![f64::NAN; from.len()];
+                paths.push(Path { from, to, cost: f64::INFINITY, iterations: 0 });
+                continue;
+            };
+            met.push((ahead, paths.len()));
+            let path = self.path(&from, &fit);
+            if best.as_ref().is_none_or(|(lowest, _)| path.cost < *lowest) {
+                best = Some((path.cost, fit));
+            }
+            paths.push(path);
+        }
+        (paths, best.map(|(_, fit)| fit))
+    }
+
+    fn search_in(&self) -> Search<'_> {
+        Search {
+            vehicle: self.vehicle,
+            values: &self.values,
+            free: &self.free,
+            segments: &self.segments,
+            drive: self.drive,
+            method: self.config.method,
+        }
+    }
+
+    fn fit(&self, from: &[f64]) -> Option<Fit> {
+        self.search_in().run(self.coordinates(from)?, &self.noise)
+    }
+
+    /// From the parameters' units; `None` where one of them cannot be.
+    fn coordinates(&self, from: &[f64]) -> Option<DVector<f64>> {
+        let coordinates = self.free.iter().zip(from).map(|(free, value)| free.parameters.coordinate(*value));
+        if from.len() != self.free.len() {
+            return None;
+        }
+        let theta = DVector::from_iterator(self.free.len(), coordinates);
+        theta.iter().all(|coordinate| coordinate.is_finite()).then_some(theta)
+    }
+
+    fn path(&self, from: &[f64], fit: &Fit) -> Path {
+        let ends = self.free.iter().zip(fit.point.theta.iter());
+        Path {
+            from: from.to_vec(),
+            to: ends.map(|(free, theta)| free.parameters.value(*theta)).collect(),
+            // Each end has its own noise: a likelihood makes them comparable.
+            cost: self.minus_two_log_likelihood(fit),
+            iterations: fit.iterations,
+        }
+    }
+
+    /// −2 ln likelihood, up to a constant.
+    fn minus_two_log_likelihood(&self, fit: &Fit) -> f64 {
+        let mut sum = fit.all.cost;
+        for segment in &self.segments {
+            for row in &segment.measured[..segment.len()] {
+                let there = row.iter().zip(&fit.noise).filter(|(value, _)| !value.is_nan());
+                sum += there.map(|(_, std)| 2.0 * std.ln()).sum::<f64>();
+            }
+        }
+        sum
+    }
+
+    /// The whole job. `progress` is told what is done, and how far it is (0–1).
+    ///
+    /// # Errors
+    /// If no search comes to an end.
+    pub fn run(&self, mut progress: impl FnMut(&str, f64)) -> Result<Identification, IdentifyError> {
+        let count = self.config.starts.max(1);
+        let starts: Vec<Vec<f64>> = (0..count).map(|number| self.start(number)).collect();
+        let (paths, best) = self.searches(&starts, &mut progress);
+        let reason = "nothing could be simulated with those values; check the vehicle's table";
+        let fit = best.ok_or(IdentifyError::NoEnd { starts: count, reason })?;
+        let reason = "the parameters are not determined; give them a std in the vehicle's table";
+        let shift = self.shift(&fit, &mut progress);
+        let sure = uncertainty::of(&fit, &self.free, &shift)
+            .ok_or(IdentifyError::NoEnd { starts: count, reason })?;
+        let mut parameters = Vec::new();
+        for place in 0..self.free.len() {
+            progress("profiling", place as f64 / self.free.len() as f64);
+            parameters.push(self.identified(place, &fit, &sure));
+        }
+        progress("free run", 0.0);
+        let values = self.search_in().values_at(&self.corrected(&fit, &sure));
+        let correlation = sure.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
+        let there = Channel::ALL.into_iter().zip(fit.noise).filter(|(channel, _)| self.is_measured(*channel));
+        // A channel that has no say in the search leaves no residuals.
+        let is_silent =
+            |channel| self.drive == Drive::WheelSpeeds && channel == Channel::LongitudinalAcceleration;
+        let there = there.map(|(channel, std)| (channel, if is_silent(channel) { f64::NAN } else { std }));
+        Ok(Identification {
+            parameters,
+            correlation,
+            paths,
+            before: free_run::fits(&self.records, self.vehicle, &self.values, self.drive),
+            after: free_run::fits(&self.records, self.vehicle, &values, self.drive),
+            values,
+            drive: self.drive,
+            seconds: self.segments.iter().map(|segment| segment.len() as f64 * segment.period_s).sum(),
+            segments: self.segments.len(),
+            noise: there.collect(),
+            between: fit.tie.0,
+        })
+    }
+
+    fn is_measured(&self, channel: Channel) -> bool {
+        let mut rows = self.segments.iter().flat_map(|segment| &segment.measured);
+        rows.any(|row| !row[channel as usize].is_nan())
+    }
+
+    /// The coordinates without what the noise of the inputs has done, within their bounds.
+    fn corrected(&self, fit: &Fit, sure: &Uncertainty) -> DVector<f64> {
+        let mut theta = &fit.point.theta - &sure.correction;
+        for (coordinate, free) in theta.iter_mut().zip(&self.free) {
+            let (low, high) = free.parameters.coordinate_bounds();
+            *coordinate = coordinate.clamp(low, high);
+        }
+        theta
+    }
+
+    /// What the noise of the inputs has done, by doing it again a few times.
+    fn shift(&self, fit: &Fit, progress: &mut impl FnMut(&str, f64)) -> Shift {
+        let draws = (0..Shift::DRAWS).filter_map(|draw| {
+            progress("adding noise to the inputs", f64::from(draw) / f64::from(Shift::DRAWS));
+            let seed = self.config.seed.wrapping_add(u64::from(draw));
+            let noisier = input_noise::noisier(&self.segments, &self.records, self.drive, seed);
+            Search { segments: &noisier, ..self.search_in() }.shifted(fit)
+        });
+        Shift::new(&draws.collect::<Vec<_>>(), self.free.len())
+    }
+
+    /// The first start is the table; the others lie around it, farther than its standard deviations.
+    fn start(&self, number: usize) -> Vec<f64> {
+        let mut random = ChaCha8Rng::seed_from_u64(self.config.seed);
+        random.set_stream(number as u64);
+        let around = |free: &Free, random: &mut ChaCha8Rng| {
+            let by: f64 = random.sample(StandardNormal);
+            let std = if free.std.is_finite() { 2.0 * free.std } else { 0.7 };
+            free.parameters.value(free.mean + by * std)
+        };
+        let starts = self.free.iter();
+        match number {
+            0 => starts.map(|free| free.parameters.value(free.mean)).collect(),
+            _ => starts.map(|free| around(free, &mut random)).collect(),
+        }
+    }
+
+    fn identified(&self, place: usize, fit: &Fit, sure: &Uncertainty) -> Identified {
+        let free = &self.free[place];
+        let at = self.corrected(fit, sure)[place];
+        let half = sure.factor * sure.std[place];
+        let end = |coordinate: f64| free.parameters.value(coordinate);
+        let ends = (end(at - half), end(at + half));
+        let (identifiable, reason) = self.verdict(place, fit, sure);
+        let std = sure.by_curvature[place];
+        let profile =
+            if self.config.profile { profile::of(&self.search_in(), place, fit, std) } else { Vec::new() };
+        let prior = free.parameters.first().prior(self.vehicle);
+        Identified {
+            name: free.parameters.name(),
+            unit: free.parameters.first().unit(),
+            value: free.parameters.value(at),
+            std: sure.std[place] * free.parameters.value_by_coordinate(at),
+            ci95: ends,
+            identifiable,
+            reason,
+            prior: (prior.value, prior.std),
+            profile,
+        }
+    }
+
+    /// Does the recording say something of a parameter, and if not, why not?
+    fn verdict(&self, place: usize, fit: &Fit, sure: &Uncertainty) -> (bool, String) {
+        let free = &self.free[place];
+        let value = free.parameters.value(fit.point.theta[place]);
+        let (low, high) = free.parameters.coordinate_bounds();
+        if [low, high].iter().any(|bound| (fit.point.theta[place] - bound).abs() < 1e-6) {
+            return (false, format!("the search ends at the bound {value}: the equations do not fit here"));
+        }
+        if !self.is_steered && excitation::needs_steering(free.parameters.first()) {
+            return (false, "the steering wheel is not moved by more than its own noise".into());
+        }
+        if sure.decided_by_noise[place] {
+            return (false, "the noise of steering or wheel speeds decides it: too little excitation".into());
+        }
+        let logarithmic = free.parameters.first().is_logarithmic();
+        let by_data = sure.by_data[place];
+        let vague = if logarithmic { by_data > 0.5 } else { by_data > 50.0 };
+        let partner = (0..self.free.len())
+            .filter(|other| *other != place)
+            .max_by(|a, b| {
+                sure.correlation[(place, *a)].abs().total_cmp(&sure.correlation[(place, *b)].abs())
+            })
+            .filter(|other| sure.correlation[(place, *other)].abs() > 0.9)
+            .map(|other| self.free[other].parameters.name());
+        let with = partner.map_or(String::new(), |name| format!("; it goes with {name}"));
+        if free.std.is_finite() && by_data > 1.5 * free.std {
+            return (false, format!("the recording says less of it than the vehicle's table{with}"));
+        }
+        if vague {
+            return (false, format!("the recording leaves it open by more than half of its value{with}"));
+        }
+        if !fit.converged {
+            return (false, "the search stopped before it had come to rest".into());
+        }
+        (true, partner.map_or(String::new(), |name| format!("its error goes with that of {name}")))
+    }
+}

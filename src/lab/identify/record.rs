@@ -1,0 +1,153 @@
+//! A recording as identification sees it: rows on a uniform grid, cut where nothing can be learnt.
+
+use super::car::Drive;
+use physics::model::{DrivenAxle, Vehicle};
+use physics::{Micros, Quantity, Sample, Sensors, Wheel};
+
+/// What was measured at one instant; not-a-number: not available.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Seconds from the recording's first sample.
+    pub t: f64,
+    /// Steering wheel angle, rad.
+    pub steering: f64,
+    /// Angular speeds of the wheels, rad/s.
+    pub wheel_speed: [f64; 4],
+    /// Yaw rate, rad/s.
+    pub yaw_rate: f64,
+    /// Lateral acceleration, m/s².
+    pub lateral_acceleration: f64,
+    /// Longitudinal acceleration, m/s².
+    pub longitudinal_acceleration: f64,
+    /// Drive torque in the bus's unit.
+    pub drive_torque: f64,
+    /// Brake pressure, bar.
+    pub brake_pressure: f64,
+    /// Vehicle speed as another unit has it, m/s.
+    pub vehicle_speed: f64,
+    /// Slip of each wheel, where it is an input (the thesis's 5.3.2).
+    pub slip: [f64; 4],
+    /// Is the brake known, or thought, to be applied?
+    pub braking: bool,
+}
+
+/// A recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    /// What it is called, for messages.
+    pub name: String,
+    /// Distance of the rows, s.
+    pub period_s: f64,
+    /// All rows in order of time.
+    pub rows: Vec<Row>,
+    /// What is on this bus, and how noisy it is said to be.
+    pub sensors: Sensors,
+}
+
+impl Record {
+    /// From the samples of a recording.
+    pub fn new(name: &str, samples: &[Sample], sensors: &Sensors) -> Self {
+        let mut steps: Vec<f64> = samples.iter().map(|s| s.elapsed_s).filter(|s| *s > 0.0).collect();
+        steps.sort_by(f64::total_cmp);
+        let period_s = steps.get(steps.len() / 2).copied().unwrap_or(0.01);
+        let start = samples.first().map_or(Micros(0), |sample| sample.time);
+        let rows = samples.iter().map(|sample| Row::new(sample, start)).collect();
+        Self { name: name.into(), period_s, rows, sensors: *sensors }
+    }
+
+    /// Pieces of rows without gap, long enough, and fast enough to have slip angles: each gets a start
+    /// of its own. With `braking`, braked stretches are in.
+    pub(super) fn stretches(
+        &self,
+        vehicle: &Vehicle,
+        least_s: f64,
+        drive: Drive,
+        braking: bool,
+    ) -> Vec<(usize, usize)> {
+        let mut stretches = Vec::new();
+        let mut begin = None;
+        let mut last_t = f64::NEG_INFINITY;
+        let radius = vehicle.wheel_radius_m.value;
+        for (place, row) in self.rows.iter().enumerate() {
+            let usable = row.is_usable(radius)
+                && row.has_inputs(vehicle, drive)
+                && if braking { row.brake_pressure.is_finite() } else { !row.braking };
+            let follows = row.t - last_t < 1.5 * self.period_s;
+            last_t = row.t;
+            if let Some(from) = begin
+                && !(usable && follows)
+            {
+                stretches.push((from, place));
+                begin = None;
+            }
+            if usable && begin.is_none() {
+                begin = Some(place);
+            }
+        }
+        if let Some(from) = begin {
+            stretches.push((from, self.rows.len()));
+        }
+        let least = (least_s / self.period_s).ceil().max(2.0) as usize;
+        stretches.retain(|(from, to)| to - from >= least);
+        stretches
+    }
+}
+
+/// Below this speed slip angles mean nothing and wheel sensors are coarse, m/s.
+pub(super) const SLOWEST_MPS: f64 = 3.0;
+
+impl Row {
+    fn new(sample: &Sample, start: Micros) -> Self {
+        let get = |quantity| sample.get(quantity).unwrap_or(f64::NAN);
+        let is_on = |quantity| sample.get(quantity).is_some_and(|value| value > 0.5);
+        let pressed = |quantity, more_than| sample.get(quantity).is_some_and(|value| value > more_than);
+        Self {
+            t: (sample.time - start).seconds(),
+            steering: get(Quantity::SteeringWheelAngle),
+            wheel_speed: Wheel::ALL.map(|wheel| get(Quantity::wheel_speed(wheel))),
+            yaw_rate: get(Quantity::YawRate),
+            lateral_acceleration: get(Quantity::LateralAcceleration),
+            longitudinal_acceleration: get(Quantity::LongitudinalAcceleration),
+            drive_torque: get(Quantity::DriveTorque),
+            brake_pressure: get(Quantity::BrakePressure),
+            vehicle_speed: get(Quantity::VehicleSpeed),
+            slip: [f64::NAN; 4],
+            braking: is_on(Quantity::BrakeActive)
+                || is_on(Quantity::AbsActive)
+                || pressed(Quantity::BrakePressure, 1.0)
+                || pressed(Quantity::BrakeTorque, 20.0),
+        }
+    }
+
+    /// The mean speed of the wheels that are there, m/s.
+    pub(super) fn rolling_speed(&self, radius: f64) -> f64 {
+        let wheels = self.wheel_speed.iter().filter(|speed| speed.is_finite());
+        let (sum, count) = wheels.fold((0.0, 0.0), |(sum, count), speed| (sum + speed, count + 1.0));
+        if count > 0.0 { radius * sum / count } else { self.vehicle_speed }
+    }
+
+    /// The mean speed of the wheels that roll freely (of all, where all are driven), m/s.
+    pub(super) fn undriven_speed(&self, vehicle: &Vehicle) -> f64 {
+        let all = vehicle.driven_axle == DrivenAxle::All;
+        let counts = |wheel: &Wheel| all || !vehicle.driven_axle.drives(*wheel);
+        let speeds = Wheel::ALL.into_iter().filter(counts).map(|wheel| self.wheel_speed[wheel as usize]);
+        let (sum, count) = speeds.fold((0.0, 0.0), |(sum, count), speed| (sum + speed, count + 1.0));
+        vehicle.wheel_radius_m.value * sum / count
+    }
+
+    /// Is all there that the equations are driven by?
+    fn has_inputs(&self, vehicle: &Vehicle, drive: Drive) -> bool {
+        let driven = Wheel::ALL.into_iter().filter(|wheel| vehicle.driven_axle.drives(*wheel));
+        match drive {
+            Drive::Torque => self.drive_torque.is_finite(),
+            Drive::WheelSpeeds => driven.map(|w| self.wheel_speed[w as usize]).all(f64::is_finite),
+            Drive::Slips => self.slip.iter().all(|slip| slip.is_finite()),
+        }
+    }
+
+    fn is_usable(&self, radius: f64) -> bool {
+        self.steering.is_finite()
+            && (self.yaw_rate.is_finite() || self.lateral_acceleration.is_finite())
+            && self.rolling_speed(radius) > SLOWEST_MPS
+    }
+}

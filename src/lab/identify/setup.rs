@@ -1,0 +1,91 @@
+//! What a search needs before it begins: complete records, what is free, a first guess of the noise.
+
+use std::borrow::Cow;
+
+use super::braking;
+use super::car::Drive;
+use super::config::{self, IdentifyConfig};
+use super::error::IdentifyError;
+use super::fit::Noise;
+use super::free::{Free, Tied};
+use super::parameter::Parameter;
+use super::record::Record;
+use super::slips;
+use physics::model::Vehicle;
+use physics::{Quantity, Wheel};
+
+/// Records with what the sensors do not say themselves: where the car brakes, and how much its wheels slip.
+pub(super) fn prepared<'a>(records: &'a [Record], vehicle: &Vehicle, drive: Drive) -> Cow<'a, [Record]> {
+    let mut records = Cow::Borrowed(records);
+    for place in 0..records.len() {
+        if !braking::is_told(&records[place]) {
+            braking::recognize(&mut records.to_mut()[place], vehicle);
+        }
+        if drive == Drive::Slips && !has_slips(&records[place]) {
+            slips::fill(&mut records.to_mut()[place], vehicle);
+        }
+    }
+    records
+}
+
+/// Whoever has measured slips by other means may bring them along.
+pub(super) fn has_slips(record: &Record) -> bool {
+    record.rows.iter().any(|row| row.slip.iter().all(|slip| slip.is_finite()))
+}
+
+/// What is free.
+pub(super) fn free(
+    vehicle: &Vehicle,
+    config: &IdentifyConfig,
+    has: impl Fn(Quantity) -> bool,
+    drive: Drive,
+) -> Result<Vec<Free>, IdentifyError> {
+    let chosen: Vec<Tied> = if config.parameters.is_empty() {
+        Parameter::usual(vehicle, drive, &has).into_iter().map(Tied::One).collect()
+    } else {
+        config.parameters.iter().map(|name| config::named(name)).collect::<Result<_, _>>()?
+    };
+    let mut free: Vec<Free> = Vec::new();
+    for parameters in chosen {
+        let unusable =
+            |reason: &str| IdentifyError::Unusable { name: parameters.name().into(), reason: reason.into() };
+        let first = parameters.first();
+        let prior = first.prior(vehicle);
+        if !prior.value.is_finite() {
+            return Err(unusable("the vehicle's table has no value to start from"));
+        }
+        if !first.is_used(vehicle, drive, &has) {
+            return Err(unusable("with these tires, sensors and identify.drive the equations do not use it"));
+        }
+        let mean = parameters.coordinate(prior.value);
+        let std = match prior.std {
+            0.0 => f64::INFINITY,
+            std if first.is_logarithmic() => std / prior.value,
+            std => std / first.scale(),
+        };
+        free.push(Free { parameters, mean, std });
+    }
+    if free.len() > 29 {
+        let value = free.len().to_string();
+        return Err(IdentifyError::Setting { key: "parameters", value, reason: "at most 29 at once" });
+    }
+    Ok(free)
+}
+
+/// What the sensors' data sheets say of their noise.
+pub(super) fn first_noise(records: &[Record]) -> Noise {
+    let std = |quantity: Quantity| {
+        records.iter().map(|record| record.sensors.noise_std(quantity)).fold(0.0, f64::max).max(1e-6)
+    };
+    let wheel = |wheel: Wheel| std(Quantity::wheel_speed(wheel));
+    [
+        wheel(Wheel::Fl),
+        wheel(Wheel::Fr),
+        wheel(Wheel::Rl),
+        wheel(Wheel::Rr),
+        std(Quantity::YawRate),
+        std(Quantity::LateralAcceleration),
+        std(Quantity::LongitudinalAcceleration),
+        0.3 * wheel(Wheel::Rl).max(wheel(Wheel::Fl)),
+    ]
+}

@@ -1,0 +1,263 @@
+//! The first screen: the answer in words, its numbers, and one plot.
+
+use super::courses;
+use super::stretch;
+use super::tried;
+use super::words::{self, number, sentence, signed, stopped};
+use crate::explain::{Explanation, Finding, Verdict};
+use crate::report::{Page, escape};
+
+/// A number with what it is and what to think of it.
+struct Fact {
+    name: String,
+    value: String,
+    note: String,
+}
+
+/// Writes it.
+pub fn write(page: &mut Page, explanation: &Explanation) {
+    let class = match explanation.verdict {
+        Verdict::MissingPhysics => "missing",
+        Verdict::UnknownPhysics => "unknown",
+        Verdict::Adequate => "adequate",
+        Verdict::InsufficientExcitation => "little",
+    };
+    page.raw(&format!(
+        "<header class=\"answer\"><p class=\"eyebrow\">gripd explain · {}</p>\n\
+         <p class=\"verdict {class}\">{}</p>\n<h1>{}</h1>",
+        escape(&words::subject(explanation)),
+        escape(words::verdict(explanation.verdict)),
+        escape(&words::headline(explanation))
+    ));
+    for paragraph in lead(explanation) {
+        page.raw(&format!("<p class=\"lead\">{}</p>", escape(&paragraph)));
+    }
+    if explanation.verdict == Verdict::InsufficientExcitation {
+        to_drive(page, explanation);
+    }
+    facts(page, &facts_of(explanation));
+    if let [_, others @ ..] = explanation.findings.as_slice()
+        && !others.is_empty()
+    {
+        page.raw("<ul class=\"also\">");
+        for finding in others {
+            page.raw(&format!("<li>{}</li>", escape(&also(finding))));
+        }
+        page.raw("</ul>");
+    }
+    let notes = explanation.measurement_chain.len();
+    if notes > 0 {
+        let what = if notes == 1 { "one remark".into() } else { format!("{notes} remarks") };
+        page.raw(&format!(
+            "<p class=\"aside\">The audit of the measurement chain has <a href=\"#chain\">{what}</a>.</p>"
+        ));
+    }
+    page.raw("</header>");
+    plot(page, explanation);
+}
+
+/// What to drive, as a list.
+pub fn to_drive(page: &mut Page, explanation: &Explanation) {
+    if explanation.to_drive.is_empty() {
+        return;
+    }
+    page.raw("<ul class=\"drive\">");
+    for line in &explanation.to_drive {
+        page.raw(&format!("<li>{}</li>", escape(&stopped(line))));
+    }
+    page.raw("</ul>");
+}
+
+fn lead(explanation: &Explanation) -> Vec<String> {
+    let tried = tried::count(explanation) + &tried::kinds(explanation);
+    match explanation.verdict {
+        Verdict::MissingPhysics => explanation
+            .findings
+            .first()
+            .map(|finding| format!("{}{}", about(finding), class(finding)))
+            .into_iter()
+            .collect(),
+        Verdict::Adequate => vec![format!(
+            "With its ordinary parameters refitted, it says what there is to say: none of {tried} adds anything \
+             that data held out of the fit confirm. {}",
+            follows(explanation)
+        )],
+        Verdict::UnknownPhysics => {
+            let gains = stretch::gains(explanation);
+            let better = gains.iter().filter(|gain| gain.points() > 0.0).count();
+            vec![
+                format!(
+                    "The plain model misses something structured{}, but none of {tried} clears the bar.",
+                    place(explanation)
+                ),
+                match better {
+                    0 => "A correction without a name does not help on held-out data, either.".into(),
+                    all if all == gains.len() => {
+                        "A correction without a name, fitted there, makes the simulation better on data it was \
+                         not fitted to: something real is missing."
+                            .into()
+                    }
+                    some => format!(
+                        "A correction without a name, fitted there, makes {some} of {} channels better on data it \
+                         was not fitted to, and the others worse: a hint, and no more.",
+                        gains.len()
+                    ),
+                },
+            ]
+        }
+        Verdict::InsufficientExcitation => vec![format!(
+            "{} excite too little of what a missing effect would show in. That nothing was found does not mean \
+             that nothing is missing.{}",
+            sentence(&words::subject(explanation)),
+            if explanation.to_drive.is_empty() { "" } else { " To drive:" }
+        )],
+    }
+}
+
+/// The finding's sentence.
+pub fn about(finding: &Finding) -> String {
+    let name = sentence(&words::effect(&finding.effect, finding.channel.as_deref()));
+    match finding.about.trim() {
+        "" => name + ".",
+        about if about.ends_with('.') => format!("{name}: {about}"),
+        about => format!("{name}: {about}."),
+    }
+}
+
+/// What else it could be, in a sentence after others.
+fn class(finding: &Finding) -> String {
+    let names: Vec<String> =
+        finding.indistinguishable_from.iter().map(|name| words::effect_named(name)).collect();
+    if names.is_empty() {
+        return String::new();
+    }
+    format!(" This recording cannot tell it from {}.", words::list(&names))
+}
+
+/// The main number of a finding: what it is, and its value.
+pub fn main_number(finding: &Finding) -> Option<(String, String)> {
+    let rows = words::parameters(finding);
+    let main = rows.iter().find(|row| row.is_main).or(rows.first())?;
+    Some((main.name.clone(), main.value()))
+}
+
+/// One of the further findings, in a line.
+fn also(finding: &Finding) -> String {
+    let main = main_number(finding).map_or(String::new(), |(name, value)| format!("{name} {value}, "));
+    format!(
+        "{}: {main}probability {}",
+        sentence(&words::effect(&finding.effect, finding.channel.as_deref())),
+        words::probability(finding.probability)
+    )
+}
+
+/// Where it shows, to go on with a sentence.
+fn place(explanation: &Explanation) -> String {
+    let place = &explanation.place;
+    let channels: Vec<String> = place.channels.iter().map(|name| words::channel(name)).collect();
+    let mut text = String::new();
+    if !place.equation.is_empty() {
+        text += &format!(" in the {}", place.equation.trim_start_matches("the "));
+    }
+    if !channels.is_empty() {
+        text += &format!(", seen in {}", words::list(&channels));
+    }
+    if !place.regimes.is_empty() {
+        text += &format!(" ({})", place.regimes.join("; "));
+    }
+    text
+}
+
+/// How well it follows what was held out, by the channel that it follows least.
+fn follows(explanation: &Explanation) -> String {
+    let fits = explanation.fit.baseline.holdout.iter().filter(|(_, fit)| fit.is_finite());
+    match fits.min_by(|a, b| a.1.total_cmp(b.1)) {
+        Some((channel, fit)) => format!(
+            "Simulated without feedback, its error there has at most {} % of the variance that was recorded \
+             ({}), noise included.",
+            number(100.0 * words::left_of_variance(*fit), 1),
+            words::channel(channel)
+        ),
+        None => String::new(),
+    }
+}
+
+fn facts_of(explanation: &Explanation) -> Vec<Fact> {
+    let mut facts = Vec::new();
+    if let Some(finding) = explanation.findings.first() {
+        if let Some((name, value)) = main_number(finding) {
+            facts.push(Fact { name: sentence(&name), value, note: "± one standard deviation".into() });
+        }
+        facts.push(Fact {
+            name: "Probability".into(),
+            value: words::probability(finding.probability),
+            note: format!("among {}", tried::count(explanation)),
+        });
+    }
+    let gains = stretch::gains(explanation);
+    let gain = gains.first().filter(|gain| gain.points() > 0.0);
+    if let Some(gain) = gain.filter(|_| explanation.verdict != Verdict::Adequate) {
+        let note = match gain.interval {
+            Some([low, high]) => format!(
+                "{} points; 95 %: {} to {}",
+                signed(gain.points(), 1),
+                signed(low, 1),
+                signed(high, 1)
+            ),
+            None => format!("{} points", signed(gain.points(), 1)),
+        };
+        facts.push(Fact {
+            name: format!("Held-out fit, {}", words::channel(gain.channel)),
+            value: format!("{} → {} %", number(gain.from, 1), number(gain.to, 1)),
+            note,
+        });
+    } else {
+        let fits = explanation.fit.baseline.holdout.iter().filter(|(_, fit)| fit.is_finite());
+        let fits =
+            fits.filter(|(name, _)| matches!(name.as_str(), "yaw_rate" | "lateral_acceleration" | "speed"));
+        facts.extend(fits.map(|(name, fit)| Fact {
+            name: format!("Held-out fit, {}", words::channel(name)),
+            value: format!("{} %", number(*fit, 1)),
+            note: "plain model, parameters refitted".into(),
+        }));
+    }
+    facts
+}
+
+fn facts(page: &mut Page, facts: &[Fact]) {
+    if facts.is_empty() {
+        return;
+    }
+    page.raw("<dl class=\"facts\">");
+    for fact in facts {
+        page.raw(&format!(
+            "<div><dt>{}</dt><dd>{}</dd><dd class=\"note\">{}</dd></div>",
+            escape(&fact.name),
+            escape(&fact.value),
+            escape(&fact.note)
+        ));
+    }
+    page.raw("</dl>");
+}
+
+fn plot(page: &mut Page, explanation: &Explanation) {
+    let Some(stretch) = stretch::first(explanation) else { return };
+    let has_extended = super::has_extension(explanation);
+    let Some(plot) = courses::plot(&stretch, 300, has_extended) else { return };
+    let channel = sentence(&words::channel(&stretch.trace.channel));
+    let heading = match (stretch.is_holdout, has_extended) {
+        (true, true) => format!("{channel}, before and after, on data held out of the fit"),
+        (false, true) => format!("{channel}, before and after"),
+        (true, false) => format!("{channel} on data held out of the fit"),
+        (false, false) => channel,
+    };
+    let chosen = if has_extended { "gains most" } else { "is furthest off" };
+    let caption = format!(
+        "{}, {} to {} s, where it {chosen}. Simulated from the steering wheel, torques and brakes alone, \
+         without feedback of what is shown.",
+        stretch.trace.recording,
+        number(stretch.t[0], 0),
+        number(stretch.t[1], 0)
+    );
+    courses::draw(page, &heading, &plot, &caption);
+}

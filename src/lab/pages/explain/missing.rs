@@ -1,0 +1,141 @@
+//! What is missing: words, equation, numbers, what else it could be, what to drive next; and what the
+//! ordinary numbers moved to.
+
+use std::collections::BTreeSet;
+
+use super::words::{self, Shown, sentence, stopped};
+use super::{answer, formula, place};
+use crate::explain::{Explanation, Finding, Verdict};
+use crate::report::{Page, Shift, escape};
+
+/// Writes it.
+pub fn write(page: &mut Page, explanation: &Explanation) {
+    if !explanation.findings.is_empty() {
+        page.section("missing", "What is missing", "");
+        for finding in &explanation.findings {
+            card(page, finding, explanation.findings.len() > 1);
+        }
+    }
+    let is_told_already = explanation.verdict == Verdict::InsufficientExcitation;
+    if !explanation.to_drive.is_empty() && !is_told_already {
+        if explanation.findings.is_empty() {
+            page.section("drive", "What to drive next", "");
+        } else {
+            page.heading("What to drive next");
+        }
+        answer::to_drive(page, explanation);
+    }
+    ordinary(page, explanation);
+}
+
+fn card(page: &mut Page, finding: &Finding, is_one_of_many: bool) {
+    page.raw("<article class=\"finding\">");
+    page.raw(&format!("<p>{}</p>", escape(&answer::about(finding))));
+    if !finding.equation.is_empty() {
+        page.raw(&format!("<p class=\"equation\">{}</p>", formula::html(&finding.equation)));
+    }
+    let rows: Vec<Vec<String>> =
+        words::parameters(finding).iter().map(|row| vec![sentence(&row.name), row.value()]).collect();
+    if !rows.is_empty() {
+        page.table_of_words(&["parameter", "value ± standard deviation"], &rows);
+    }
+    page.raw("<dl class=\"place\">");
+    let entry = |term: &str, text: &str| format!("<div><dt>{term}</dt><dd>{}</dd></div>", escape(text));
+    page.raw(&entry("Probability", &words::probability(finding.probability)));
+    let alike: Vec<String> =
+        finding.indistinguishable_from.iter().map(|name| words::effect_named(name)).collect();
+    let alike = if alike.is_empty() { "nothing that was tried".to_owned() } else { words::list(&alike) };
+    page.raw(&entry("What else it could be", &stopped(&alike)));
+    if !finding.to_tell_apart.is_empty() {
+        page.raw(&entry("What would settle it", &stopped(&finding.to_tell_apart)));
+    }
+    if is_one_of_many {
+        place::about(page, &finding.place);
+        if !finding.place.intervals.is_empty() {
+            page.raw(&entry("When", &words::intervals(&finding.place.intervals, 6)));
+        }
+    }
+    page.raw("</dl></article>");
+}
+
+/// One of the ordinary numbers, before and after.
+struct Move {
+    before: Option<Shown>,
+    after: Option<Shown>,
+}
+
+impl Move {
+    fn any(&self) -> Option<&Shown> {
+        self.after.as_ref().or(self.before.as_ref())
+    }
+
+    /// In standard deviations, those of the surer one.
+    fn size(&self) -> f64 {
+        let (Some(before), Some(after)) = (&self.before, &self.after) else { return f64::INFINITY };
+        let std = before.estimate.std.min(after.estimate.std).max(f64::MIN_POSITIVE);
+        let size = (after.estimate.value - before.estimate.value).abs() / std;
+        if size.is_finite() { size } else { 0.0 }
+    }
+}
+
+/// Smaller moves are none, in standard deviations.
+const LEAST_MOVE: f64 = 1.0;
+
+fn ordinary(page: &mut Page, explanation: &Explanation) {
+    let (before, after) = (&explanation.parameters.baseline, &explanation.parameters.extended);
+    let names: BTreeSet<&String> = before.keys().chain(after.keys()).collect();
+    let mut moves: Vec<Move> = names
+        .into_iter()
+        .map(|name| Move {
+            before: before.get(name).map(|estimate| words::ordinary(name, *estimate)),
+            after: after.get(name).map(|estimate| words::ordinary(name, *estimate)),
+        })
+        .collect();
+    if moves.is_empty() {
+        return;
+    }
+    moves.sort_by(|a, b| b.size().total_cmp(&a.size()));
+    let has_moved = |it: &Move| super::has_extension(explanation) && it.size() >= LEAST_MOVE;
+    let (moved, stayed): (Vec<Move>, Vec<Move>) = moves.into_iter().partition(has_moved);
+    if explanation.findings.is_empty() {
+        page.section("parameters", "The ordinary parameters", "");
+    }
+    if !moved.is_empty() {
+        let rows: Vec<Shift> = moved.iter().filter_map(shift).collect();
+        page.shifts(
+            "What the ordinary parameters moved to",
+            (super::courses::PLAIN.0, super::courses::EXTENDED.0),
+            &rows,
+            "Bars: 95 % intervals; text: ± one standard deviation. Each row has a scale of its own. Whatever the plain \
+             model lacks, these had to make up for.",
+        );
+    }
+    let row = |it: &Move| it.any().map(|shown| vec![sentence(&shown.name), shown.value()]);
+    let rows: Vec<Vec<String>> = stayed.iter().filter_map(row).collect();
+    if rows.is_empty() {
+        return;
+    }
+    if !moved.is_empty() {
+        page.heading("Ordinary parameters that hardly moved");
+    }
+    page.table_of_words(&["parameter", "value ± standard deviation"], &rows);
+}
+
+fn shift(it: &Move) -> Option<Shift> {
+    let any = it.any()?;
+    let interval = |shown: &Shown| {
+        let (value, half) = (shown.estimate.value, 1.96 * shown.estimate.std);
+        [value - half, value, value + half]
+    };
+    let said = |shown: &Option<Shown>| {
+        shown.as_ref().map_or_else(|| "–".into(), |it| words::plus_minus(it.estimate))
+    };
+    Some(Shift {
+        name: sentence(&any.name),
+        unit: any.unit.clone(),
+        before: it.before.as_ref().map(interval),
+        after: it.after.as_ref().map(interval),
+        before_text: said(&it.before),
+        after_text: said(&it.after),
+    })
+}

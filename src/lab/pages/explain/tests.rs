@@ -1,0 +1,155 @@
+//! The page as a whole.
+
+use super::*;
+use crate::report::escape;
+
+/// Every tag that opens closes, in order, and attributes are quoted.
+fn assert_well_formed(html: &str) {
+    let mut open: Vec<&str> = Vec::new();
+    let mut rest = html.split_once("<!DOCTYPE html>").expect("a document type").1;
+    while let Some((_, after)) = rest.split_once('<') {
+        let (tag, behind) = after.split_once('>').expect("a tag that ends");
+        assert!(!tag.contains('<'), "a stray < before <{tag}>");
+        assert_eq!(tag.matches('"').count() % 2, 0, "quotes of <{tag}>");
+        let name = tag.trim_start_matches('/').split([' ', '/', '\n']).next().unwrap_or("");
+        if tag.starts_with('/') {
+            assert_eq!(open.pop(), Some(name), "</{name}> closes something else");
+        } else if !tag.ends_with('/') {
+            open.push(name);
+        }
+        rest = behind;
+    }
+    assert!(open.is_empty(), "{open:?} never close");
+}
+
+fn part<'a>(html: &'a str, id: &str) -> &'a str {
+    let begin = html.find(&format!("id=\"{id}\"")).unwrap_or_else(|| panic!("no part {id}"));
+    let rest = &html[begin..];
+    let end = rest[10..].find("<h2 class=\"section\"").map_or(rest.len(), |end| end + 10);
+    &rest[..end]
+}
+
+#[test]
+fn every_verdict_gives_a_sound_page_that_says_it() {
+    for (explanation, sentence) in sample::all() {
+        let html = page(&explanation);
+        assert_well_formed(&html);
+        assert!(html.contains(&format!("<h1>{}</h1>", escape(sentence))), "{sentence}");
+        let text = html.split_once("<body>").unwrap().1;
+        for bad in ["NaN", "inf ", ">inf", "<dry>", "<learnt", "{}", " _", "<script", "http-equiv", "src="] {
+            assert!(!text.contains(bad), "{bad} in the page of {sentence}");
+        }
+        assert!(!html.contains("https://"), "nothing is fetched");
+        let first = html.find("</header>").unwrap();
+        assert!(html[..first].contains(words::verdict(explanation.verdict)));
+        let plot = html[first..].find("<figure>").unwrap();
+        assert!(plot < 20, "the plot is next to the answer");
+    }
+}
+
+#[test]
+fn a_finding_is_on_the_first_screen_with_its_numbers() {
+    let html = page(&sample::missing());
+    let first = html.split_once("</header>").unwrap().0;
+    for told in [
+        "move load between the wheels",
+        "0.553 ± 0.021 m",
+        "97 %",
+        "81.7 → 92.8 %",
+        "+11.1 points; 95 %: +8.4 to +13.7",
+        "cannot tell it from body roll at the accelerometer",
+    ] {
+        assert!(first.contains(told), "{told} is missing in {first}");
+    }
+    let parts = ["where", "missing", "sure", "ranking", "plots", "reading"];
+    let places = parts.map(|id| html.find(&format!("id=\"{id}\"")).unwrap());
+    assert!(places.is_sorted(), "{places:?}");
+    assert!(part(&html, "where").contains("|a<sub>y</sub>| above 5 m/s²"));
+    let missing = part(&html, "missing");
+    assert!(
+        missing.contains("C ∝ x<sup>1 − e − g/2 ln x</sup>")
+            && missing.contains("Hard turns without braking"),
+        "{missing}"
+    );
+    assert!(missing.contains("13.21 ± 0.14") && missing.contains("14.93 ± 0.21"), "what moved");
+    assert!(missing.contains("hardly moved") && missing.contains("Steering ratio"));
+    let sure = part(&html, "sure");
+    assert!(sure.contains("+8.4 to +13.7") && sure.contains("+422.8") && sure.contains("2310.0"), "{sure}");
+}
+
+#[test]
+fn a_course_is_shown_in_degrees_and_the_chain_is_linked() {
+    let html = page(&sample::several());
+    assert!(html.contains("Road bank: its course"));
+    assert!(part(&html, "where").contains(">\ndegrees\n</text>"), "the unit of the course's axis");
+    assert!(html.contains("Late yaw rate: delay 43.1 ± 2.1 ms, probability &gt; 99 %"));
+    assert!(html.contains("href=\"#chain\"") && part(&html, "chain").contains("learnt by the estimators"));
+}
+
+#[test]
+fn what_is_unknown_or_not_driven_is_said_first() {
+    let html = page(&sample::unknown());
+    let first = html.split_once("</header>").unwrap().0;
+    assert!(first.contains("in the yaw moment balance, seen in yaw rate (braking harder"), "{first}");
+    assert!(first.contains("81.7 → 92.8 %"), "what a correction without a name gains");
+    let html = page(&sample::insufficient());
+    let first = html.split_once("</header>").unwrap().0;
+    assert!(first.contains("<li>Steady turns both ways with 3 to 5 m/s².</li>"), "{first}");
+    assert!(first.contains("straight ahead &amp; hard"));
+    assert!(!html.contains("extended model</li>"), "there is no extended model to be drawn");
+}
+
+#[test]
+fn where_nothing_is_missing_the_error_is_held_against_what_was_recorded() {
+    let mut explanation = sample::adequate();
+    explanation.fit.baseline.holdout = [("yaw_rate".into(), 98.0), ("speed".into(), 90.0)].into();
+    explanation.fit.extended = explanation.fit.baseline.clone();
+    // By construction, without a finding.
+    explanation.unexplained = [("yaw_rate".into(), 1.0), ("speed".into(), 1.0)].into();
+    let html = page(&explanation);
+    let first = html.split_once("</header>").unwrap().0;
+    assert!(first.contains("at most 1.0 % of the variance that was recorded (speed)"), "{first}");
+    assert!(!html.contains("100.0 %") && !html.contains("unexplained"), "nothing is left of nothing");
+    let sure = part(&html, "sure");
+    assert!(!sure.contains("extended") && sure.contains("error / recorded variance"), "{sure}");
+    assert!(part(&page(&sample::missing()), "sure").contains("left of the plain model's error"));
+}
+
+#[test]
+fn an_answer_with_nothing_in_it_is_still_a_page() {
+    let mut explanation = sample::adequate();
+    explanation.traces.clear();
+    explanation.split.clear();
+    explanation.ranking.clear();
+    explanation.fit = Default::default();
+    explanation.prediction_fit = Default::default();
+    explanation.parameters = Default::default();
+    explanation.unexplained.clear();
+    assert_well_formed(&page(&explanation));
+    let mut explanation = sample::missing();
+    for trace in &mut explanation.traces {
+        trace.extended.clear();
+        trace.baseline.iter_mut().for_each(|value| *value = f64::NAN);
+    }
+    explanation.findings.clear();
+    explanation.place.intervals = vec![[f64::NAN, 3.0]];
+    let html = page(&explanation);
+    assert_well_formed(&html);
+    assert!(!html.contains("NaN"));
+}
+
+/// `GRIPD_PAGES=/tmp/pages cargo test sample_pages -- --ignored` and look at them.
+#[test]
+#[ignore = "writes files to look at"]
+fn sample_pages() {
+    let Some(folder) = std::env::var_os("GRIPD_PAGES").map(std::path::PathBuf::from) else { return };
+    std::fs::create_dir_all(&folder).unwrap();
+    for (name, (explanation, _)) in
+        ["missing", "several", "adequate", "unknown", "insufficient"].iter().zip(sample::all())
+    {
+        std::fs::write(folder.join(format!("{name}.html")), page(&explanation)).unwrap();
+        let mut text = Vec::new();
+        print(&explanation, &mut text).unwrap();
+        std::fs::write(folder.join(format!("{name}.txt")), text).unwrap();
+    }
+}

@@ -1,0 +1,406 @@
+//! Names and units as a chassis engineer says them.
+
+use crate::explain::{Estimate, Explanation, Finding, Verdict};
+use crate::identify::Parameter;
+use physics::model::effect;
+
+pub use super::numbers::{number, plus_minus, probability, signed, three, with_unit};
+
+/// "a, b and c".
+pub fn list(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// With a capital first letter, unless it begins with a name as files have it.
+pub fn sentence(text: &str) -> String {
+    if text.split_whitespace().next().is_some_and(|word| word.contains(['_', '.', '/'])) {
+        return text.to_owned();
+    }
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// With a full stop at its end, if there is anything.
+pub fn stopped(text: &str) -> String {
+    let text = sentence(text.trim());
+    if text.is_empty() || text.ends_with(['.', '!', '?']) { text } else { text + "." }
+}
+
+/// Stretches of time, the first few.
+pub fn intervals(intervals: &[[f64; 2]], most: usize) -> String {
+    let shown = intervals.iter().take(most);
+    let shown: Vec<String> =
+        shown.map(|[from, to]| format!("{}–{} s", number(*from, 1), number(*to, 1))).collect();
+    match intervals.len() - shown.len() {
+        0 => shown.join(", "),
+        more => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
+/// A quantity, or two.
+pub fn channel(name: &str) -> String {
+    let one = |name: &str| match name {
+        "wheel_speed_fl" => "front left wheel speed".into(),
+        "wheel_speed_fr" => "front right wheel speed".into(),
+        "wheel_speed_rl" => "rear left wheel speed".into(),
+        "wheel_speed_rr" => "rear right wheel speed".into(),
+        other => other.replace('_', " "),
+    };
+    name.split('/').map(one).collect::<Vec<_>>().join(" and ")
+}
+
+/// Names of channels in the order in which one asks for them: the car's motion, then the wheels.
+pub fn in_order<'a>(names: impl Iterator<Item = &'a String>) -> Vec<&'a str> {
+    const FIRST: [&str; 5] =
+        ["yaw_rate", "lateral_acceleration", "longitudinal_acceleration", "speed", "vehicle_speed"];
+    let mut names: Vec<&str> = names.map(String::as_str).collect();
+    let rank = |name: &str| FIRST.iter().position(|first| *first == name).unwrap_or(FIRST.len());
+    names.sort_by(|a, b| rank(a).cmp(&rank(b)).then(a.cmp(b)));
+    names.dedup();
+    names
+}
+
+/// The error's share of the variance of what was recorded, from a fit in %.
+pub fn left_of_variance(fit: f64) -> f64 {
+    (1.0 - 0.01 * fit).powi(2)
+}
+
+/// What something is shown in: factor and unit.
+pub fn shown_unit(channel: &str, unit: &str) -> (f64, String) {
+    let degrees = 1f64.to_degrees();
+    match unit {
+        "rad/s" if channel.starts_with("wheel_speed") => (1.0, unit.into()),
+        "rad/s" => (degrees, "°/s".into()),
+        "rad" => (degrees, "°".into()),
+        "m/s" if channel.contains("speed") => (3.6, "km/h".into()),
+        "rad/(m/s²)" => (degrees, "°/(m/s²)".into()),
+        "rad/(N m)" => (1e3 * degrees, "°/(kN m)".into()),
+        "1" => (1.0, String::new()),
+        unit => (1.0, unit.into()),
+    }
+}
+
+/// An effect, of its channel.
+pub fn effect(name: &str, of: Option<&str>) -> String {
+    let of = of.map(channel);
+    let sensor = |with: &str, without: &str| match &of {
+        Some(channel) => with.replace("{}", channel),
+        None => without.to_owned(),
+    };
+    match name {
+        "body_roll" => "body roll at the accelerometer".into(),
+        "relaxation_length" => "tire relaxation length".into(),
+        "steering_ratio" => "varying steering ratio".into(),
+        "tire_radius" => "unequal tire radii".into(),
+        "radius_growth" => "tire radii that grow with speed".into(),
+        "cg_shift" => "shifted centre of gravity".into(),
+        "friction_change" => "change of friction".into(),
+        "friction_split" => "friction unequal left and right".into(),
+        "surface_stiffness" => "surface that softens the tires".into(),
+        "brake_yaw_moment" => "yaw moment of single brakes or torque vectoring".into(),
+        "accelerometer_position" => "place of the accelerometer".into(),
+        "sensor_delay" => sensor("late {}", "late sensor"),
+        "sensor_scale" => sensor("wrong scale of {}", "wrong scale of a sensor"),
+        "sensor_drift" => sensor("drifting zero of {}", "drifting zero of a sensor"),
+        "sensor_bias" => sensor("jump in the zero of {}", "jump in the zero of a sensor"),
+        "sensor_sign" => sensor("wrong sign of {}", "wrong sign of a sensor"),
+        "channel_swap" => sensor("{} swapped", "two channels swapped"),
+        other => match &of {
+            Some(channel) => format!("{} of {channel}", other.replace('_', " ")),
+            None => other.replace('_', " "),
+        },
+    }
+}
+
+/// A name that may have its channel with it, as `sensor_delay of yaw_rate` or `sensor_delay(yaw_rate)`.
+pub fn effect_named(text: &str) -> String {
+    let text = text.trim().trim_end_matches(')');
+    match text.split_once([' ', '(', ':']) {
+        Some((name, of)) if effect::named(name).is_some() => {
+            let of = of.trim_start_matches(['(', ' ']).trim_start_matches("of ");
+            effect(name, (!of.is_empty()).then_some(of))
+        }
+        _ if effect::named(text).is_some() => effect(text, None),
+        _ => text.replace('_', " "),
+    }
+}
+
+/// Is it of the measurement rather than of the car?
+pub fn is_of_sensors(name: &str) -> bool {
+    effect::named(name).is_some_and(|kind| !kind.channels.is_empty())
+}
+
+/// A number as it is shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    /// What it is.
+    pub name: String,
+    /// In the unit it is shown in.
+    pub estimate: Estimate,
+    /// That unit; empty for ratios.
+    pub unit: String,
+    /// Is it the one (or one of those) with which the effect vanishes?
+    pub is_main: bool,
+}
+
+impl Shown {
+    /// Value ± std with the unit.
+    pub fn value(&self) -> String {
+        let number = plus_minus(self.estimate);
+        let is_sum = number.contains('±') && !self.unit.is_empty() && !number.starts_with('(');
+        if is_sum && self.unit == "°" { format!("({number})°") } else { with_unit(&number, &self.unit) }
+    }
+}
+
+/// The numbers of a finding, the main ones first.
+pub fn parameters(finding: &Finding) -> Vec<Shown> {
+    let kind = effect::named(&finding.effect);
+    let of = finding.channel.as_deref().and_then(|channel| channel.parse().ok());
+    let mut rows: Vec<Shown> = finding
+        .parameters
+        .iter()
+        // A moment before the recording: it was there from the start.
+        .filter(|(name, estimate)| name.as_str() != "at_s" || estimate.value >= 0.0)
+        .map(|(name, estimate)| {
+            let place = kind.and_then(|kind| kind.place_of(name));
+            let spec = kind.zip(place).and_then(|(kind, place)| kind.spec(place, of));
+            let course = kind.and_then(|kind| kind.surroundings(of));
+            let unit = match (spec, course) {
+                (Some(spec), _) => spec.unit,
+                (None, Some(course)) => course.unit,
+                (None, None) => "1",
+            };
+            let is_main = spec.map_or(course.is_some_and(|it| it.rms_name == name), |spec| spec.is_main);
+            shown(name, finding.channel.as_deref().unwrap_or(""), unit, *estimate, is_main)
+        })
+        .collect();
+    // Of several main ones (four wheels), the one that is furthest from nothing.
+    let weight = |row: &Shown| (row.estimate.value / row.estimate.std.max(f64::MIN_POSITIVE)).abs();
+    rows.sort_by(|a, b| {
+        b.is_main.cmp(&a.is_main).then(if a.is_main {
+            weight(b).total_cmp(&weight(a))
+        } else {
+            a.name.cmp(&b.name)
+        })
+    });
+    rows
+}
+
+fn shown(name: &str, channel: &str, unit: &str, estimate: Estimate, is_main: bool) -> Shown {
+    let (factor, unit) = match name {
+        // An effect's, or an ordinary number: how late a channel is.
+        _ if name.ends_with("delay_s") => (1e3, "ms".to_owned()),
+        "time_constant_s" => (1e3, "ms".to_owned()),
+        "relative_error" => (100.0, "%".to_owned()),
+        _ if name.starts_with("relative_difference") || name.starts_with("slip_offset") => {
+            (100.0, "%".to_owned())
+        }
+        "roll_frequency_rad_per_s" => (0.5 / std::f64::consts::PI, "Hz".to_owned()),
+        _ => shown_unit(channel, unit),
+    };
+    let estimate = Estimate { value: factor * estimate.value, std: (factor * estimate.std).abs() };
+    Shown { name: parameter_name(name), estimate, unit, is_main }
+}
+
+/// One of the ordinary numbers.
+pub fn ordinary(name: &str, estimate: Estimate) -> Shown {
+    let unit = match name {
+        "lateral_stiffness" => "1/rad",
+        _ => Parameter::named(name).map_or("1", Parameter::unit),
+    };
+    shown(name, "", unit, estimate, false)
+}
+
+fn parameter_name(name: &str) -> String {
+    let words = match name {
+        "cg_height_m" => "height of the centre of gravity",
+        "cg_to_front_m" => "front axle to centre of gravity",
+        "yaw_inertia_kgm2" => "yaw inertia",
+        "wheel_inertia_kgm2" => "wheel inertia",
+        "brake_torque_per_bar_front_nm" => "front brake torque per bar",
+        "brake_torque_per_bar_rear_nm" => "rear brake torque per bar",
+        "drag_coefficient_kg_per_m" => "drag coefficient",
+        "lateral_stiffness_front" => "front cornering stiffness",
+        "lateral_stiffness_rear" => "rear cornering stiffness",
+        "lateral_stiffness" => "cornering stiffness",
+        "track_front_m" => "front track",
+        "track_rear_m" => "rear track",
+        "front_roll_share" => "front share of the roll moment",
+        "load_sensitivity" => "load sensitivity of the tires",
+        "load_sensitivity_along" => "load sensitivity along the wheel",
+        "radius_loss_m_per_n" => "loss of rolling radius per load",
+        "load_sensitivity_growth" => "growth of the load sensitivity with load",
+        "roll_gain_rad_per_mps2" => "roll per lateral acceleration",
+        "roll_frequency_rad_per_s" => "roll frequency",
+        "roll_steer_rad_per_rad" => "steer angle per roll angle",
+        "bank_rms_rad" => "bank, rms",
+        "grade_rms_rad" => "grade, rms",
+        "force_rms_n" => "force, rms",
+        "drift_rms" => "drift, rms",
+        "moment_peak_nm" => "peak moment",
+        "centre_of_pressure_m" => "centre of pressure ahead of the centre of gravity",
+        "coefficient" => "coefficient",
+        "length_m" => "relaxation length",
+        "compliance_rad_per_nm" => "steer angle per aligning moment",
+        "curvature_per_rad2" => "curvature of the ratio",
+        "relative_error" => "error of the scale",
+        "bias" => "jump",
+        "relative_per_mps_squared" => "relative growth per speed squared",
+        "shift_m" => "shift to the rear",
+        "at_s" => "from the time",
+        "position_behind_cg_m" => "position behind the centre of gravity",
+        "friction_left" => "friction at the left",
+        "friction_right" => "friction at the right",
+        "ellipse_factor" => "factor of the ellipse",
+        "forward_of_cg_m" => "position ahead of the centre of gravity",
+        "toe_rad" => "toe",
+        _ => "",
+    };
+    if !words.is_empty() {
+        return words.into();
+    }
+    let wheel = |prefix: &str, words: &str| {
+        let rest = name.strip_prefix(prefix)?;
+        Some(format!("{words}, {}", channel(&format!("wheel_speed_{rest}")).trim_end_matches(" speed")))
+    };
+    wheel("relative_difference_", "radius").or_else(|| wheel("slip_offset_", "slip offset")).unwrap_or_else(
+        || {
+            let units = ["_kgm2", "_kg_per_m", "_kg", "_nm", "_m", "_s", "_n", "_rad"];
+            let short = units.iter().find_map(|unit| name.strip_suffix(unit)).unwrap_or(name);
+            short.replace('_', " ")
+        },
+    )
+}
+
+/// What it came to, in two or three words.
+pub fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::MissingPhysics => "Missing physics",
+        Verdict::Adequate => "Adequate",
+        Verdict::UnknownPhysics => "Unknown physics",
+        Verdict::InsufficientExcitation => "Too little excitation",
+    }
+}
+
+/// What it came to, in a sentence without full stop.
+pub fn headline(explanation: &Explanation) -> String {
+    match explanation.verdict {
+        Verdict::MissingPhysics => found(&explanation.findings),
+        Verdict::Adequate => "The plain model is adequate".into(),
+        Verdict::UnknownPhysics => "Something is missing that no known effect explains".into(),
+        Verdict::InsufficientExcitation => "This drive says too little to judge the model".into(),
+    }
+}
+
+/// More names than that are counted.
+const MOST_NAMES: usize = 3;
+
+fn found(findings: &[Finding]) -> String {
+    let names = |of_sensors: bool| {
+        let all: Vec<String> = findings
+            .iter()
+            .filter(|finding| is_of_sensors(&finding.effect) == of_sensors)
+            .map(|finding| effect(&finding.effect, finding.channel.as_deref()))
+            .collect();
+        let mut names = all.clone();
+        if all.len() > MOST_NAMES {
+            names.truncate(MOST_NAMES - 1);
+            names.push(format!("{} more", all.len() + 1 - MOST_NAMES));
+        }
+        list(&names)
+    };
+    let (physics, sensors) = (names(false), names(true));
+    match (physics.as_str(), sensors.as_str()) {
+        ("", "") => "Something is missing in the model".into(),
+        (physics, "") => format!("Missing in the model: {physics}"),
+        ("", sensors) => format!("Wrong in the measurement: {sensors}"),
+        (physics, sensors) => format!("Missing in the model: {physics}; wrong in the measurement: {sensors}"),
+    }
+}
+
+/// The recordings it is about.
+pub fn recordings(explanation: &Explanation) -> Vec<&str> {
+    let mut names: Vec<&str> = Vec::new();
+    let blocks = explanation.split.iter().map(|block| block.recording.as_str());
+    for name in explanation.traces.iter().map(|trace| trace.recording.as_str()).chain(blocks) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// How long, and what.
+pub fn subject(explanation: &Explanation) -> String {
+    let seconds = explanation.seconds;
+    let long = if seconds < 600.0 {
+        format!("{} s", number(seconds, 0))
+    } else {
+        format!("{} min", number(seconds / 60.0, 0))
+    };
+    match recordings(explanation).as_slice() {
+        [] => format!("{long} of recording"),
+        [one] => format!("{long} of {one}"),
+        several => format!("{long} of {} recordings", several.len()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn effects_have_names_for_people() {
+        assert_eq!(effect("load_transfer", None), "load transfer");
+        assert_eq!(effect("sensor_delay", Some("yaw_rate")), "late yaw rate");
+        assert_eq!(
+            effect("channel_swap", Some("wheel_speed_fl/wheel_speed_fr")),
+            "front left wheel speed and front right wheel speed swapped"
+        );
+        assert_eq!(effect_named("sensor_delay of yaw_rate"), "late yaw rate");
+        assert_eq!(effect_named("sensor_scale(yaw_rate)"), "wrong scale of yaw rate");
+        assert_eq!(effect_named("road_bank"), "road bank");
+        assert_eq!(effect_named("a softer front axle"), "a softer front axle");
+        for kind in effect::KINDS {
+            assert!(!effect(kind.name, None).contains(['_', '{']), "{}", kind.name);
+        }
+    }
+
+    #[test]
+    fn angles_are_in_degrees_and_wheels_are_not() {
+        assert_eq!(shown_unit("yaw_rate", "rad/s").1, "°/s");
+        assert_eq!(shown_unit("wheel_speed_fl", "rad/s"), (1.0, "rad/s".into()));
+        let offset = ordinary("yaw_rate_offset", Estimate { value: 0.01, std: 0.001 });
+        assert_eq!(offset.value(), "0.57 ± 0.06 °/s");
+        let delay = ordinary("lateral_acceleration_delay_s", Estimate { value: -0.0004, std: 0.0021 });
+        assert_eq!(
+            (delay.name.as_str(), delay.value().as_str()),
+            ("lateral acceleration delay", "−0.4 ± 2.1 ms")
+        );
+        let ratio = ordinary("steering_ratio", Estimate { value: 15.5, std: 0.1 });
+        assert_eq!((ratio.name.as_str(), ratio.value().as_str()), ("steering ratio", "15.50 ± 0.10"));
+        assert_eq!(
+            ordinary("slip_offset_fl", Estimate { value: 0.01, std: 0.0 }).name,
+            "slip offset, front left wheel"
+        );
+    }
+
+    #[test]
+    fn channels_are_in_the_order_in_which_one_asks_for_them() {
+        let names =
+            ["lateral_acceleration", "speed", "wheel_speed_rl", "wheel_speed_fl", "yaw_rate", "speed"];
+        let names = names.map(str::to_owned);
+        let order = ["yaw_rate", "lateral_acceleration", "speed", "wheel_speed_fl", "wheel_speed_rl"];
+        assert_eq!(in_order(names.iter()), order);
+    }
+
+    #[test]
+    fn a_few_stretches_are_named_and_the_others_counted() {
+        assert_eq!(intervals(&[[1.0, 2.0], [3.0, 4.5], [5.0, 6.0]], 2), "1.0–2.0 s, 3.0–4.5 s and 1 more");
+        assert_eq!(intervals(&[], 2), "");
+    }
+}

@@ -1,0 +1,154 @@
+//! An identification as text, as JSON, and as a page: the answer in words, then how sure it is, then what it explains.
+
+mod drive;
+mod json;
+mod search;
+mod snippet;
+mod story;
+mod text;
+
+use self::story::{digits, number};
+use crate::identify::Identified;
+use crate::report::{Interval, Page, PlotError};
+
+pub use json::{Report, report};
+pub use story::Story;
+pub use text::text;
+
+/// The page.
+pub fn html(story: &Story<'_>) -> Result<String, PlotError> {
+    let mut page = Page::new("gripd identify: the vehicle's parameters from recordings", &lead(story));
+    intervals(&mut page, story);
+    page.heading("What was identified");
+    let rows: Vec<Vec<String>> =
+        story.found.parameters.iter().map(|parameter| text::row(parameter).to_vec()).collect();
+    page.table_of_words(
+        &["parameter", "unit", "the table's", "identified", "95 % interval", "identifiable"],
+        &rows,
+    );
+    page.heading("How well a simulation without feedback fits");
+    page.paragraph(
+        "Driven by the recorded steering wheel and torques or wheel speeds, restarted each 20 s from what was \
+         measured; 100 (1 − |y − ŷ| / |y − mean|) per cent, and the noise that is left where segments are tied \
+         as the data allow.",
+    );
+    let rows: Vec<Vec<String>> =
+        text::fit_rows(story).iter().map(|row| row.iter().take(5).cloned().collect()).collect();
+    page.table(&["channel", "table's numbers, %", "identified, %", "noise", "unit"], &rows);
+    drive::plots(&mut page, story)?;
+    search::starts(&mut page, story)?;
+    search::profiles(&mut page, story)?;
+    page.heading("Where it comes from");
+    page.notes(&[("Recordings", &recordings(story)), ("Search", &text::summary(story))]);
+    page.heading("How to read this");
+    page.notes(NOTES);
+    Ok(page.html())
+}
+
+/// The answer, in sentences.
+fn lead(story: &Story<'_>) -> String {
+    let found = story.found;
+    let told: Vec<String> = found
+        .parameters
+        .iter()
+        .filter(|parameter| parameter.identifiable && !is_sensors(parameter))
+        .map(phrase)
+        .collect();
+    let open: Vec<&str> = found.parameters.iter().filter(|it| !it.identifiable).map(|it| it.name).collect();
+    let mut text = match story.records {
+        [one] => format!("{:.0} s of {} tell", found.seconds, one.name),
+        several => format!("{:.0} s of {} recordings tell", found.seconds, several.len()),
+    };
+    text += &if told.is_empty() {
+        " none of the vehicle's parameters asked for.".into()
+    } else {
+        format!(": {}.", told.join("; "))
+    };
+    if !open.is_empty() {
+        text += &format!(" They do not tell {}.", open.join(", "));
+    }
+    text
+}
+
+/// Name, value and interval.
+fn phrase(parameter: &Identified) -> String {
+    let decimals = digits(parameter.value, parameter.std);
+    let (low, high) = parameter.ci95;
+    let unit = if parameter.unit == "1" { String::new() } else { format!(" {}", parameter.unit) };
+    format!(
+        "{} {}{unit} (95 %: {} to {})",
+        parameter
+            .name
+            .trim_end_matches("_kgm2")
+            .trim_end_matches("_kg")
+            .trim_end_matches("_m")
+            .replace('_', " "),
+        number(parameter.value, decimals),
+        number(low, decimals),
+        number(high, decimals)
+    )
+}
+
+fn is_sensors(parameter: &Identified) -> bool {
+    parameter.name.contains("_offset")
+}
+
+fn intervals(page: &mut Page, story: &Story<'_>) {
+    let row = |parameter: &Identified| {
+        let (prior, std) = parameter.prior;
+        let unit = if parameter.unit == "1" { String::new() } else { format!(", {}", parameter.unit) };
+        let (low, high) = parameter.ci95;
+        let decimals = digits(parameter.value, parameter.std);
+        let text = if parameter.identifiable {
+            format!("{} ± {}", number(parameter.value, decimals), number(parameter.std, decimals))
+        } else {
+            "not identifiable".into()
+        };
+        Interval {
+            name: format!("{}{unit}", parameter.name),
+            before: (std > 0.0).then_some([prior - 1.96 * std, prior, prior + 1.96 * std]),
+            after: parameter.identifiable.then_some([low, parameter.value, high]),
+            text,
+        }
+    };
+    let rows: Vec<Interval> = story.found.parameters.iter().map(row).collect();
+    page.intervals(
+        "Before and after: 95 % intervals",
+        ("the vehicle's table", "with the recordings"),
+        &rows,
+        "Each row has a scale of its own. A dot outside of the grey: the table is wrong, or the equations are.",
+    );
+}
+
+fn recordings(story: &Story<'_>) -> String {
+    let one = |record: &crate::identify::Record| {
+        format!("{} ({:.0} s)", record.name, record.rows.len() as f64 * record.period_s)
+    };
+    story.records.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+const NOTES: &[(&str, &str)] = &[
+    (
+        "the table's",
+        "The configuration's [vehicle]: value ± standard deviation, counted as one more measurement. Offsets of \
+         sensors and differences of the wheels' radii have a prior of their own.",
+    ),
+    (
+        "95 % interval",
+        "Where the true value is in 95 of 100 cases, if the equations hold. Residuals that are no white noise \
+         (a road that is not flat, a model that is not quite right) widen it as much as the segments of the \
+         recordings disagree; a vehicle table that is wrong in what it calls known does not.",
+    ),
+    (
+        "identifiable",
+        "The recordings alone tell it better than the table. What they do not tell is given no number: drive \
+         such that it matters (steer for the cornering stiffnesses, accelerate for the longitudinal one, go to \
+         the limit for the friction).",
+    ),
+    (
+        "profile",
+        "How much worse everything else can make up for a wrong value: 2 ln of the likelihood ratio. Where it \
+         passes 3.84 would be the 95 % interval if the residuals were white noise and the inputs exact; a flat \
+         side means that there is no end.",
+    ),
+];

@@ -1,0 +1,4 @@
+//! Answers as people read them: text, JSON and pages.
+
+pub mod explain;
+pub mod identify;

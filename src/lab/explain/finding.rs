@@ -16,17 +16,6 @@ use physics::model::effect::Spec;
 /// A rival whose evidence is less than so far behind cannot be told from what was chosen.
 const TOLD_APART: f64 = 7.0;
 
-/// So much of a number is how the rest of the car was written down: where noise alone leaves less doubt, the
-/// same physics simulated by other equations (tests/concealed) comes out this far off.
-fn model_share(name: &str) -> f64 {
-    match name {
-        // Only the product of the height and the stiffness that comes with load shows to first order; what
-        // tells them apart is the curve of stiffness over load far from the usual one.
-        "cg_height_m" | "load_sensitivity" | "load_sensitivity_along" => 0.2,
-        _ => 0.02,
-    }
-}
-
 /// What is told of the effect chosen in this round. `place` is where its fit is better than the one before.
 pub fn finding(told: &Told<'_, '_>, number: usize, extended: &Fit<'_>, mut place: Where) -> Finding {
     let taken = &told.selection.chosen[number];
@@ -38,9 +27,9 @@ pub fn finding(told: &Told<'_, '_>, number: usize, extended: &Fit<'_>, mut place
     // Those that the configuration switches on come first in the model.
     let effect = told.case.effects.len() + number;
     let mut parameters = own_numbers(told, extended, effect);
-    if let Some((at, place)) = taken.onset().zip(candidate.kind.place_of("at_s")) {
+    if let Some((at, place)) = taken.onset().zip(candidate.kind.onset()) {
         let std = onset_std(told.data, extended, effect, place);
-        parameters.insert("at_s".into(), Estimate { value: at, std });
+        parameters.insert(Spec::AT_S.name.into(), Estimate { value: at, std });
     }
     let mut series = None;
     if candidate.live.is_some() {
@@ -55,8 +44,10 @@ pub fn finding(told: &Told<'_, '_>, number: usize, extended: &Fit<'_>, mut place
     } else if let Some(at) = taken.onset() {
         place.intervals = vec![[at, told.drives.first().map_or(at, Drive::seconds)]];
     }
-    for (name, estimate) in parameters.iter_mut().filter(|(name, _)| *name != "at_s") {
-        estimate.std = estimate.std.hypot(model_share(name) * estimate.value);
+    for (name, estimate) in &mut parameters {
+        let place = candidate.kind.place_of(name);
+        let share = place.map_or(Spec::MODEL_ERROR, |place| candidate.kind.parameters[place].model_error);
+        estimate.std = estimate.std.hypot(share * estimate.value);
     }
     let round = &told.selection.rounds[number];
     Finding {

@@ -38,7 +38,7 @@ impl Chosen {
 
     /// When it begins, s; long ago, where it is always there.
     pub fn onset(&self) -> f64 {
-        self.kind.place_of("at_s").map_or(f64::NEG_INFINITY, |place| self.numbers[place])
+        self.kind.onset().map_or(f64::NEG_INFINITY, |place| self.numbers[place])
     }
 
     /// Its numbers in their units.

@@ -183,7 +183,7 @@ impl<'a> Search<'_, '_, 'a> {
 
     /// Puts the moment at which something began where everything around it says: an excerpt may not have it.
     fn place_onset(&self, drives: &[Drive], data: &Data<'_>, refitted: &mut Refitted<'a>) {
-        let Some((at, place)) = refitted.onset().zip(refitted.candidate.kind.place_of("at_s")) else {
+        let Some((at, place)) = refitted.onset().zip(refitted.candidate.kind.onset()) else {
             return;
         };
         let (from, to) = gap_around(drives, at);

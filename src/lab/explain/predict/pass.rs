@@ -358,7 +358,7 @@ mod tests {
         let kind = KINDS.iter().find(|kind| kind.name == "sensor_bias").unwrap();
         let steering = Some(Channel::One(Quantity::SteeringWheelAngle));
         let mut jump = Chosen::usual(kind, steering, Course::None);
-        jump.numbers[kind.place_of("at_s").unwrap()] = 22.0;
+        jump.numbers[kind.onset().unwrap()] = 22.0;
         jump.numbers[kind.place_of("bias").unwrap()] = 0.02;
         let jumps = plain.with(jump);
         assert_eq!(plain.same_until(&jumps), 22.0);
@@ -382,7 +382,7 @@ mod tests {
 
     #[test]
     fn nothing_that_begins_late_has_states_of_its_own() {
-        let late: Vec<_> = KINDS.iter().filter(|kind| kind.place_of("at_s").is_some()).collect();
+        let late: Vec<_> = KINDS.iter().filter(|kind| kind.onset().is_some()).collect();
         assert!(late.len() >= 3);
         for kind in late {
             let channel = kind.channels.first().copied();

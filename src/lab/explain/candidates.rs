@@ -2,7 +2,7 @@
 
 use super::model::{Chosen, Model};
 use super::predict::Drive;
-use super::predict::drive::STEP_S;
+use super::predict::grid::STEP_S;
 use super::predict::noise::Live;
 use physics::Quantity;
 use physics::model::TireKind;

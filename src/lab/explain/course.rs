@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::candidates::Candidate;
 use super::fit::Fit;
 use super::predict::noise::{Live, Noise};
-use super::predict::{Drive, drive::points};
+use super::predict::{Drive, grid::points};
 use super::result::{self, Estimate, Finding};
 use super::smooth::{Smoothed, courses};
 use physics::model::effect;

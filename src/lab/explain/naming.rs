@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::candidates::Candidate;
 use super::fit::{Data, Fit, Learn, Varied, within_bounds};
 use super::model::{Free, Model, Place};
-use super::predict::drive::STEP_S;
+use super::predict::grid::STEP_S;
 use super::predict::noise::{Live, Noise};
 use physics::model::effect::Growth;
 
@@ -288,7 +288,7 @@ fn evidence(before: &Fit<'_>, after: &Fit<'_>, new: usize, is_live: bool) -> f64
 struct Normal {
     /// Products of the innovations with the ordinary numbers' derivatives.
     gradient: DVector<f64>,
-    /// [`Sums::alone`](super::predict::pass::Sums::alone).
+    /// [`Sums::alone`](super::predict::sums::Sums::alone).
     alone: DMatrix<f64>,
     /// Covariance of the ordinary numbers.
     inverse: DMatrix<f64>,

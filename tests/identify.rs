@@ -4,12 +4,12 @@
 use gripd::identify::{Drive, Identifier, IdentifyConfig, Method, Record};
 use gripd::model::Vehicle;
 use gripd::model::scenario::thesis::{SIM1, steered};
-use gripd::model::simulate::Drive as Driven;
+use gripd::model::simulate::SimulatedDrive;
 
 /// Sim1 with this steering amplitude, with or without noise.
 fn sim1(amplitude: f64, noisy: bool, seed: u64) -> (Record, Vehicle) {
     let scenario = steered(SIM1, amplitude, noisy).unwrap();
-    let driven = Driven::simulate(&scenario, seed).unwrap();
+    let driven = SimulatedDrive::simulate(&scenario, seed).unwrap();
     (Record::new("sim1", &driven.samples, &driven.sensors), scenario.vehicle)
 }
 

@@ -2,6 +2,7 @@
 
 use std::io::{self, BufWriter, Stdout, Write};
 
+use super::row::Row;
 use super::terminal;
 use bus::can::Frame;
 use bus::can::candump;
@@ -17,14 +18,6 @@ pub enum Show {
     Seconds,
     /// Every frame, as candump writes it.
     Frames,
-}
-
-/// A round, and what is not published but worth comparing with.
-pub struct Row {
-    /// From the frames.
-    pub round: Round,
-    /// Lateral velocity by the bicycle model, m/s.
-    pub bicycle: f64,
 }
 
 /// The observer of the demo.

@@ -159,9 +159,9 @@ impl<'a> Model<'a> {
     /// offsets.
     pub fn ordinary(&self, has: impl Fn(Quantity) -> bool) -> Vec<Free> {
         let drive = if self.knows_torque {
-            crate::identify::Drive::Torque
+            crate::identify::LongitudinalInput::Torque
         } else {
-            crate::identify::Drive::WheelSpeeds
+            crate::identify::LongitudinalInput::WheelSpeeds
         };
         let is_slip_offset = |p: &Parameter| {
             use Parameter::{SlipOffsetFl, SlipOffsetFr, SlipOffsetRl, SlipOffsetRr};

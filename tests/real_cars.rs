@@ -8,7 +8,7 @@ use std::path::Path;
 use gripd::can::Frame;
 use gripd::can::candump::Reader;
 use gripd::estimates::MuSource;
-use gripd::identify::{Drive, Identifier, IdentifyConfig};
+use gripd::identify::{Identifier, IdentifyConfig, LongitudinalInput};
 use gripd::service::{Engine, Sink, sensors};
 use gripd::signals::{Inputs, Sampler};
 use gripd::{Config, Estimates, Sample};
@@ -148,7 +148,7 @@ fn both_zoes_have_the_same_tires_as_far_as_they_tell() {
         slip_offset_rr";
     let settings = IdentifyConfig {
         parameters: names.split_whitespace().map(str::to_owned).collect(),
-        drive: Some(Drive::WheelSpeeds),
+        drive: Some(LongitudinalInput::WheelSpeeds),
         starts: 1,
         profile: false,
         ..IdentifyConfig::default()

@@ -31,7 +31,10 @@ fn drive(text: &str, frequency_hz: f64, amplitude: f64) -> SimulatedDrive {
 }
 
 /// Runs `estimate` over a drive; gives time, truth and what it returned.
-fn over<T>(drive: &SimulatedDrive, mut estimate: impl FnMut(&Kinematics, &Truth) -> T) -> Vec<(f64, Truth, T)> {
+fn over<T>(
+    drive: &SimulatedDrive,
+    mut estimate: impl FnMut(&Kinematics, &Truth) -> T,
+) -> Vec<(f64, Truth, T)> {
     let car = Car::new(&drive.vehicle);
     let samples = drive.samples.iter().zip(&drive.truth);
     samples
@@ -73,7 +76,11 @@ fn observer(drive: &SimulatedDrive, mut ax: impl FnMut(&Cornering, &Truth) -> f6
     })
 }
 
-fn ekf(drive: &SimulatedDrive, walk: f64, input: fn(&Kinematics, &Truth) -> Kinematics) -> Vec<(f64, Truth, f64)> {
+fn ekf(
+    drive: &SimulatedDrive,
+    walk: f64,
+    input: fn(&Kinematics, &Truth) -> Kinematics,
+) -> Vec<(f64, Truth, f64)> {
     let config = JointEkfConfig { stiffness_walk: walk, ..JointEkfConfig::default() };
     let mut filter = JointEkf::new(&Car::new(&drive.vehicle), &drive.sensors, &config, SLOWEST);
     over(drive, |now, truth| {

@@ -1,7 +1,7 @@
 //! What could be missing: every effect of the library that this bus and this drive could show.
 
 use super::model::{Chosen, Model};
-use super::predict::Drive;
+use super::predict::GriddedDrive;
 use super::predict::grid::STEP_S;
 use super::predict::noise::Live;
 use physics::Quantity;
@@ -63,7 +63,7 @@ pub fn onsets(seconds: f64) -> Vec<f64> {
 
 /// The same in the longest of some drives of which only an excerpt is gone over: between its runs any moment is
 /// as good as another, which the next run's beginning stands for.
-pub fn onsets_within(drives: &[Drive]) -> Vec<f64> {
+pub fn onsets_within(drives: &[GriddedDrive]) -> Vec<f64> {
     let Some(longest) = drives.iter().max_by(|a, b| a.used_seconds().total_cmp(&b.used_seconds())) else {
         return Vec::new();
     };
@@ -108,7 +108,7 @@ pub fn library(
                 live: None,
                 stretches: Vec::new(),
             };
-            if let Some(course) = kind.surroundings(channel) {
+            if let Some(course) = kind.disturbance(channel) {
                 let live = Live {
                     size: course.size,
                     length_s: course.length_s,

@@ -1,7 +1,7 @@
 //! A model of the car as a search sees it: its numbers, its effects, and which of them are free.
 
-use super::predict::late::{Delays, Late};
-use super::predict::{Car, Settings};
+use super::predict::delay::{Delayed, Delays};
+use super::predict::{ExtendedCar, Settings};
 use crate::identify::{Parameter, Values};
 use physics::Quantity;
 use physics::model::effect::{Channel, Course, EffectConfig, KINDS, Kind, Setting, Spec};
@@ -75,7 +75,7 @@ pub enum Place {
     /// Of the vehicle, or a sensor's offset.
     Ordinary(Parameter),
     /// How late something is.
-    Delay(Late),
+    Delay(Delayed),
     /// How much of the lateral curve's bend the longitudinal one has: friction along and across are
     /// seldom the same, and one limit is all that the vehicle's table has.
     BendAlong,
@@ -111,7 +111,7 @@ impl<'a> Model<'a> {
             vehicle,
             knows_torque,
             values: Values::of(vehicle),
-            delays: Late::usual(),
+            delays: Delayed::usual(),
             bend_along: BEND_ALONG.0,
             effects: Vec::new(),
         }
@@ -131,14 +131,14 @@ impl<'a> Model<'a> {
     }
 
     /// The car it describes.
-    pub fn car(&self) -> Car {
+    pub fn car(&self) -> ExtendedCar {
         let mut effects: Vec<&Chosen> = self.effects.iter().collect();
         effects.sort_by_key(|chosen| chosen.order());
         let effects = effects.into_iter().map(|chosen| {
             let values = chosen.values();
             chosen.kind.effect(&Setting { values: &values, channel: chosen.channel, course: &chosen.course })
         });
-        Car::new(Settings {
+        ExtendedCar::new(Settings {
             vehicle: self.vehicle,
             values: &self.values,
             knows_torque: self.knows_torque,
@@ -173,8 +173,8 @@ impl<'a> Model<'a> {
             parameters.push(Parameter::LongitudinalAccelerationOffset);
         }
         let mut free: Vec<Free> = parameters.into_iter().map(|p| self.free_ordinary(p)).collect();
-        let late = Late::ALL.into_iter().filter(|late| has(late.quantity()));
-        free.extend(late.filter(|late| self.knows_torque || *late != Late::Torque).map(|late| {
+        let late = Delayed::ALL.into_iter().filter(|late| has(late.quantity()));
+        free.extend(late.filter(|late| self.knows_torque || *late != Delayed::Torque).map(|late| {
             let (mean, std) = late.prior();
             Free { place: Place::Delay(late), mean, std, step: 0.001 }
         }));

@@ -288,7 +288,7 @@ fn evidence(before: &Fit<'_>, after: &Fit<'_>, new: usize, is_live: bool) -> f64
 struct Normal {
     /// Products of the innovations with the ordinary numbers' derivatives.
     gradient: DVector<f64>,
-    /// [`Sums::alone`](super::predict::sums::Sums::alone).
+    /// [`BlockSums::alone`](super::predict::sums::BlockSums::alone).
     alone: DMatrix<f64>,
     /// Covariance of the ordinary numbers.
     inverse: DMatrix<f64>,
@@ -333,14 +333,14 @@ impl Normal {
 mod tests {
     use super::super::bench::{fitted, recorded, training};
     use super::super::candidates::{library, onsets};
-    use super::super::predict::Drive;
+    use super::super::predict::GriddedDrive;
     use super::*;
     use physics::model::effect::KINDS;
 
     /// Scans a drive with effects concealed, and fits the best candidate.
     fn best(effects: &str) -> (String, f64, Vec<f64>) {
         let (vehicle, recording) = recorded(effects);
-        let drives = [Drive::new(&recording, &vehicle)];
+        let drives = [GriddedDrive::new(&recording, &vehicle)];
         let data = training(&drives);
         let plain = fitted(&data, &vehicle);
         let library = library(KINDS, &plain.model, |_| true, &onsets(drives[0].seconds()));

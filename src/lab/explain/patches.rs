@@ -38,7 +38,7 @@ const STEPS: [f64; 5] = [2.0, 0.8, 0.4, 0.2, 0.1];
 
 /// Does the effect lie in patches?
 pub fn is_patchy(candidate: &Candidate) -> bool {
-    candidate.kind.surroundings(candidate.channel).is_some_and(|course| course.sign != 0.0)
+    candidate.kind.disturbance(candidate.channel).is_some_and(|course| course.sign != 0.0)
 }
 
 /// Where wheels are seen to slide, the road may be slippery, whatever a filter makes of it: up to the limit of its

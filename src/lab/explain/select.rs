@@ -11,7 +11,7 @@ use super::fit::{Data, Fit, Learn};
 use super::model::Model;
 use super::naming::{Refitted, Scored, refine, refit, scan};
 use super::patches;
-use super::predict::Drive;
+use super::predict::GriddedDrive;
 use super::smooth::courses;
 use super::split::{BLOCK_S, Part, Split};
 use physics::Quantity;
@@ -101,7 +101,7 @@ pub fn select<'a>(
     let mut extended = baseline.clone();
     let mut chosen: Vec<Refitted<'a>> = Vec::new();
     let mut rounds = Vec::new();
-    let longest = data.drives.iter().map(Drive::seconds).fold(0.0, f64::max);
+    let longest = data.drives.iter().map(GriddedDrive::seconds).fold(0.0, f64::max);
     let onsets = if data.share < 1.0 { onsets_within(data.drives) } else { onsets(longest) };
     for taken in before {
         extended = taken.fit.clone();
@@ -251,7 +251,7 @@ fn fitted<'f, 'a: 'f>(
     best_of_each(all.into_iter().chain(patches).collect())
 }
 
-/// Is the error large enough to be anybody's mistake? See [`Search`](physics::model::effect::Search).
+/// Is the error large enough to be anybody's mistake? See [`SearchHints`](physics::model::effect::SearchHints).
 fn is_noteworthy(refitted: &Refitted<'_>) -> bool {
     let candidate = &refitted.candidate;
     let of_a_torque = matches!(

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::course::{Course, HALVED, MINIMUM_SPEED, STIFFNESS, WHOLE, mean};
+use super::course::{HALVED, LateralDrive, MINIMUM_SPEED, STIFFNESS, WHOLE, mean};
 use physics::estimate::{JointEkf, JointEkfConfig, Kinematics};
 
 /// Parameter noises of C_y that are tried, relative, 1/√s: hardly any, moderate, much.
@@ -21,7 +21,7 @@ pub(super) struct EkfPoint {
 
 /// Runs it with a parameter noise on what `input` makes of each point: the measurements, or the truth.
 pub(super) fn over(
-    course: &Course,
+    course: &LateralDrive,
     walk: f64,
     input: impl Fn(&super::course::Point) -> Kinematics,
 ) -> Vec<EkfPoint> {

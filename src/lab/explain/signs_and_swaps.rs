@@ -1,6 +1,5 @@
-//! Gross errors of the measurement chain: a wrong sign, two channels taken for each other. They bend the
-//! plain model's fit out of all shape, so they are tried before anything else, where the audit of the chain
-//! suggests them.
+//! Wrong signs and swapped channels. They spoil the plain model's fit completely. So they are tried before anything
+//! else, where the audit of the measurement chain suggests them.
 
 use super::candidates::Candidate;
 use super::chain::{ChainReport, Confidence};
@@ -14,19 +13,14 @@ use physics::model::effect::{Channel, Course, Kind, named};
 /// a small one.
 const LEAST_GAIN: f64 = 200.0;
 
-/// Is it such an error?
-pub fn is_gross(candidate: &Candidate) -> bool {
-    candidate.kind.is_all_or_nothing()
-}
-
 /// What the audit suggests.
 pub fn suggested(chain: &[ChainReport]) -> Vec<Candidate> {
     let findings = chain.iter().flat_map(|report| &report.findings);
-    let gross = findings.filter(|finding| {
+    let suggested = findings.filter(|finding| {
         finding.confidence >= Confidence::Likely && named(finding.effect).is_some_and(Kind::is_all_or_nothing)
     });
     let mut all: Vec<Candidate> = Vec::new();
-    for finding in gross {
+    for finding in suggested {
         let (Some(kind), Ok(channel)) = (named(finding.effect), finding.channel.parse::<Channel>()) else {
             continue;
         };

@@ -4,6 +4,7 @@ use super::model::{Chosen, Model};
 use super::predict::GriddedDrive;
 use super::predict::grid::STEP_S;
 use super::predict::noise::Live;
+use super::tuning::TUNING;
 use physics::Quantity;
 use physics::model::TireKind;
 use physics::model::effect::{Channel, Course, Kind, Needs};
@@ -50,14 +51,9 @@ impl Candidate {
     }
 }
 
-/// Onsets that are tried are so far apart at least, s.
-const ONSETS_S: f64 = 5.0;
-/// And so many at most.
-const MOST_ONSETS: usize = 20;
-
 /// When something could have begun, s, in a recording of so many seconds.
 pub fn onsets(seconds: f64) -> Vec<f64> {
-    let step = (seconds / (MOST_ONSETS + 1) as f64).max(ONSETS_S);
+    let step = (seconds / (TUNING.selection.most_onsets + 1) as f64).max(TUNING.selection.between_onsets_s);
     (1..).map(|i| f64::from(i) * step).take_while(|t| *t < seconds - 0.5 * step).collect()
 }
 

@@ -8,11 +8,8 @@ use super::predict::noise::{Live, Noise};
 use super::predict::{GriddedDrive, grid::points};
 use super::result::{self, Estimate, Finding};
 use super::smooth::{Smoothed, courses};
+use super::tuning::TUNING;
 use physics::model::effect;
-
-/// A peak is so many standard deviations of its course: where most of a drive is quiet, a smoother that knows
-/// the course's size over all of it takes a peak for noise, and lowers it.
-const PEAK_IN_STDS: f64 = 2.0;
 
 /// A course over the recording in which it is clearest.
 #[derive(Clone, Debug)]
@@ -39,7 +36,7 @@ impl<'d> SmoothedCourse<'d> {
         let mut course = smoothed(&noise)?;
         let live = *noise.live.get(slot)?;
         if tells_its_peak(candidate) {
-            noise.live[slot].size = live.size.max(course.peak() / PEAK_IN_STDS);
+            noise.live[slot].size = live.size.max(course.peak() / TUNING.selection.peak_in_stds);
             course = smoothed(&noise)?;
         }
         Some(Self { drive, smoothed: course, live })

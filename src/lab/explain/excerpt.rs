@@ -10,19 +10,8 @@ use super::predict::GriddedDrive;
 use super::predict::grid::{STEP_S, points};
 use super::predict::sums::BlockSums;
 use super::split::BLOCK_S;
+use super::tuning::TUNING;
 use physics::Quantity;
-
-/// Recordings with no more than this to use, s, are searched as they are.
-const LONGEST_S: f64 = 300.0;
-
-/// So much, s, is chosen by what is driven…
-const VARIED_S: f64 = 200.0;
-
-/// …and so many units at most by where the model errs, each time that it is asked.
-const MOST_LOCATED: usize = 2;
-
-/// How much more than usual a model must err within a unit to be worth a look, 2 ln likelihood.
-const LEAST_EXCESS: f64 = 150.0;
 
 /// A unit, s: two blocks that are fitted to and one that is held out ([`super::split`]).
 const UNIT_S: f64 = 3.0 * BLOCK_S;
@@ -40,7 +29,7 @@ impl Excerpt {
     /// Of recordings that are worth it, by what is driven; none of shorter ones.
     pub fn of(data: &Data<'_>) -> Option<Self> {
         let all: f64 = data.drives.iter().map(GriddedDrive::used_seconds).sum();
-        if all <= LONGEST_S {
+        if all <= TUNING.long.longest_s {
             return None;
         }
         let kinds = Kinds::of(data.drives);
@@ -48,8 +37,8 @@ impl Excerpt {
             let middle = |third: usize| unit.1 as f64 * UNIT_S + (third as f64 + 0.5) * BLOCK_S;
             (0..3).all(|third| data.split.is_held_out(unit.0, middle(third)))
         });
-        let mut units = kinds.most_varied(&fitted, VARIED_S);
-        units.extend(kinds.most_varied(&held, VARIED_S / 3.0));
+        let mut units = kinds.most_varied(&fitted, TUNING.long.varied_s);
+        units.extend(kinds.most_varied(&held, TUNING.long.varied_s / 3.0));
         Some(Self { units })
     }
 
@@ -82,9 +71,10 @@ impl Excerpt {
         order.sort_by(|a, b| b.1.total_cmp(&a.1));
         let worst: Vec<_> = order.iter().take(5).collect();
         tracing::debug!(?worst, units = ?self.units, "where the model errs most");
-        let worth =
-            order.into_iter().filter(|(unit, excess)| *excess > LEAST_EXCESS && !self.units.contains(unit));
-        let found: Vec<Unit> = worth.take(MOST_LOCATED).map(|(unit, _)| unit).collect();
+        let worth = order
+            .into_iter()
+            .filter(|(unit, excess)| *excess > TUNING.long.least_excess && !self.units.contains(unit));
+        let found: Vec<Unit> = worth.take(TUNING.long.most_located).map(|(unit, _)| unit).collect();
         self.units.extend(&found);
         !found.is_empty()
     }

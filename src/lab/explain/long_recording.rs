@@ -14,25 +14,16 @@ use super::predict::grid::{STEP_S, points};
 use super::predict::noise::Noise;
 use super::predict::sums::BlockSums;
 use super::select::{
-    MOST_FOLLOWING, MOST_RIVALS, ONSET_S, RIVAL_SHARE, Round, Selection, following_share, is_confirmed,
-    least_evidence, prefer_the_simpler, select,
+    Round, Selection, following_share, is_confirmed, least_evidence, prefer_the_simpler, select,
 };
 use super::signs_and_swaps;
 use super::split::{BLOCK_S, Part};
-
-/// The excerpt is enlarged so often at most.
-const MOST_TIMES: usize = 2;
+use super::tuning::TUNING;
 
 /// Rounds of the plain model's first fit, of fits to a larger excerpt, and of fits to everything.
 const FIRST_ROUNDS: usize = 4;
 const AGAIN_ROUNDS: usize = 3;
 const EVERYTHING_ROUNDS: usize = 2;
-
-/// So near to where an excerpt's run begins or ends, s, an onset could as well be beyond.
-const NEAR_S: f64 = 6.0;
-
-/// Around an onset so much is looked at to place it, s.
-const AROUND_S: f64 = 40.0;
 
 /// What there is to search in.
 pub struct LongSearch<'s, 'd, 'a> {
@@ -76,7 +67,7 @@ impl<'a> LongSearch<'_, '_, 'a> {
             progress("fitting to everything", 0.0);
             let settled = self.settled(&excerpt.drives(self.data.drives), &selection);
             let everything = Data { split: settled.selection.split.clone(), ..self.data.clone() };
-            let goes_on = times < MOST_TIMES
+            let goes_on = times < TUNING.long.most_enlargements
                 && (excerpt.locate(&everything, &settled.selection.extended) || settled.is_changed);
             if !goes_on {
                 return settled.selection;
@@ -115,13 +106,17 @@ impl<'a> LongSearch<'_, '_, 'a> {
             let mut contenders: Vec<Refitted<'a>> = vec![taken.clone()];
             let rivals = round.refitted.iter().filter(|other| {
                 other.candidate.name() != taken.candidate.name()
-                    && other.evidence > RIVAL_SHARE * taken.evidence
+                    && other.evidence > TUNING.selection.rival_share * taken.evidence
             });
-            contenders.extend(rivals.take(if has_no_number { 0 } else { MOST_RIVALS - 1 }).cloned());
+            contenders.extend(
+                rivals.take(if has_no_number { 0 } else { TUNING.selection.most_rivals - 1 }).cloned(),
+            );
             for contender in &mut contenders {
                 self.place_onset(drives, &data, contender);
             }
-            if let Some(split) = contenders[0].onset().and_then(|at| data.split.released(at, ONSET_S)) {
+            if let Some(split) =
+                contenders[0].onset().and_then(|at| data.split.released(at, TUNING.selection.onset_s))
+            {
                 data.split = split;
                 baseline = to_everything(&data, &baseline);
                 extended = if chosen.is_empty() { baseline.clone() } else { to_everything(&data, &extended) };
@@ -144,7 +139,9 @@ impl<'a> LongSearch<'_, '_, 'a> {
                 .collect();
             fitted.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
             prefer_the_simpler(&mut fitted);
-            fitted.retain(|refitted| has_no_number || following_share(&data, refitted) <= MOST_FOLLOWING);
+            fitted.retain(|refitted| {
+                has_no_number || following_share(&data, refitted) <= TUNING.selection.most_following
+            });
             let Some(first) = fitted.first().cloned() else { break };
             let found: f64 = chosen.iter().map(|refitted| refitted.evidence).sum();
             let least = least_evidence(1.0, !chosen.is_empty(), found);
@@ -190,7 +187,12 @@ impl<'a> LongSearch<'_, '_, 'a> {
         let cut: Vec<GriddedDrive> = data
             .drives
             .iter()
-            .map(|drive| drive.within(&[(points((from - AROUND_S).max(0.0)), points(to + AROUND_S))]))
+            .map(|drive| {
+                drive.within(&[(
+                    points((from - TUNING.long.around_s).max(0.0)),
+                    points(to + TUNING.long.around_s),
+                )])
+            })
             .collect();
         let around = data.over(&cut);
         let effect = refitted.fit.model.effects.len() - 1;
@@ -235,11 +237,11 @@ fn gap_around(drives: &[GriddedDrive], at: f64) -> (f64, f64) {
     for drive in drives {
         let ends = drive.runs.iter().map(|(_, to)| *to as f64 * STEP_S);
         let begins = drive.runs.iter().map(|(from, _)| *from as f64 * STEP_S);
-        let before = ends.filter(|end| *end < at + NEAR_S).fold(0.0, f64::max);
-        let after = begins.filter(|begin| *begin > at - NEAR_S).fold(drive.seconds(), f64::min);
+        let before = ends.filter(|end| *end < at + TUNING.long.near_s).fold(0.0, f64::max);
+        let after = begins.filter(|begin| *begin > at - TUNING.long.near_s).fold(drive.seconds(), f64::min);
         let is_in_run =
             drive.runs.iter().any(|run| (run.0 as f64 * STEP_S..run.1 as f64 * STEP_S).contains(&at));
-        let is_near = (before - at).abs() < NEAR_S || (after - at).abs() < NEAR_S;
+        let is_near = (before - at).abs() < TUNING.long.near_s || (after - at).abs() < TUNING.long.near_s;
         if !is_in_run || is_near {
             (from, to) = (from.min(before), to.max(after));
         }

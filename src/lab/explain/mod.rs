@@ -40,6 +40,7 @@ mod select;
 mod signs_and_swaps;
 mod smooth;
 mod split;
+mod tuning;
 mod verdict;
 
 pub use case::{Answer, Case};

@@ -2,6 +2,7 @@
 
 use super::predict::delay::{Delayed, Delays};
 use super::predict::{ExtendedCar, Settings};
+use super::tuning::TUNING;
 use crate::identify::{Parameter, Values};
 use physics::Quantity;
 use physics::model::effect::{Channel, Course, EffectConfig, KINDS, Kind, Setting, Spec};
@@ -95,11 +96,6 @@ pub struct Free {
     /// Step of differences.
     pub step: f64,
 }
-
-/// So many standard deviations from what its owner says of it a number is ordinary; beyond, something else
-/// is wrong.
-const ORDINARY_STDS: f64 = 5.0;
-const ORDINARY_DELAY_STDS: f64 = 2.5;
 
 /// Mean and standard deviation of what is thought of the longitudinal curve's bend.
 const BEND_ALONG: (f64, f64) = (0.5, 0.5);
@@ -238,14 +234,17 @@ impl<'a> Model<'a> {
         match place {
             Place::Ordinary(p) => {
                 let Free { mean, std, .. } = self.free_ordinary(p);
-                let within = coordinate.clamp(mean - ORDINARY_STDS * std, mean + ORDINARY_STDS * std);
+                let within = coordinate.clamp(
+                    mean - TUNING.selection.ordinary_stds * std,
+                    mean + TUNING.selection.ordinary_stds * std,
+                );
                 let value = if is_logarithmic(p) { within.exp() } else { within };
                 let (low, high) = p.bounds();
                 self.values.set(p, value.clamp(low, high));
             }
             Place::Delay(late) => {
                 let (mean, std) = late.prior();
-                let most = ORDINARY_DELAY_STDS * std;
+                let most = TUNING.selection.ordinary_delay_stds * std;
                 self.delays[late as usize] = coordinate.clamp(mean - most, mean + most);
             }
             Place::BendAlong => self.bend_along = coordinate.clamp(0.0, 1.2),

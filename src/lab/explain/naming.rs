@@ -11,6 +11,7 @@ use super::fit::{Data, Fit, Learn, Varied, within_bounds};
 use super::model::{Free, Model, Place};
 use super::predict::grid::STEP_S;
 use super::predict::noise::{Live, Noise};
+use super::tuning::TUNING;
 use physics::model::effect::Growth;
 
 /// A candidate with its score.
@@ -75,13 +76,13 @@ impl<'a> Refitted<'a> {
 /// Rounds of fitting before any noise is learnt.
 const STRICT_ROUNDS: usize = 3;
 
-/// How far a candidate's numbers are moved to see its influence, in standard deviations of their priors;
-/// first a small step. What grows with the square, or begins at a threshold, shows only in a large one.
-const WAYS: [Option<f64>; 4] = [None, Some(0.7), Some(2.0), Some(-2.0)];
-
 /// The ways for a candidate: of what acts in proportion the small step tells all.
 fn ways(candidate: &Candidate) -> &'static [Option<f64>] {
-    if candidate.kind.search.growth == Growth::Proportional { &WAYS[..1] } else { &WAYS }
+    if candidate.kind.search.growth == Growth::Proportional {
+        &TUNING.selection.steps_in_stds[..1]
+    } else {
+        &TUNING.selection.steps_in_stds
+    }
 }
 
 /// All candidates, best first; of the same effect with different onsets only the best one.

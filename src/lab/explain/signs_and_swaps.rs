@@ -7,11 +7,8 @@ use super::fit::{Data, Fit};
 use super::model::{Chosen, Free, Model};
 use super::naming::Refitted;
 use super::predict::noise::Noise;
+use super::tuning::TUNING;
 use physics::model::effect::{Channel, Course, Kind, named};
-
-/// Gain, twice the log-likelihood ratio, below which a suggestion is not taken: such an error is never
-/// a small one.
-const LEAST_GAIN: f64 = 200.0;
 
 /// What the audit suggests.
 pub fn suggested(chain: &[ChainReport]) -> Vec<Candidate> {
@@ -54,7 +51,7 @@ pub fn taken<'a>(
         let with = model.with(Chosen::usual(candidate.kind, candidate.channel, Course::None));
         let fit = data.fit(&with, free, noise, 8);
         let gain = cost - fit.cost();
-        if gain > LEAST_GAIN {
+        if gain > TUNING.selection.least_gain_of_a_sign {
             cost -= gain;
             model = with;
             taken.push(Refitted { candidate: candidate.clone(), fit, evidence: gain });

@@ -60,7 +60,7 @@ static MOMENT: Kind = kind("unknown_yaw_moment", "yaw moment balance", |setting|
     Box::new(Unknown { course: setting.course.clone(), of: Of::Moment })
 });
 
-/// First sizes, N and N m, and length, s.
+/// First sizes, N and N m, and length, s. Numerical: where the search begins.
 const FORCE_N: f64 = 150.0;
 const MOMENT_NM: f64 = 150.0;
 const LENGTH_S: f64 = 0.7;

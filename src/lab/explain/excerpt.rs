@@ -98,19 +98,20 @@ fn excesses<'s>(sums: impl Iterator<Item = &'s BlockSums>) -> Vec<(&'s BlockSums
 }
 
 /// Levels of a feature, by the shares of all driving below them: what is rare has a level of its own.
+/// Tuned, no test on record.
 const LEVELS: [f64; 7] = [0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.98];
 
 /// Features of driving, of an instant.
 const FEATURES: [fn(&GriddedDrive, usize) -> f64; 5] =
     [|d, k| d.speed[k], turn, steering_rate, rate, |d, k| d.inputs[k].brake_pressure];
 
-/// Parts of the recordings: what drifts shows in early and late ones.
+/// Parts of the recordings: what drifts shows in early and late ones. Tuned, no test on record.
 const TIMES: usize = 6;
 
 /// Kinds of driving: a level of a feature, or a part of the recordings, each.
 const KINDS: usize = FEATURES.len() * (LEVELS.len() + 1) + TIMES;
 
-/// Instants that are looked at, grid points apart.
+/// Instants that are looked at, grid points apart. Numerical: driving changes more slowly.
 const EVERY: usize = points(0.1);
 
 /// How long each unit is driven in each kind.

@@ -17,10 +17,11 @@ use super::split::{Part, Split};
 use super::verdict::Gains;
 use physics::Quantity;
 
-/// Seconds that must be usable.
+/// Seconds that must be usable. Tuned, no test on record.
 const LEAST_SECONDS: f64 = 15.0;
 
 /// Rounds of fitting with unknown forces, and of fitting them to everything, if an excerpt came first.
+/// Numerical: Gauss–Newton steps.
 const CORRECTION_ROUNDS: usize = 4;
 const CORRECTION_AGAIN: usize = 1;
 
@@ -107,7 +108,7 @@ fn too_little(usable: f64) -> Explanation {
     explanation
 }
 
-/// Root mean square of the yaw rate above which a drive turns at all, rad/s.
+/// Root mean square of the yaw rate above which a drive turns at all, rad/s. Tuned, no test on record.
 const LEAST_TURNING: f64 = 0.01;
 
 fn turns(drive: &GriddedDrive) -> bool {

@@ -14,6 +14,7 @@ use super::select::{Round, Selection};
 use physics::model::effect::Spec;
 
 /// A rival whose evidence is less than so far behind cannot be told from what was chosen.
+/// Statistical: odds of 33 to 1.
 const TOLD_APART: f64 = 7.0;
 
 /// What is told of the effect chosen in this round. `place` is where its fit is better than the one before.

@@ -11,7 +11,7 @@ use super::predict::pass::{Beside, pass};
 use super::predict::sums::{Innovation, PassOptions};
 use physics::Quantity;
 
-/// Seconds of one bin.
+/// Seconds of one bin. Numerical: resolution of what is shown.
 pub const BIN_S: f64 = 0.5;
 
 /// How much better one model predicts than another, ln likelihood, bin by bin.
@@ -74,7 +74,7 @@ impl Gains {
     }
 }
 
-/// Share of the gain that the stretches hold.
+/// Share of the gain that the stretches hold. For the reader only: no verdict depends on it.
 const MOST_OF_IT: f64 = 0.8;
 
 /// Pieces of time in their order as stretches, s, to a hundredth; gaps up to this are bridged.

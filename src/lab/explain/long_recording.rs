@@ -21,6 +21,7 @@ use super::split::{BLOCK_S, Part};
 use super::tuning::TUNING;
 
 /// Rounds of the plain model's first fit, of fits to a larger excerpt, and of fits to everything.
+/// Numerical: Gauss–Newton steps.
 const FIRST_ROUNDS: usize = 4;
 const AGAIN_ROUNDS: usize = 3;
 const EVERYTHING_ROUNDS: usize = 2;

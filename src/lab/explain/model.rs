@@ -98,6 +98,7 @@ pub struct Free {
 }
 
 /// Mean and standard deviation of what is thought of the longitudinal curve's bend.
+/// Physical: from no bend to the same as of the lateral curve, and nothing more is known.
 const BEND_ALONG: (f64, f64) = (0.5, 0.5);
 
 impl<'a> Model<'a> {

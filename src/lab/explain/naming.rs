@@ -73,7 +73,7 @@ impl<'a> Refitted<'a> {
     }
 }
 
-/// Rounds of fitting before any noise is learnt.
+/// Rounds of fitting before any noise is learnt. Numerical: Gauss–Newton steps.
 const STRICT_ROUNDS: usize = 3;
 
 /// The ways for a candidate: of what acts in proportion the small step tells all.
@@ -268,8 +268,12 @@ pub fn onset_std(data: &Data<'_>, fit: &Fit<'_>, effect: usize, place: usize) ->
     f64::max(side(-1.0), side(1.0)).hypot(STEP_S)
 }
 
-/// No onset is less certain, s.
+/// No onset is less certain, s. Numerical: where the search for it ends.
 const MOST_ONSET_STD_S: f64 = 10.0;
+
+/// What the size and the length of a course are worth, which were searched for, too. Statistical: e⁴, some fifty pairs
+/// that they could be.
+pub const OF_A_COURSE: f64 = 8.0;
 
 /// Laplace's approximation: the gain less what the new numbers' freedom is worth.
 fn evidence(before: &Fit<'_>, after: &Fit<'_>, new: usize, is_live: bool) -> f64 {
@@ -281,8 +285,7 @@ fn evidence(before: &Fit<'_>, after: &Fit<'_>, new: usize, is_live: bool) -> f64
             (after.free[place].std.powi(2) / posterior.max(1e-300)).ln().max(0.0)
         })
         .sum();
-    // Size and length of a course were searched for, too.
-    gain - freedom - if is_live { 8.0 } else { 0.0 }
+    gain - freedom - if is_live { OF_A_COURSE } else { 0.0 }
 }
 
 /// The normal equations of ordinary numbers, and candidates beside them, each alone.

@@ -129,8 +129,9 @@ pub fn is_better(before: &ByChannel, after: &ByChannel) -> bool {
     mean(after) > mean(before)
 }
 
-/// Blocks of the bootstrap, s.
+/// Blocks of the bootstrap, s. Statistical: longer than what is left is correlated.
 const BOOTSTRAP_S: f64 = 4.0;
+/// Draws of the bootstrap. Statistical: ten of them lie beyond each end of the 95 % interval.
 const DRAWS: usize = 400;
 
 /// 95 % interval of the improvement of the held-out fit, percentage points, by channel: blocks of seconds

@@ -20,9 +20,11 @@ use physics::model::effect::{Channel, Growth, Kind};
 
 /// Evidence (twice the logarithm of the odds) that the first finding needs. The odds must beat those of
 /// some fifty candidates, each with a small chance of its own.
+/// Statistical: odds of e¹², so that one of fifty candidates is named by chance in three of ten thousand drives, if noise
+/// is as the model has it.
 pub const LEAST_EVIDENCE: f64 = 24.0;
 
-/// Rounds of fitting without learning any noise.
+/// Rounds of fitting without learning any noise. Numerical: Gauss–Newton steps, here and below.
 const STRICT_ROUNDS: usize = 4;
 
 /// Rounds of a first fit, of one that may win, and of the one that is kept.
@@ -171,7 +173,7 @@ pub fn least_evidence(share: f64, is_further: bool, found: f64) -> f64 {
 /// Does what it is fitted to confirm the held-out part? It must not make the prediction of what it has not seen
 /// worse.
 pub fn is_confirmed(gain: f64, evidence: f64, is_further: bool) -> bool {
-    gain > -0.02 * evidence - 5.0 && (!is_further || gain > 0.0)
+    gain > -TUNING.selection.worse_share * evidence - TUNING.selection.worse && (!is_further || gain > 0.0)
 }
 
 /// Scans the library from some fits, fits what is worth it, and refuses what only follows the driver.

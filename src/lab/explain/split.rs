@@ -41,6 +41,7 @@ enum Held {
 }
 
 /// Blocks are so long, s, as the free simulation's are.
+/// The free simulation's is the contract's.
 pub const BLOCK_S: f64 = 20.0;
 
 impl Split {

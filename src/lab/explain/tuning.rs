@@ -46,6 +46,10 @@ pub struct SelectionTuning {
     pub most_following: f64,
     /// To learn when something began, a held-out block within so many seconds of it is fitted to, too.
     pub onset_s: f64,
+    /// Of what a finding gains where it was fitted, the held-out part may lose this share …
+    pub worse_share: f64,
+    /// … and so much, 2 ln likelihood, for chance. Findings beside others must gain.
+    pub worse: f64,
     /// Onsets that are tried are at least so far apart, s …
     pub between_onsets_s: f64,
     /// … and at most so many. The best one is refined later.
@@ -156,6 +160,8 @@ pub const TUNING: Tuning = Tuning {
         rival_share: 0.5,
         most_following: 0.4,
         onset_s: 3.0,
+        worse_share: 0.02,
+        worse: 5.0,
         between_onsets_s: 5.0,
         most_onsets: 20,
         steps_in_stds: [None, Some(0.7), Some(2.0), Some(-2.0)],

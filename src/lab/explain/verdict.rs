@@ -1,14 +1,15 @@
 //! What it all came to: does what has a name explain what there is to explain?
 
 use super::fit::{Data, Fit};
+use super::naming::OF_A_COURSE;
 use super::predict::car::BODY_STATES;
 use super::result::Verdict;
 use super::select::Selection;
 use super::tuning::TUNING;
 use physics::Quantity;
 
-/// What the unknown forces' sizes and lengths, which were searched for, are worth.
-const FREEDOM: f64 = 24.0;
+/// What the sizes and lengths of the unknown forces and the moment are worth, which were searched for.
+const FREEDOM: f64 = 3.0 * OF_A_COURSE;
 
 /// By how much −2 ln likelihood falls, the prior counted in.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

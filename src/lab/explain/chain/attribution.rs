@@ -2,6 +2,16 @@
 
 use nalgebra::{DMatrix, DVector};
 
+/// Misfit (χ² of one degree of freedom) that a cause must take away. Statistical: four standard deviations, six false
+/// alarms in 100,000 for each cause.
+pub(super) const FOUND: f64 = 16.0;
+/// Misfit from which a cause is worth a word. Statistical: three standard deviations.
+pub(super) const SUSPECTED: f64 = 9.0;
+/// By so much more than the next one it must take away to be sure. Statistical: odds of e⁶.
+pub(super) const SURE: f64 = 12.0;
+/// … and to be named before the next one. Statistical: odds of e³.
+pub(super) const AHEAD: f64 = 6.0;
+
 /// What relations say, with how well they say it.
 pub(super) struct Evidence {
     /// Each relation's deviation.

@@ -2,29 +2,19 @@
 
 use nalgebra::DMatrix;
 
-use super::attribution::{Cause, Evidence, attribute};
+use super::attribution::{AHEAD, Cause, Evidence, FOUND, SURE, SUSPECTED, attribute};
 use super::relations::{Link, Relation, link};
 use super::report::{AuditFinding, ChainReport, Confidence};
 use super::sensor_group::SensorGroup;
 use super::series::Series;
+use super::tuning::TUNING;
 
-/// Misfit (χ²) that one cause must take away, and by how much it must beat the next one.
-const FOUND: f64 = 16.0;
-/// Misfit from which a delay is mentioned, if it is so long, s.
-const SUSPECTED: f64 = 9.0;
-const LONG_S: f64 = 0.025;
-const SURE: f64 = 12.0;
-const AHEAD: f64 = 6.0;
-/// Where a delay leaves more than the rest of a relation unexplained, something else is amiss, and may have feigned it.
-const PUT_RIGHT: f64 = 0.95;
-/// Wheel speeds are averages over some teeth and so late by this, ± this, s.
+/// Wheel speeds are averages over some teeth and so late by this, ± this, s. Physical.
 const WHEELS_LATE_S: f64 = 0.008;
 const WHEELS_LATE_STD_S: f64 = 0.007;
 /// Messages have their own periods and phases: no relation is better than this, s.
+/// Physical: periods of 10 ms are out of phase by ± 3 ms.
 const PHASES_S: f64 = 0.004;
-/// A delay below this is ordinary, and above that it is none of it, s.
-const ORDINARY_S: f64 = 0.012;
-const EXTRAORDINARY_S: f64 = 0.02;
 
 impl SensorGroup {
     /// How a relation's delay changes with this channel's.
@@ -88,18 +78,18 @@ fn next_delay(
         .collect();
     let (_, explanations) = attribute(&evidence, &causes)?;
     let best = *explanations.first()?;
-    let least = if best.value.abs() > LONG_S { SUSPECTED } else { FOUND };
-    if best.gain < least || best.value.abs() < ORDINARY_S {
+    let least = if best.value.abs() > TUNING.long_s { SUSPECTED } else { FOUND };
+    if best.gain < least || best.value.abs() < TUNING.ordinary_s {
         return None;
     }
     let next = explanations.get(1).map_or(0.0, |next| next.gain);
     // Tires, compliance and steering gear delay the car behind the steering wheel, too.
     let kinematic = best.channel != SensorGroup::Steering;
     let seen_in = || links.iter().filter(|link| best.channel.sense(link.relation) != 0.0);
-    let is_put_right = seen_in().any(|link| link.explained > PUT_RIGHT);
+    let is_put_right = seen_in().any(|link| link.explained > TUNING.put_right);
     let confidence = if best.gain < FOUND || !is_put_right {
         Confidence::Unclear
-    } else if kinematic && best.value > EXTRAORDINARY_S && best.gain - next > SURE {
+    } else if kinematic && best.value > TUNING.extraordinary_s && best.gain - next > SURE {
         Confidence::Certain
     } else if best.gain - next > AHEAD {
         Confidence::Likely

@@ -2,21 +2,14 @@
 
 use nalgebra::DMatrix;
 
-use super::attribution::{Cause, Evidence, attribute};
+use super::attribution::{AHEAD, Cause, Evidence, FOUND, SURE, attribute};
 use super::relations::{Link, Relation, link};
 use super::report::{AuditFinding, ChainReport, Confidence, RelationReport};
 use super::sensor_group::SensorGroup;
 use super::series::Series;
+use super::tuning::TUNING;
 use super::units;
 use physics::Wheel;
-
-/// Misfit (χ²) that one cause must take away.
-const FOUND: f64 = 16.0;
-/// By so much it must beat the next cause to be sure, and to be named at all.
-const SURE: f64 = 12.0;
-const AHEAD: f64 = 6.0;
-/// A smaller deviation does no harm.
-const HARMLESS: f64 = 0.015;
 
 /// How far a relation's slope may be from one without anything being wrong (logarithmic), beside what
 /// the vehicle's own uncertainty allows.
@@ -111,7 +104,7 @@ fn next_scale(series: &Series, links: &[Link], report: &mut ChainReport) -> Opti
         .collect();
     let (_, explanations) = attribute(&evidence, &causes)?;
     let best = *explanations.first()?;
-    if best.gain < FOUND || best.value.abs() < HARMLESS {
+    if best.gain < FOUND || best.value.abs() < TUNING.harmless_scale {
         return None;
     }
     let next = explanations.get(1).map_or(0.0, |next| next.gain);

@@ -4,13 +4,9 @@ use super::regression::{FREE, fit};
 use super::relations::{Relation, link, rows};
 use super::report::{AuditFinding, ChainReport, Confidence};
 use super::series::Series;
+use super::tuning::TUNING;
 use physics::Quantity;
 use physics::model::GRAVITY;
-
-/// Torques are known by maps: only a scale that is off by more is worth a word (logarithmic).
-const TORQUE_MAP: f64 = 0.35;
-/// A relation must explain so much of the acceleration to be believed.
-const EXPLAINED: f64 = 0.2;
 
 fn correlation(series: &Series, a: &[f64], b: &[f64]) -> f64 {
     let rows = (0..series.len()).filter(|i| series.moves(*i) && a[*i].is_finite() && b[*i].is_finite());
@@ -126,7 +122,7 @@ pub(super) fn torques(series: &Series, report: &mut ChainReport) {
     let quantities = [Quantity::DriveTorque, Quantity::BrakePressure, Quantity::BrakeTorque];
     for (index, quantity) in quantities.into_iter().enumerate().filter(|(_, q)| series.has(*q)) {
         let (gain, std) = (fit.value[index], fit.std[index]);
-        if !fit.is_significant(index) || fit.explained < EXPLAINED {
+        if !fit.is_significant(index) || fit.explained < TUNING.explained {
             report.unclear(
                 format!("{quantity} against the car's acceleration"),
                 "accelerate and brake firmly, several times, on a level road",
@@ -136,7 +132,7 @@ pub(super) fn torques(series: &Series, report: &mut ChainReport) {
         let evidence = format!("{gain:+.3} ± {std:.3} times the acceleration that it should give");
         if gain < 0.0 {
             report.findings.push(sign(quantity, fit.t(index).abs(), evidence));
-        } else if gain.ln().abs() > TORQUE_MAP
+        } else if gain.ln().abs() > TUNING.torque_map
             && (gain - 1.0).abs() > 4.0 * std
             && (quantity != Quantity::BrakePressure || per_bar.is_some())
         {

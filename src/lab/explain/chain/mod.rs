@@ -30,6 +30,7 @@ mod report;
 mod sensor_group;
 mod series;
 mod signs;
+mod tuning;
 mod units;
 mod wheel_model;
 mod wheels;

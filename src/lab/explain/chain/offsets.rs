@@ -4,13 +4,12 @@ use super::regression::{FREE, Fit, fit, student};
 use super::relations::{Link, Relation, rows};
 use super::report::{AuditFinding, ChainReport, Confidence, Offset};
 use super::series::Series;
+use super::tuning::TUNING;
 use physics::{Quantity, Wheel};
 
-/// Wheels slower than this stand, rad/s.
+/// Wheels slower than this stand, rad/s. Physical: less than a tooth a second.
 const STANDING: f64 = 0.05;
-/// So many times the bound is beyond any road, too.
-const BEYOND_ROADS: f64 = 6.0;
-/// Standing for less than this is not counted, s.
+/// Standing for less than this is not counted, s. Tuned, no test on record.
 const STANDING_S: f64 = 1.0;
 
 /// Offsets beyond these are no ordinary sensor's, SI, and whether a road could do the same.
@@ -36,7 +35,7 @@ fn add(
     }
     let repair = format!("take {value:.4} from its offset (offset = {:.4} if there is none)", -value);
     let (bound, physics) = extraordinary(quantity);
-    let physics = physics.filter(|_| value.abs() < BEYOND_ROADS * bound);
+    let physics = physics.filter(|_| value.abs() < TUNING.beyond_roads * bound);
     let t = value / std;
     let known = report.findings.iter().any(|f| f.effect == "sensor_bias" && f.channel == quantity.name());
     if value.abs() > bound && t.abs() > student(blocks) && (value.abs() - bound) > std && !known {

@@ -2,11 +2,12 @@
 
 use nalgebra::{SMatrix, SVector};
 
-/// Least number of blocks for any statement.
+/// Least number of blocks for any statement. Statistical: four degrees of freedom for Student's distribution.
 const LEAST_BLOCKS: usize = 5;
-/// Autocorrelation is followed so many rows at most.
+/// Autocorrelation is followed so many rows at most. Numerical: bounds the cost.
 const LONGEST_LAG: usize = 400;
 /// Significance of a verdict, in standard deviations of a normal distribution.
+/// Statistical: six false alarms in 100,000.
 const SIGNIFICANT: f64 = 4.0;
 
 /// One equation: y = x · θ + e.

@@ -6,20 +6,20 @@ use super::series::{Series, at};
 use physics::Quantity;
 use physics::model::DrivenAxle;
 
-/// Rows are this far apart, s: smoothed series do not change faster.
+/// Rows are this far apart, s: smoothed series do not change faster. Numerical: less than half of the smoothing.
 const STRIDE_S: f64 = 0.04;
-/// Beyond this the tires are not linear any more, m/s².
+/// Beyond this the tires are not linear any more, m/s². Physical: about half of the friction of a dry road.
 const GENTLE: f64 = 4.5;
-/// Beyond this it is no road car, but a unit that is wrong, m/s².
+/// Beyond this it is no road car, but a unit that is wrong, m/s². Physical: one and a half times gravity.
 const IMPOSSIBLE: f64 = 15.0;
-/// Braking shifts the wheels' speed against the car's; weaker deceleration than this is coasting, m/s².
+/// Braking shifts the wheels' speed against the car's; weaker deceleration than this is coasting, m/s². Physical.
 const COASTING: f64 = 0.8;
-/// Nobody knows better where the accelerometer sits, m.
+/// Nobody knows better where the accelerometer sits, m. Prior: standard deviation.
 const ACCELEROMETER_PLACE_M: f64 = 0.15;
 /// Outer wheels, pressed down, roll on a smaller radius: difference of the two, relative, per lateral
-/// acceleration, at most about this, s²/m.
+/// acceleration, at most about this, s²/m. Physical.
 const LOADED_RADIUS: f64 = 8e-4;
-/// Delays are looked for up to this, s.
+/// Delays are looked for up to this, s. Physical: the bound of `sensor_delay`.
 const LONGEST_DELAY_S: f64 = 0.5;
 
 /// An equation between two channels.

@@ -4,17 +4,18 @@ use physics::model::{DrivenAxle, Vehicle};
 use physics::{Quantity, Sample, Wheel};
 
 /// Standard deviation of the Gaussian that everything is smoothed with, s: frequencies of manoeuvres
-/// pass, noise does not.
+/// pass, noise does not. Physical: half of the amplitude is left at 1.9 Hz.
 const SMOOTHING_S: f64 = 0.1;
-/// The kernel reaches so many standard deviations to both sides.
+/// The kernel reaches so many standard deviations to both sides. Numerical: beyond are 0.3 % of the kernel.
 const REACH: f64 = 3.0;
-/// Below this speed wheel sensors are coarse and angles ill-defined, m/s.
+/// Below this speed wheel sensors are coarse and angles ill-defined, m/s. Physical.
 const SLOWEST: f64 = 3.0;
 /// Where a unit is wrong by a factor the above means nothing: then this share of the usual speed.
+/// Tuned, no test on record.
 const SLOWEST_SHARE: f64 = 0.3;
-/// Blocks for jackknife and bootstrap, s: longer than manoeuvres are correlated.
+/// Blocks for jackknife and bootstrap, s: longer than manoeuvres are correlated. Statistical.
 const BLOCK_S: f64 = 3.0;
-/// Less motion than this is not worth an audit, s.
+/// Less motion than this is not worth an audit, s. Tuned, no test on record.
 pub(super) const LEAST_MOVING_S: f64 = 5.0;
 
 /// All channels on one grid; gaps in time are rows of NaN.

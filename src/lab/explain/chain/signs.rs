@@ -3,16 +3,8 @@
 use super::relations::{Link, Relation, link};
 use super::report::{AuditFinding, ChainReport, Confidence};
 use super::series::Series;
+use super::tuning::TUNING;
 use physics::Quantity;
-
-/// How unlikely each error is, as costs. A first flipped sign costs one; others with it less, because a
-/// whole sensor box or a whole convention is turned round. Wheels are rarely mixed up.
-const FIRST_FLIP: f64 = 1.0;
-const FURTHER_FLIP: f64 = 0.5;
-const SWAPPED_AXLE: f64 = 2.0;
-const BOTH_AXLES: f64 = 2.5;
-/// Two explanations nearer than this cannot be told apart.
-const CLEARLY: f64 = 0.9;
 
 /// What may be turned round: yaw rate, lateral acceleration, steering, rear wheels, front wheels.
 type Flips = [bool; 5];
@@ -22,12 +14,13 @@ const FLIPPABLE: [Quantity; 3] =
 
 fn cost(flips: Flips) -> f64 {
     let flipped = flips[..3].iter().filter(|flip| **flip).count();
-    let signs = if flipped > 0 { FIRST_FLIP + FURTHER_FLIP * (flipped - 1) as f64 } else { 0.0 };
+    let signs =
+        if flipped > 0 { TUNING.first_flip + TUNING.further_flip * (flipped - 1) as f64 } else { 0.0 };
     signs
         + match (flips[3], flips[4]) {
             (false, false) => 0.0,
-            (true, true) => BOTH_AXLES,
-            _ => SWAPPED_AXLE,
+            (true, true) => TUNING.both_axles,
+            _ => TUNING.swapped_axle,
         }
 }
 
@@ -58,7 +51,7 @@ pub(super) fn lateral(series: &mut Series, report: &mut ChainReport) {
     let Some(&(least, flips)) = explanations.first() else { return };
     // Turning round what no relation speaks of only costs: such rivals are none.
     let rival = explanations.iter().find(|(_, other)| opposes(&links, flips, *other));
-    let sure = rival.is_none_or(|(cost, _)| cost - least > CLEARLY) && links.len() >= 3;
+    let sure = rival.is_none_or(|(cost, _)| cost - least > TUNING.clearly) && links.len() >= 3;
     for (i, quantity) in FLIPPABLE.into_iter().enumerate().filter(|(i, _)| flips[*i]) {
         let own: Vec<&Link> = links.iter().filter(|link| concerns(link.relation, i)).collect();
         let strongest = own.iter().map(|link| (link.gain / link.gain_std).abs()).fold(0.0, f64::max);

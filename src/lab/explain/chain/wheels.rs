@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::attribution::{Cause, Evidence, attribute};
+use super::attribution::{Cause, Evidence, FOUND, attribute};
 use super::relations::{Relation, link};
 use super::report::{AuditFinding, ChainReport, Confidence};
 use super::sensor_group::SensorGroup;
@@ -12,17 +12,15 @@ use super::wheel_model::{AS_LABELLED, Order, Residuals, model};
 use physics::model::DrivenAxle;
 use physics::{Quantity, Wheel};
 
-/// No tires differ by more, whatever their wear and pressure.
+/// No tires differ by more, whatever their wear and pressure. Physical.
 const TIRES_DIFFER: f64 = 0.03;
-/// Logarithm of the likelihood ratio: to be named, and to be sure.
+/// Logarithm of the likelihood ratio: to be named, and to be sure. Statistical: likelihood ratios of e¹² and e²⁵.
 const NAMED: f64 = 12.0;
 const SURE: f64 = 25.0;
-/// Radii that differ by this much matter to slip, and by that much are worn or of another kind.
+/// Radii that differ by this much matter to slip, and by that much are worn or of another kind. Physical.
 const RADIUS_MATTERS: f64 = 0.003;
 const RADIUS_SURE: f64 = 0.005;
-/// Misfit (χ²) that a wheel's radius must take away.
-const FOUND: f64 = 16.0;
-/// How well radii can be seen within an axle and between axles: tooth wheels, free rolling.
+/// How well radii can be seen within an axle and between axles: tooth wheels, free rolling. Physical.
 const WITHIN_AXLE: f64 = 3e-4;
 const BETWEEN_AXLES: f64 = 1.5e-3;
 

@@ -45,7 +45,7 @@ impl Recording {
     }
 }
 
-/// Shorter runs say nothing, s.
+/// Shorter runs say nothing, s. Tuned, no test on record.
 const SHORTEST_RUN_S: f64 = 3.0;
 
 /// A recording on a grid. Copies share what was recorded, and may go over other stretches of it.

@@ -11,9 +11,10 @@ use physics::Quantity;
 use physics::model::effect::Readings;
 
 /// Differences by which the filter linearizes, in the state's units.
+/// Numerical: far above rounding, far below what bends the equations.
 const DIFFERENCE: [f64; BODY_STATES] = [1e-3, 1e-3, 1e-4];
 
-/// What is known of a start: measured speed and yaw rate, and that no car drifts much.
+/// What is known of a start: measured speed and yaw rate, and that no car drifts much. Physical.
 const START_STD: [f64; BODY_STATES] = [0.3, 0.5, 0.03];
 
 /// A run in progress: state and covariance of the filter, and the cars beside it.
@@ -147,7 +148,7 @@ fn start_covariance(noise: &Noise) -> Square {
     p
 }
 
-/// Steps that derivatives serve.
+/// Steps that derivatives serve. Numerical: they change slowly.
 const SERVES: usize = 2;
 
 /// Derivatives by the filtered states.

@@ -8,7 +8,7 @@ use super::pass::pass_with;
 use super::sums::Comparison;
 use super::trajectory::Trajectory;
 
-/// The block restarts so often, s.
+/// The block restarts so often, s. The contract's.
 const RESTART_S: f64 = 20.0;
 
 /// Simulates a drive. `held` holds the state to the recording up to each block's start; `free` goes on from

@@ -3,7 +3,7 @@
 use physics::Quantity;
 
 /// Seconds between grid points. Readings within a step keep their own times; what a car does is smooth on
-/// this scale.
+/// this scale. Numerical.
 pub const STEP_S: f64 = 0.02;
 
 /// Grid points in so many seconds.
@@ -12,6 +12,7 @@ pub const fn points(seconds: f64) -> usize {
 }
 
 /// Below this speed slip angles mean nothing and wheel sensors are coarse, m/s.
+/// Physical: few teeth pass a sensor in a step.
 pub(super) const SLOWEST_MPS: f64 = 3.0;
 
 /// One reading.

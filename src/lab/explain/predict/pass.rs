@@ -38,7 +38,7 @@ impl Other {
 }
 
 /// Readings may be so late, s, or ahead: so long before anything can be seen of it, a car that begins to differ
-/// goes its own way.
+/// goes its own way. Physical: longer than any delay.
 const AHEAD_S: f64 = 1.0;
 
 /// The cars beside the one that the filter is made for.
@@ -176,7 +176,7 @@ impl<'a> Trajectories<'a> {
     }
 }
 
-/// Steps of the filter that are kept at a time, on the way back.
+/// Steps of the filter that are kept at a time, on the way back. Numerical: bounds the memory.
 const KEPT: usize = points(60.0);
 
 /// Goes over a drive with one car only, and then shows its steps, stretch by stretch from the end: the steps of a

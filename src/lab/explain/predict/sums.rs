@@ -7,7 +7,7 @@ use super::grid::STEP_S;
 use physics::Quantity;
 use physics::model::effect::Readings;
 
-/// Blocks in which sums are kept, s.
+/// Blocks in which sums are kept, s. Numerical: longer than innovations are correlated.
 pub const BLOCK_S: f64 = 5.0;
 
 /// Which readings the filter may look at.

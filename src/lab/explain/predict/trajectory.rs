@@ -8,7 +8,7 @@ use super::noise::{Live, Noise};
 use super::sums::Comparison;
 use physics::model::effect::{Readings, Recorded};
 
-/// Readings may be so many grid points late.
+/// Readings may be so many grid points late. Physical: beyond the bound of `sensor_delay`.
 const LATEST: usize = points(0.64);
 
 /// The last rows of readings.

@@ -6,8 +6,6 @@
 //!
 //! Physical and statistical numbers stand where they are used, and say what they are.
 
-use super::predict::car::BODY_STATES;
-
 /// See [`TUNING`].
 #[derive(Clone, Copy, Debug)]
 pub struct Tuning {
@@ -130,7 +128,7 @@ pub struct VerdictTuning {
     pub least_missing_per_s: f64,
     /// What each equation misses per second where nothing is missing: torque and brakes are never quite those on the
     /// bus.
-    pub usually_missing_per_s: [f64; BODY_STATES],
+    pub usually_missing_per_s: [f64; 3],
     /// Share of what the equations miss that may be left beside a name …
     pub most_left: f64,
     /// … at least so much per second …

@@ -1,8 +1,8 @@
 //! A sensor that jumps.
 
 use super::{
-    Effect, Felt, Growth, Kind, Now, Readings, Recorded, Scale, SearchHints, Setting, Spec, channel,
-    kind::OF_CHANNEL,
+    Effect, Felt, Growth, Kind, Now, OF_CHANNEL, Readings, Recorded, Scale, SearchHints, Setting, Spec,
+    channel,
 };
 use crate::Quantity;
 

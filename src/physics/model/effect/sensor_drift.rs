@@ -1,8 +1,8 @@
 //! A sensor whose zero drifts.
 
 use super::{
-    Acting, Course, Disturbance, Effect, Felt, Kind, Now, Readings, Recorded, SearchHints, Setting, channel,
-    kind::OF_CHANNEL,
+    Acting, Course, Disturbance, Effect, Felt, Kind, Now, OF_CHANNEL, Readings, Recorded, SearchHints,
+    Setting, channel,
 };
 use crate::Quantity;
 

@@ -1,0 +1,55 @@
+//! How an explanation searches for an effect.
+
+use crate::Quantity;
+
+/// How the influence of an effect grows with its main number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Growth {
+    /// In proportion: a small step shows all of it.
+    Proportional,
+    /// With curvature, a threshold or a limit: large steps show what a small one does not.
+    Nonlinear,
+    /// With the square: to first order it shows hardly at all, however large it is.
+    Quadratic,
+}
+
+/// What the plain model and the recording must have for an effect to be told from the ordinary numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Needs {
+    /// Nothing in particular.
+    Nothing,
+    /// Tires without a limit of their own.
+    LinearTire,
+    /// Drive and brake torques.
+    KnownTorque,
+}
+
+/// How an explanation searches for an effect.
+#[derive(Clone, Copy, Debug)]
+pub struct SearchHints {
+    /// Channels of which it is not searched: an ordinary number or another effect does the same.
+    pub not_of: &'static [Quantity],
+    /// What there must be to tell it.
+    pub needs: Needs,
+    /// How its influence grows.
+    pub growth: Growth,
+    /// Each of its numbers is a candidate without the others: one wheel has another radius, not four.
+    pub each_number_alone: bool,
+    /// Of a kind with an onset: it is searched from the start of the recording, too. Others that are there from the
+    /// start are ordinary numbers.
+    pub from_start: bool,
+    /// Of a torque's channel: the smallest main number that is worth a finding.
+    pub least_of_torque: Option<f64>,
+}
+
+impl SearchHints {
+    /// The search for most effects.
+    pub const USUAL: Self = Self {
+        not_of: &[],
+        needs: Needs::Nothing,
+        growth: Growth::Nonlinear,
+        each_number_alone: false,
+        from_start: false,
+        least_of_torque: None,
+    };
+}

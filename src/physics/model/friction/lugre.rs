@@ -17,12 +17,6 @@ pub struct LuGre {
 }
 
 impl LuGre {
-    /// Damping with which pre-sliding of a mass (kg, or the mass over the normal load) is critically
-    /// damped.
-    pub fn critical_damping(&self, mass: f64) -> f64 {
-        2.0 * (self.stiffness * mass).sqrt() - self.sliding.viscous
-    }
-
     /// g(v): the deflection's force in steady sliding.
     #[inline]
     fn limit(&self, velocity: f64) -> f64 {

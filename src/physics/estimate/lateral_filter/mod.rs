@@ -16,6 +16,7 @@
 //! sliding is no softness; the noise of the steering angle is estimated instead of multiplied into the
 //! stiffness; the wheels' inertia turns with the car; and it need not choose between averaging and following.
 
+#[cfg(feature = "simulation")]
 pub mod bound;
 pub mod config;
 pub mod hypothesis;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use crate::cli::Failure;
-use crate::cli::progress::Progress;
-use crate::cli::samples;
+use crate::cli::desk::progress::Progress;
+use crate::cli::desk::samples;
 use bus::Config;
 use bus::can::Frame;
 use bus::service::sensors;

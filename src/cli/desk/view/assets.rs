@@ -17,7 +17,7 @@ pub fn find(path: &str) -> Option<Asset> {
         // The colours and tables of all of gripd's pages, then what this one has beyond them.
         "/page.css" => (
             "text/css; charset=utf-8",
-            &[include_str!("../../lab/report/page.css"), include_str!("view.css")],
+            &[include_str!("../../../lab/report/page.css"), include_str!("view.css")],
         ),
         "/page.js" => (SCRIPT, &[include_str!("page.js")]),
         "/plot.js" => (SCRIPT, &[include_str!("plot.js")]),

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use crate::cli::simulate::SimulatedFrames;
+use crate::cli::desk::simulate::SimulatedFrames;
 use bus::can::Frame;
 use bus::signals::Outputs;
 use physics::model::{Scenario, ScenarioError, Simulation, Truth};

@@ -27,7 +27,7 @@ use bus::signals::Outputs;
 use bus::signals::publish::built_in_database;
 use physics::model::Scenario;
 
-const SCENARIO: &str = include_str!("../../config/scenarios/demo.toml");
+const SCENARIO: &str = include_str!("../../../config/scenarios/demo.toml");
 
 /// Needs no files, no root, and no CAN in the kernel: it runs on vcan0 if there is one, else on a bus in
 /// memory, and finds the same on both. The same seed draws the same page.

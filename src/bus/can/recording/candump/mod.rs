@@ -13,6 +13,7 @@ mod reader;
 mod usual;
 mod writer;
 
-pub use super::recording::{Compression, Damage, LogError, LogStats, SkippedLine};
+pub use super::{Compression, Damage, LogError, LogStats, SkippedLine};
+pub use crate::can::write_line;
 pub use reader::Reader;
-pub use writer::{Writer, write_line};
+pub use writer::Writer;

@@ -15,7 +15,7 @@ use super::look::Look;
 use super::screen::Screen;
 use super::sections::Teller;
 use crate::cli::Failure;
-use crate::cli::watched::Subject;
+use crate::cli::desk::watched::Subject;
 use bus::watch::{Estimator, Happening, Source, Watch};
 use physics::{Micros, Wheel};
 

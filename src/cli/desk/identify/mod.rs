@@ -49,12 +49,12 @@ pub struct Identify {
 impl Identify {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        let (config, table) = configuration::load_all(&self.config)?;
+        let config = configuration::load(&self.config)?;
         check_outputs(
             self.logs.iter().chain([&self.config]).chain(config.files()),
             self.json.iter().chain(&self.html),
         )?;
-        let used = self.settings(&table)?;
+        let used = self.settings(&configuration::identify(&self.config)?)?;
         let (records, broken) = recordings::read(&self.logs, &config.clone().with_true_signals())?;
         let progress = Progress::of_share();
         let found = Identifier::new(&records, &config.vehicle, &used)

@@ -4,7 +4,7 @@ use std::io::{self, BufWriter, Stdout, Write};
 
 use super::terminal;
 use bus::can::Frame;
-use bus::can::candump;
+use bus::can::write_line;
 use bus::service::Sink;
 use bus::signals::publish::Incoming;
 use bus::watch::Round;
@@ -117,7 +117,7 @@ impl Sink for Recorder {
         if self.show == Show::Frames {
             let mut line = std::mem::take(&mut self.line);
             line.clear();
-            candump::write_line(&mut line, &self.interface, frame);
+            write_line(&mut line, &self.interface, frame);
             self.write(&line);
             self.line = line;
         }

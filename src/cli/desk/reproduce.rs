@@ -9,8 +9,8 @@ use std::thread;
 use clap::Args;
 
 use crate::cli::Failure;
-use crate::cli::output::Output;
-use crate::cli::progress::Progress;
+use crate::cli::desk::output::Output;
+use crate::cli::desk::progress::Progress;
 use lab::reproduce::{Done, Experiment, ExperimentError, Picture, experiments, page, table};
 
 /// How many at a time.

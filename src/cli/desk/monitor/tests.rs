@@ -10,7 +10,7 @@ use ratatui::style::Color;
 use super::draw::{Mode, draw};
 use super::look::Look;
 use super::sections::Teller;
-use crate::cli::SimulatedFrames;
+use crate::cli::desk::SimulatedFrames;
 use bus::Config;
 use bus::can::Frame;
 use bus::service::{Engine, Sink};
@@ -37,7 +37,7 @@ fn frames() -> &'static [Frame] {
     }
     FRAMES.get_or_init(|| {
         let config = demo_car();
-        let text = include_str!("../../../config/scenarios/demo.toml");
+        let text = include_str!("../../../../config/scenarios/demo.toml");
         let text = text.replace("duration_s = 120.0", "duration_s = 40.0");
         let mut simulation = Simulation::new(&Scenario::parse(&text).unwrap(), 1).unwrap();
         let input = config.input_database().unwrap();

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use serde::Serialize;
 use serde_json::json;
 
-use crate::cli::watched::Subject;
+use crate::cli::desk::watched::Subject;
 use bus::watch::{
     Column, Heard, InputNow, Link, Row, Told, Traffic as Counted, Watch, Word, fault_words, quantity_label,
     quantity_shown, source_words, state_words,

@@ -4,8 +4,8 @@
 //! speed of the disk.
 
 use super::usual;
-use crate::can::digits::{HEX, NO_DIGIT};
 use crate::can::recording::Damage;
+use crate::can::recording::digits::{HEX, NO_DIGIT};
 use crate::can::wire::{ERROR, EXTENDED, REMOTE, fd_kind};
 use crate::can::{CanId, Frame, FrameError, FrameKind};
 use physics::Micros;

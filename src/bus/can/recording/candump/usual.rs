@@ -4,7 +4,7 @@
 //! It is read a word at a time, not a character at a time. What it is not sure of it leaves to [`line`](super::line),
 //! which knows the whole grammar and says what is wrong.
 
-use crate::can::digits::{decimal, digit, first, first_up_to, hexadecimal};
+use crate::can::recording::digits::{decimal, digit, first, first_up_to, hexadecimal};
 use crate::can::{CanId, Frame};
 use physics::Micros;
 

@@ -9,7 +9,7 @@ use tokio::time::{Instant, sleep_until};
 use super::look::Look;
 use super::sections::{Section, Teller};
 use crate::cli::Failure;
-use crate::cli::watched::Subject;
+use crate::cli::desk::watched::Subject;
 use bus::watch::{Happening, Watch};
 use physics::Micros;
 

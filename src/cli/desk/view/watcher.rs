@@ -8,7 +8,7 @@ use tokio::time::{MissedTickBehavior, interval};
 use super::hub::{Hub, News};
 use super::news;
 use crate::cli::Failure;
-use crate::cli::watched::Subject;
+use crate::cli::desk::watched::Subject;
 use bus::watch::{Happening, Watch};
 
 /// Time between two words to the browsers.

@@ -6,8 +6,8 @@ use super::Failure;
 use bus::Config;
 use bus::dbc::Database;
 
-const CONFIGURATION: &str = include_str!("../../config/demo.toml");
-const DBC: &str = include_str!("../../dbc/demo.dbc");
+const CONFIGURATION: &str = include_str!("../../../config/demo.toml");
+const DBC: &str = include_str!("../../../dbc/demo.dbc");
 
 /// Its configuration, and the database that goes with it.
 pub fn configuration() -> Result<(Config, Database), Failure> {

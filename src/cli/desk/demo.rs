@@ -5,6 +5,7 @@ mod findings;
 mod link;
 mod page;
 mod recorder;
+mod row;
 mod terminal;
 
 use std::io::Write;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::recorder::Row;
+use super::row::Row;
 use physics::estimate::EstimatorsConfig;
 use physics::model::{Scenario, Truth};
 use physics::{Wheel, model};

@@ -6,7 +6,7 @@ mod tables;
 use std::ops::Range;
 
 use super::findings::{Change, Findings, Surface, at, driven};
-use super::recorder::Row;
+use super::row::Row;
 use lab::report::{Page, PlotError, number};
 use physics::Wheel;
 use physics::model::{Scenario, Truth};

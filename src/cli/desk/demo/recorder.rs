@@ -2,9 +2,9 @@
 
 use std::io::{self, BufWriter, Stdout, Write};
 
+use super::row::Row;
 use super::terminal;
-use bus::can::Frame;
-use bus::can::write_line;
+use bus::can::{Frame, write_line};
 use bus::service::Sink;
 use bus::signals::publish::Incoming;
 use bus::watch::Round;
@@ -17,14 +17,6 @@ pub enum Show {
     Seconds,
     /// Every frame, as candump writes it.
     Frames,
-}
-
-/// A round, and what is not published but worth comparing with.
-pub struct Row {
-    /// From the frames.
-    pub round: Round,
-    /// Lateral velocity by the bicycle model, m/s.
-    pub bicycle: f64,
 }
 
 /// The observer of the demo.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::super::findings::{Surface, driven};
-use super::super::recorder::Row;
+use super::super::row::Row;
 use super::{Story, side};
 use lab::report::{Color, Mark, Page, Plot, PlotError, Segment, Span, Stroke};
 use physics::model::Truth;

@@ -1,7 +1,7 @@
 //! The tables of the page.
 
 use super::super::findings::{InUse, Quality, Surface, at, driven};
-use super::super::recorder::Row;
+use super::super::row::Row;
 use super::super::terminal::percent;
 use super::{Story, side};
 use lab::report::number;

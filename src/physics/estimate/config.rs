@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::mapping::MappingConfig;
+use super::thesis::{JointEkfConfig, LateralVelocitySource};
 
 /// `[estimators]`. Everything has a default that suits a passenger car with ESP-grade sensors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -64,22 +65,6 @@ impl EstimatorsConfig {
         let mapping = || self.mapping.as_ref().and_then(MappingConfig::problem);
         checks.into_iter().find(|(_, good, _)| !good).map(|(key, _, reason)| (key, reason)).or_else(mapping)
     }
-}
-
-/// One of the ways to the lateral velocity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LateralVelocitySource {
-    /// v_y = 0.
-    Zero,
-    /// Method 1.
-    Integration,
-    /// Method 2.
-    Kinematic,
-    /// Method 3.
-    Bicycle,
-    /// The joint filter.
-    Joint,
 }
 
 /// `[estimators.slope]`. Compliance is 1/slope: slip per unit of normalized force.
@@ -205,24 +190,6 @@ impl Default for CorneringConfig {
             valid_age_s: 60.0,
             valid_sideslip_std: 0.01,
         }
-    }
-}
-
-/// `[estimators.joint_ekf]`: thesis (5.21).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct JointEkfConfig {
-    /// Random walk of C_y, relative to its prior, 1/√s.
-    pub stiffness_walk: f64,
-    /// Process noise of v_y, m/s²/√Hz.
-    pub lateral_noise: f64,
-    /// Process noise of r, rad/s²/√Hz.
-    pub yaw_noise: f64,
-}
-
-impl Default for JointEkfConfig {
-    fn default() -> Self {
-        Self { stiffness_walk: 0.01, lateral_noise: 0.1, yaw_noise: 0.05 }
     }
 }
 

@@ -31,9 +31,9 @@ use self::model::{
     YAW_OFFSET,
 };
 use self::steering::SteeringActivity;
-use super::cornering::LateralMotion;
-use super::{Car, Cornering, Kinematics};
 use crate::Sensors;
+use crate::estimate::cornering::LateralMotion;
+use crate::estimate::kinematics::{Car, Cornering, Kinematics};
 use crate::estimates::{Estimate, SensorOffsets};
 use crate::filter::{Gaussian, Innovation, LearnedNoise};
 use crate::model::tire::Tire;

@@ -4,7 +4,7 @@
 //! the covariance of the Kalman filter linearized at the *truth*: nothing is estimated, only what the
 //! readings carry is added up. The steering angle counts as unknown but for its noisy readings.
 
-use super::LateralFilterConfig;
+use super::config::LateralFilterConfig;
 use super::hypothesis::{Hypothesis, Noise};
 use super::model::{
     ANGLE, ANGLE_OFFSET, ANGLE_RATE, AY_OFFSET, BANK, FRICTION, FRONT, Inputs, Model, REAR, Row, STATES, VY,

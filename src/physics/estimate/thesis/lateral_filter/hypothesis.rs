@@ -2,12 +2,12 @@
 
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
-use super::super::Car;
-use super::LateralFilterConfig;
+use super::config::LateralFilterConfig;
 use super::model::{
     ANGLE, ANGLE_OFFSET, ANGLE_RATE, AY_OFFSET, BANK, Covariance, FRICTION, FRONT, Inputs, Model, REAR,
     Rates, Row, STATES, VY, YAW, YAW_OFFSET,
 };
+use crate::estimate::kinematics::Car;
 use crate::filter::{Gaussian, Innovation};
 use crate::{Quantity, Sensors};
 

@@ -21,10 +21,9 @@ mod saturation;
 mod slope;
 pub mod thesis;
 mod traction;
-mod window;
 
-pub use config::{BrushConfig, CorneringConfig, EstimatorsConfig, FrictionConfig, SlopeConfig};
-pub use cornering::{Axle, Doubt};
+pub use config::{BrushConfig, EstimatorsConfig, FrictionConfig, SlopeConfig};
+pub use cornering::{Axle, CorneringConfig, Doubt};
 pub use kinematics::{Car, Cornering, Kinematics};
 pub use learned::{Known, Learned};
 pub use pipeline::Pipeline;

@@ -86,7 +86,7 @@ pub fn stiffness_bound(
         }
         if changed(i) {
             for tire in [FRONT, REAR, FRICTION] {
-                knowledge.forget(tire, 0.0, 0.0);
+                knowledge.state.forget(tire, 0.0, 0.0);
             }
             knowledge.open(assumptions.surface_std.powi(2), own);
         }

@@ -179,14 +179,6 @@ impl Hypothesis {
         }
     }
 
-    /// A component is unknown again, and unrelated to the others.
-    pub fn forget(&mut self, i: usize, mean: f64, std: f64) {
-        self.state.covariance.row_mut(i).fill(0.0);
-        self.state.covariance.column_mut(i).fill(0.0);
-        self.state.mean[i] = mean;
-        self.state.covariance[(i, i)] = std * std;
-    }
-
     /// The bank comes and goes: first-order, of this variance and time constant.
     pub fn fade_bank(&mut self, variance: f64, time_s: f64, elapsed_s: f64) {
         let kept = 1.0 - elapsed_s / time_s;

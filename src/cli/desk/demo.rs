@@ -66,7 +66,7 @@ impl Demo {
         let seed = self.seed.unwrap_or(scenario.seed);
         let (config, input) = demo_car::configuration()?;
         let output = built_in_database().map_err(Failure::work)?;
-        let engine = Engine::with_databases(&config, &input, &output)?;
+        let engine = Engine::with_databases(&config, &input, &output)?.with_thesis();
         // The car's own control units know the data sheet's radius, too.
         let radius = config.vehicle.wheel_radius_m.value;
         let frames = Outputs::compile(&config.signals, &input, radius).map_err(Failure::usage)?;

@@ -86,6 +86,9 @@ impl Replay {
             [&self.out, &self.estimates, &self.samples, &self.stats].into_iter().flatten(),
         )?;
         let mut engine = Engine::new(&config)?;
+        if self.estimates.is_some() {
+            engine = engine.with_thesis();
+        }
         let state = self.state.as_deref().map(|path| SavedState::new(path, &config));
         if let Some(state) = &state {
             take_up(state, &mut engine)?;

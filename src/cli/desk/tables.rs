@@ -205,7 +205,8 @@ impl<W: Write + Seek + Send> EstimatesTable<W> {
         now.slope.iter().for_each(|slope| table.number(value(*slope)));
         now.slope.iter().for_each(|slope| table.number(std(*slope)));
         now.slip_offset.iter().for_each(|offset| table.number(value(*offset)));
-        let velocities = &now.lateral_velocities;
+        let thesis = &now.thesis;
+        let velocities = &thesis.lateral_velocities;
         let [front, rear] = now.cornering;
         let friction = &now.friction;
         for number in [
@@ -222,10 +223,10 @@ impl<W: Write + Seek + Send> EstimatesTable<W> {
             std(front),
             value(rear),
             std(rear),
-            value(now.cornering_regression[0]),
-            value(now.cornering_regression[1]),
-            value(now.cornering_ekf),
-            std(now.cornering_ekf),
+            value(thesis.cornering_regression[0]),
+            value(thesis.cornering_regression[1]),
+            value(thesis.cornering_ekf),
+            std(thesis.cornering_ekf),
             friction.max,
             friction.low,
             friction.high,
@@ -234,7 +235,7 @@ impl<W: Write + Seek + Send> EstimatesTable<W> {
             table.number(number);
         }
         table.word(friction.source.name());
-        for number in [friction.brush, friction.dahl, friction.abs, friction.map] {
+        for number in [friction.brush, thesis.friction_dahl, friction.abs, friction.map] {
             table.number(number);
         }
         for flag in [now.slope_valid, now.cornering_valid, friction.valid, now.motion.valid] {

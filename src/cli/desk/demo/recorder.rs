@@ -99,7 +99,7 @@ impl Sink for Recorder {
         let time = frame.time.seconds();
         if self.rows.last().is_none_or(|row| row.round.time != time) {
             self.show_round();
-            let bicycle = self.latest.lateral_velocities.bicycle.unwrap_or(f64::NAN);
+            let bicycle = self.latest.thesis.lateral_velocities.bicycle.unwrap_or(f64::NAN);
             self.rows.push(Row { round: Round::at(time), bicycle });
         }
         let message = self.messages.iter().find(|message| message.id() == frame.id);

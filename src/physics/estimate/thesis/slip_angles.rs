@@ -1,6 +1,6 @@
 //! Slip angles (thesis 5.9, 5.10) with each of the lateral velocities.
 
-use super::{Car, Kinematics};
+use crate::estimate::kinematics::{Car, Kinematics};
 use crate::estimates::LateralVelocities;
 
 /// Front and rear slip angle, rad, by each of the ways to the lateral velocity; positive when they

@@ -2,11 +2,12 @@
 //!
 //! Kept as the thesis has it, for comparison. With a = b and equal stiffnesses the steady-state
 //! response does not depend on C_y, so only transients teach it (methods.md §7); the filter that is
-//! published is [`super::cornering`].
+//! published is [`crate::estimate::cornering`].
 
 use nalgebra::{Vector3, matrix, vector};
 
-use super::{Car, Cornering, JointEkfConfig, Kinematics};
+use super::config::JointEkfConfig;
+use crate::estimate::kinematics::{Car, Cornering, Kinematics};
 use crate::estimates::Estimate;
 use crate::filter::Gaussian;
 use crate::filter::discretize::zero_order_hold_plane;

@@ -12,7 +12,7 @@
 
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
-use super::super::Car;
+use crate::estimate::kinematics::Car;
 use crate::model::GRAVITY;
 use crate::model::tire::{Curve, Shape, Tire};
 

@@ -3,8 +3,10 @@
 //! Methods 1 and 2 are kept because the thesis has them and because they show, beside the others,
 //! why they are not published: the first drifts, the second is told that r v_y = 0 (methods.md §7).
 
-use super::{BicycleFilter, Car, KinematicObserver, Kinematics, SpeedDerivative};
+use super::bicycle_filter::BicycleFilter;
+use super::kinematic_observer::{KinematicObserver, SpeedDerivative};
 use crate::Sensors;
+use crate::estimate::kinematics::{Car, Kinematics};
 use crate::estimates::LateralVelocities;
 
 /// All of the simple ways, run side by side.

@@ -4,7 +4,7 @@
 //! the covariance of the Kalman filter linearized at the *truth*: nothing is estimated, only what the
 //! readings carry is added up. The steering angle counts as unknown but for its noisy readings.
 
-use super::LateralFilterConfig;
+use super::config::LateralFilterConfig;
 use super::hypothesis::{Hypothesis, Noise};
 use super::model::{
     ANGLE, ANGLE_OFFSET, ANGLE_RATE, AY_OFFSET, BANK, FRICTION, FRONT, Inputs, Model, REAR, Row, STATES, VY,
@@ -86,7 +86,7 @@ pub fn stiffness_bound(
         }
         if changed(i) {
             for tire in [FRONT, REAR, FRICTION] {
-                knowledge.forget(tire, 0.0, 0.0);
+                knowledge.state.forget(tire, 0.0, 0.0);
             }
             knowledge.open(assumptions.surface_std.powi(2), own);
         }

@@ -2,12 +2,12 @@
 
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
-use super::super::Car;
-use super::LateralFilterConfig;
+use super::config::LateralFilterConfig;
 use super::model::{
     ANGLE, ANGLE_OFFSET, ANGLE_RATE, AY_OFFSET, BANK, Covariance, FRICTION, FRONT, Inputs, Model, REAR,
     Rates, Row, STATES, VY, YAW, YAW_OFFSET,
 };
+use crate::estimate::kinematics::Car;
 use crate::filter::{Gaussian, Innovation};
 use crate::{Quantity, Sensors};
 
@@ -177,14 +177,6 @@ impl Hypothesis {
             }
             p[(i, i)] += own;
         }
-    }
-
-    /// A component is unknown again, and unrelated to the others.
-    pub fn forget(&mut self, i: usize, mean: f64, std: f64) {
-        self.state.covariance.row_mut(i).fill(0.0);
-        self.state.covariance.column_mut(i).fill(0.0);
-        self.state.mean[i] = mean;
-        self.state.covariance[(i, i)] = std * std;
     }
 
     /// The bank comes and goes: first-order, of this variance and time constant.

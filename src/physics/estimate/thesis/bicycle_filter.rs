@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::Car;
+use crate::estimate::kinematics::Car;
 use crate::filter::Gaussian;
 use crate::filter::discretize::zero_order_hold_plane;
 use crate::model::Bicycle;

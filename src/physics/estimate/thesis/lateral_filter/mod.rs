@@ -32,9 +32,9 @@ use self::model::{
     YAW_OFFSET,
 };
 use self::steering::SteeringActivity;
-use super::cornering::LateralMotion;
-use super::{Car, Cornering, Kinematics};
 use crate::Sensors;
+use crate::estimate::cornering::LateralMotion;
+use crate::estimate::kinematics::{Car, Cornering, Kinematics};
 use crate::estimates::{Estimate, SensorOffsets};
 use crate::filter::{Gaussian, Innovation, LearnedNoise};
 use crate::model::tire::Tire;
@@ -285,10 +285,10 @@ impl LateralFilter {
     fn start_motion(car: &Car, hypothesis: &mut Hypothesis, now: &Cornering) {
         let [vy_std, yaw_std, angle_std, rate_std] = Self::UNKNOWN_MOTION;
         let vy = car.steady_lateral_velocity(now.speed, now.yaw_rate, now.lateral_acceleration);
-        hypothesis.forget(VY, vy, vy_std);
-        hypothesis.forget(YAW, now.yaw_rate, yaw_std);
-        hypothesis.forget(ANGLE, now.road_angle, angle_std);
-        hypothesis.forget(ANGLE_RATE, 0.0, rate_std);
+        hypothesis.state.forget(VY, vy, vy_std);
+        hypothesis.state.forget(YAW, now.yaw_rate, yaw_std);
+        hypothesis.state.forget(ANGLE, now.road_angle, angle_std);
+        hypothesis.state.forget(ANGLE_RATE, 0.0, rate_std);
     }
 
     /// Which hypothesis is to be believed?

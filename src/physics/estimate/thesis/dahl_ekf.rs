@@ -19,7 +19,7 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, vector};
 
-use super::{Car, Kinematics};
+use crate::estimate::kinematics::{Car, Kinematics};
 use crate::filter::discretize::{zero_order_hold, zero_order_hold_space};
 use crate::filter::{Gaussian, Observability};
 use crate::model::{DrivenAxle, GRAVITY};

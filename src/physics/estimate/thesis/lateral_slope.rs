@@ -5,7 +5,7 @@
 
 use nalgebra::vector;
 
-use super::{Car, Cornering, Kinematics};
+use crate::estimate::kinematics::{Car, Cornering, Kinematics};
 use crate::estimates::Estimate;
 use crate::filter::{Cusum, Gaussian, LearnedNoise};
 use crate::model::GRAVITY;

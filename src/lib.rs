@@ -28,9 +28,13 @@
 //! boundary. Time is the frame's own stamp, in whole microseconds, never the wall clock.
 
 pub mod cli;
+#[cfg(feature = "desk")]
 pub mod guide;
 
-pub use bus::{Config, can, config, dbc, new_file, propose, service, signals, watch};
+pub use bus::{Config, can, config, dbc, new_file, service, signals};
+#[cfg(feature = "desk")]
+pub use bus::{propose, watch};
+#[cfg(feature = "desk")]
 pub use lab::{explain, identify, pages, report, reproduce};
 pub use physics::{
     Estimates, Faults, Micros, Quantity, Sample, Sensors, Wheel, estimate, estimates, faults, filter, model,

@@ -107,10 +107,10 @@ fn keeping_what_was_learned_takes_none() {
     assert!(learned.driving_s > 100.0 && learned.driving_s == engine.driving_s());
 }
 
-/// Nor do bad days change that: gaps, damaged frames, a clock that is set back.
+/// Nor do bad days change that: gaps, damaged frames, a clock that is set back. With the thesis's estimators, too.
 #[test]
 fn the_engine_takes_none_on_bad_days() {
-    let mut engine = Engine::new(&Config::load(&project("config/demo.toml")).unwrap()).unwrap();
+    let mut engine = Engine::new(&Config::load(&project("config/demo.toml")).unwrap()).unwrap().with_thesis();
     let drive = frames(demo_drive());
     let mut bad = Vec::with_capacity(2 * drive.len());
     for (number, frame) in drive.iter().enumerate() {

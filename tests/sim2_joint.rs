@@ -3,7 +3,7 @@
 //! five seconds after each.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use gripd::estimate::lateral_filter::LateralFilterConfig;
+use gripd::estimate::thesis::lateral_filter::LateralFilterConfig;
 use gripd::reproduce::sim2_grid::{AMPLITUDES, Cell, FREQUENCIES};
 
 fn print(cell: &Cell) {

@@ -3,10 +3,11 @@
 
 use std::ops::Range;
 
-use gripd::estimate::{
-    Car, Cornering, JointEkf, JointEkfConfig, KinematicObserver, Kinematics, LateralSlopeEstimator,
-    LateralVelocityEstimator, SlipAngles, SpeedDerivative,
+use gripd::estimate::thesis::{
+    JointEkf, JointEkfConfig, KinematicObserver, LateralSlopeEstimator, LateralVelocityEstimator, SlipAngles,
+    SpeedDerivative,
 };
+use gripd::estimate::{Car, Cornering, Kinematics};
 use gripd::estimates::LateralVelocities;
 use gripd::model::scenario::Piece;
 use gripd::model::scenario::thesis::{SIM1, SIM2};

@@ -90,8 +90,6 @@ pub struct Friction {
     pub brush: Option<f64>,
     /// Its standard deviation, if the tire were a brush.
     pub brush_std: Option<f64>,
-    /// Dahl one-wheel filter (thesis 8.2).
-    pub dahl: Option<f64>,
     /// Last ABS braking (thesis 6.1).
     pub abs: Option<f64>,
     /// Mapped from the slope (thesis 6.3).
@@ -132,6 +130,19 @@ pub struct LateralVelocities {
     pub joint: Option<f64>,
 }
 
+/// What the thesis's estimators say: kept beside what is published, to be compared with it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ThesisEstimates {
+    /// Each way to the lateral velocity.
+    pub lateral_velocities: LateralVelocities,
+    /// Cornering stiffness by the regression of thesis (5.20), front and rear, 1/rad.
+    pub cornering_regression: [Option<Estimate>; 2],
+    /// Cornering stiffness C_y = C_F = C_R by the EKF of thesis (5.21), normalized, 1/rad.
+    pub cornering_ekf: Option<Estimate>,
+    /// Friction by the Dahl EKF on one wheel (thesis 8.2).
+    pub friction_dahl: Option<f64>,
+}
+
 /// Offsets of the sensors the lateral motion stands on, as the joint filter learned them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SensorOffsets {
@@ -152,8 +163,6 @@ pub struct Estimates {
     pub state: State,
     /// Motion as published.
     pub motion: Motion,
-    /// Each way to the lateral velocity.
-    pub lateral_velocities: LateralVelocities,
     /// Longitudinal slip slope per wheel: force per slip, normalized by the static wheel load.
     pub slope: [Option<Estimate>; 4],
     /// Slip at zero force per wheel (tire radius against the reference wheel's).
@@ -164,16 +173,14 @@ pub struct Estimates {
     pub cornering: [Option<Estimate>; 2],
     /// The cornering stiffnesses may be acted upon.
     pub cornering_valid: bool,
-    /// Cornering stiffness by the regression of thesis (5.20), front and rear, 1/rad.
-    pub cornering_regression: [Option<Estimate>; 2],
-    /// Cornering stiffness C_y = C_F = C_R by the EKF of thesis (5.21), normalized, 1/rad.
-    pub cornering_ekf: Option<Estimate>,
     /// Sensor offsets.
     pub offsets: SensorOffsets,
     /// How rough the road is: by how much the wheels' rims scatter about their rolling, m/s.
     pub roughness: Option<Estimate>,
     /// Friction.
     pub friction: Friction,
+    /// The thesis's estimators, where somebody asked for them; no frame is made of these.
+    pub thesis: ThesisEstimates,
     /// How well the longitudinal use of the tires tells the slope, 0–1.
     pub excitation_long: f64,
     /// How well the lateral use of the tires tells the cornering stiffness, 0–1.

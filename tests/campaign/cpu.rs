@@ -3,9 +3,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use gripd::estimate::{
-    Car, DahlEkf, EstimatorsConfig, JointEkf, Kinematics, LateralSlopeEstimator, Pipeline,
-};
+use gripd::estimate::thesis::{DahlEkf, JointEkf, LateralSlopeEstimator};
+use gripd::estimate::{Car, EstimatorsConfig, Kinematics, Pipeline};
 
 use super::learner::Learner;
 use super::peers::Driven;
@@ -36,7 +35,7 @@ pub fn times(drive: &Driven) -> Vec<(&'static str, f64)> {
             time(count, || {
                 let mut peer = LateralSlopeEstimator::new(&car, slow);
                 for (now, row) in kinematics.iter().zip(rows) {
-                    peer.step(now, row.ours.lateral_velocities.kinematic);
+                    peer.step(now, row.ours.thesis.lateral_velocities.kinematic);
                 }
                 black_box(peer.slopes());
             })

@@ -23,7 +23,7 @@ pub const PEERS: [Peer; 6] = [
     ("gripd, interval, bounds from below too", |row| Said { value: None, interval: Some(bounds(row)) }),
     ("thesis 8.1, brush", |row| brush(row.thesis.friction.brush, row.thesis.friction.brush_std)),
     ("the brush as gripd compensates it", |row| brush(row.ours.friction.brush, row.ours.friction.brush_std)),
-    ("thesis 8.2, Dahl", |row| Said { value: row.ours.friction.dahl, interval: None }),
+    ("thesis 8.2, Dahl", |row| Said { value: row.ours.thesis.friction_dahl, interval: None }),
 ];
 
 fn bounds(row: &Row) -> [f64; 2] {

@@ -1,6 +1,7 @@
 //! One drive as every peer sees it: the service, the thesis's own filters, and the learner, on the same samples.
 
-use gripd::estimate::{Car, EstimatorsConfig, Kinematics, LateralVelocitySource, Pipeline};
+use gripd::estimate::thesis::LateralVelocitySource;
+use gripd::estimate::{Car, EstimatorsConfig, Kinematics, Pipeline};
 use gripd::model::{Truth, Vehicle};
 use gripd::signals::Inputs;
 use gripd::{Config, Estimates, Sample, Sensors};
@@ -49,7 +50,7 @@ pub fn drive(drive: &Drive) -> Driven {
     let sheet = drive.config.vehicle.clone();
     let sensors = sensors(&drive.config);
     let (car, mut learner) = (Car::new(&sheet), Learner::new(&sheet));
-    let mut thesis = Pipeline::new(&sheet, &sensors, &thesis_config());
+    let mut thesis = Pipeline::new(&sheet, &sensors, &thesis_config()).with_thesis();
     let (mut samples, mut rows) = (Vec::new(), Vec::new());
     drive.through_the_engine(|sample, truth, ours| {
         learner.step(&Kinematics::new(sample, &car));

@@ -27,9 +27,9 @@ pub type Peer = (&'static str, fn(&Row, [f64; 2]) -> Stiffness);
 pub const PEERS: [Peer; 6] = [
     ("gripd", |row, _| Stiffness::of_axles(&row.ours.cornering)),
     ("gripd, where valid", valid),
-    ("thesis (5.20), v_y by method 2", |row, _| Stiffness::of_axles(&row.thesis.cornering_regression)),
-    ("thesis (5.20), v_y by gripd", |row, _| Stiffness::of_axles(&row.ours.cornering_regression)),
-    ("thesis (5.21), one stiffness", |row, _| Stiffness::OfBoth(row.ours.cornering_ekf.map(said))),
+    ("thesis (5.20), v_y by method 2", |row, _| Stiffness::of_axles(&row.thesis.thesis.cornering_regression)),
+    ("thesis (5.20), v_y by gripd", |row, _| Stiffness::of_axles(&row.ours.thesis.cornering_regression)),
+    ("thesis (5.21), one stiffness", |row, _| Stiffness::OfBoth(row.ours.thesis.cornering_ekf.map(said))),
     ("learner, factor × data sheet", learned),
 ];
 

@@ -158,11 +158,12 @@ fn is_finite(estimates: &Estimates) -> bool {
         estimates.slope.as_slice(),
         &estimates.slip_offset,
         &estimates.cornering,
-        &estimates.cornering_regression,
-        &[estimates.cornering_ekf],
+        &estimates.thesis.cornering_regression,
+        &[estimates.thesis.cornering_ekf],
         &[estimates.offsets.road_angle, estimates.offsets.lateral_acceleration, estimates.offsets.yaw_rate],
     ];
-    let (motion, ways, friction) = (&estimates.motion, &estimates.lateral_velocities, &estimates.friction);
+    let (motion, ways, friction) =
+        (&estimates.motion, &estimates.thesis.lateral_velocities, &estimates.friction);
     let plain = [
         motion.speed,
         motion.lateral_velocity,
@@ -181,7 +182,7 @@ fn is_finite(estimates: &Estimates) -> bool {
         friction.age_s,
         friction.brush,
         friction.brush_std,
-        friction.dahl,
+        estimates.thesis.friction_dahl,
         friction.abs,
         friction.map,
         Some(estimates.excitation_long),

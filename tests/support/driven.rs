@@ -47,7 +47,7 @@ pub fn drive(
     let outputs = Outputs::compile(&config.signals, &database, radius).unwrap();
     config.signals.quantities.retain(|quantity, _| !without.contains(&quantity.name()));
     let output = gripd::signals::publish::built_in_database().unwrap();
-    let mut engine = Engine::with_databases(&config, &database, &output).unwrap();
+    let mut engine = Engine::with_databases(&config, &database, &output).unwrap().with_thesis();
     let mut frames = SimulatedFrames::new(outputs);
     let mut beside = Beside { truths: VecDeque::new(), take };
     let mut simulation = Simulation::new(scenario, seed).unwrap();

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::cornering::CorneringConfig;
 use super::mapping::MappingConfig;
+use super::thesis::{JointEkfConfig, LateralVelocitySource};
 
 /// `[estimators]`. Everything has a default that suits a passenger car with ESP-grade sensors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -64,22 +66,6 @@ impl EstimatorsConfig {
         let mapping = || self.mapping.as_ref().and_then(MappingConfig::problem);
         checks.into_iter().find(|(_, good, _)| !good).map(|(key, _, reason)| (key, reason)).or_else(mapping)
     }
-}
-
-/// One of the ways to the lateral velocity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LateralVelocitySource {
-    /// v_y = 0.
-    Zero,
-    /// Method 1.
-    Integration,
-    /// Method 2.
-    Kinematic,
-    /// Method 3.
-    Bicycle,
-    /// The joint filter.
-    Joint,
 }
 
 /// `[estimators.slope]`. Compliance is 1/slope: slip per unit of normalized force.
@@ -146,83 +132,6 @@ impl Default for SlopeConfig {
             valid_relative_std: 0.15,
             valid_age_s: 30.0,
         }
-    }
-}
-
-/// `[estimators.cornering]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct CorneringConfig {
-    /// Random walk of the cornering stiffnesses, relative to their value, 1/√s.
-    pub stiffness_walk: f64,
-    /// Unmodelled lateral acceleration (wind, unevenness), m/s²/√Hz.
-    pub acceleration_noise: f64,
-    /// Unmodelled slip angle (alignment, roll steer, dynamics of the tire), rad.
-    pub slip_angle_noise: f64,
-    /// Offset of the road wheel angle before anything is measured, rad.
-    pub steering_offset_std: f64,
-    /// Offset of the yaw rate sensor before anything is measured, rad/s.
-    pub yaw_rate_offset_std: f64,
-    /// Offset of the lateral accelerometer before anything is measured (mounting, bank), m/s².
-    pub acceleration_offset_std: f64,
-    /// Relative error of the speed from the wheels (worn, warm or unequal tires), on top of the
-    /// wheel radius's own uncertainty.
-    pub speed_scale_std: f64,
-    /// Gravity's part along the road's cross slope (rms), m/s².
-    pub bank_std: f64,
-    /// How long a cross slope lasts, s.
-    pub bank_time_s: f64,
-    /// CUSUM: standard deviations forgiven at each tenth of a second.
-    pub cusum_drift: f64,
-    /// CUSUM: standard deviations that must add up for a surface change.
-    pub cusum_threshold: f64,
-    /// Mean NIS above which the filter calls itself inconsistent.
-    pub inconsistent_nis: f64,
-    /// A stiffness counts as valid up to this relative standard deviation.
-    pub valid_relative_std: f64,
-    /// … and up to this age, s.
-    pub valid_age_s: f64,
-    /// The sideslip counts as valid up to this standard deviation, rad.
-    pub valid_sideslip_std: f64,
-}
-
-impl Default for CorneringConfig {
-    fn default() -> Self {
-        Self {
-            stiffness_walk: 0.02,
-            acceleration_noise: 0.02,
-            slip_angle_noise: 7e-4,
-            steering_offset_std: 0.01,
-            yaw_rate_offset_std: 0.01,
-            acceleration_offset_std: 0.1,
-            speed_scale_std: 0.01,
-            bank_std: 0.25,
-            bank_time_s: 20.0,
-            cusum_drift: 1.0,
-            cusum_threshold: 10.0,
-            inconsistent_nis: 4.0,
-            valid_relative_std: 0.15,
-            valid_age_s: 60.0,
-            valid_sideslip_std: 0.01,
-        }
-    }
-}
-
-/// `[estimators.joint_ekf]`: thesis (5.21).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct JointEkfConfig {
-    /// Random walk of C_y, relative to its prior, 1/√s.
-    pub stiffness_walk: f64,
-    /// Process noise of v_y, m/s²/√Hz.
-    pub lateral_noise: f64,
-    /// Process noise of r, rad/s²/√Hz.
-    pub yaw_noise: f64,
-}
-
-impl Default for JointEkfConfig {
-    fn default() -> Self {
-        Self { stiffness_walk: 0.01, lateral_noise: 0.1, yaw_noise: 0.05 }
     }
 }
 

@@ -7,7 +7,7 @@ use super::ekf::{Behaviour, Track};
 use super::map;
 use crate::report::{Color, Plot};
 use crate::reproduce::{Claim, Outcome, Picture, SIM2};
-use physics::estimate::LateralSlopeEstimator;
+use physics::estimate::thesis::LateralSlopeEstimator;
 
 /// Where v_y comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

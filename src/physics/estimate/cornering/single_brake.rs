@@ -8,7 +8,7 @@
 
 use nalgebra::vector;
 
-use crate::estimate::{Car, Kinematics};
+use crate::estimate::kinematics::{Car, Kinematics};
 use crate::filter::Gaussian;
 use crate::model::{DrivenAxle, GRAVITY};
 

@@ -3,7 +3,7 @@
 //! Wheels that creep send zero, too: most sensors see nothing below a walking pace. So what is read in one second
 //! counts only once the wheels have stood for another.
 
-use crate::estimate::Kinematics;
+use crate::estimate::kinematics::Kinematics;
 
 /// Collects the yaw rate while the wheels stand.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,0 +1,11 @@
+//! What the demo compares, at one time.
+
+use bus::watch::Round;
+
+/// A round, and what is not published but worth comparing with.
+pub struct Row {
+    /// From the frames.
+    pub round: Round,
+    /// Lateral velocity by the bicycle model, m/s.
+    pub bicycle: f64,
+}

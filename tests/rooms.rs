@@ -154,7 +154,8 @@ fn climbs_out(code: &str, depth: usize) -> bool {
             end += "super::".len();
         }
         let steps = (end - start) / "super::".len();
-        if steps >= depth + usize::from(start > tests) {
+        let is_indented = code[..start].rsplit('\n').next().is_some_and(|line| line.starts_with(' '));
+        if steps >= depth + usize::from(start > tests && is_indented) {
             return true;
         }
         rest = end;
@@ -241,5 +242,6 @@ fn arrows_are_found_in_whatever_way_they_are_written() {
     assert_eq!(from_the_crate(code), ["dbc", "can", "signals", "Config"]);
     assert!(climbs_out("use super::super::dbc;", 2), "from a file of a room to the crate's root");
     assert!(!climbs_out("use super::Frame;\nmod tests {\n use super::super::frame;", 2));
+    assert!(climbs_out("mod tests {\n}\nuse super::super::frame;", 2), "below the tests");
     assert!(climbs_out("use super::Config;", 1), "from the room's own file");
 }

@@ -1,19 +1,19 @@
 //! Identification of the thesis's test case Sim1 (App. B, 5.3.2).
 #![allow(clippy::unwrap_used, clippy::expect_used)] // Tests.
 
-use gripd::identify::{Drive, Identifier, IdentifyConfig, Method, Record};
+use gripd::identify::{Identifier, IdentifyConfig, LongitudinalInput, Method, Record};
 use gripd::model::Vehicle;
 use gripd::model::scenario::thesis::{SIM1, steered};
-use gripd::model::simulate::Drive as Driven;
+use gripd::model::simulate::SimulatedDrive;
 
 /// Sim1 with this steering amplitude, with or without noise.
 fn sim1(amplitude: f64, noisy: bool, seed: u64) -> (Record, Vehicle) {
     let scenario = steered(SIM1, amplitude, noisy).unwrap();
-    let driven = Driven::simulate(&scenario, seed).unwrap();
+    let driven = SimulatedDrive::simulate(&scenario, seed).unwrap();
     (Record::new("sim1", &driven.samples, &driven.sensors), scenario.vehicle)
 }
 
-fn config(drive: Drive) -> IdentifyConfig {
+fn config(drive: LongitudinalInput) -> IdentifyConfig {
     IdentifyConfig {
         parameters: vec!["longitudinal_stiffness".into(), "lateral_stiffness".into()],
         drive: Some(drive),
@@ -28,7 +28,11 @@ const CORNERS: [[f64; 2]; 4] = [[24.0, 2.4], [240.0, 2.4], [24.0, 24.0], [240.0,
 
 #[test]
 fn every_corner_leads_home_without_noise() {
-    for (drive, amplitude) in [(Drive::WheelSpeeds, 0.01), (Drive::WheelSpeeds, 0.1), (Drive::Torque, 0.01)] {
+    for (drive, amplitude) in [
+        (LongitudinalInput::WheelSpeeds, 0.01),
+        (LongitudinalInput::WheelSpeeds, 0.1),
+        (LongitudinalInput::Torque, 0.01),
+    ] {
         let (record, vehicle) = sim1(amplitude, false, 1);
         let (records, config) = ([record], config(drive));
         let identifier = Identifier::new(&records, &vehicle, &config).unwrap();
@@ -45,7 +49,7 @@ fn every_corner_leads_home_without_noise() {
 fn a_free_run_through_everything_ends_there_too() {
     let (record, vehicle) = sim1(0.01, true, 1);
     let records = [record];
-    let config = IdentifyConfig { method: Method::FreeRun, ..config(Drive::WheelSpeeds) };
+    let config = IdentifyConfig { method: Method::FreeRun, ..config(LongitudinalInput::WheelSpeeds) };
     let identifier = Identifier::new(&records, &vehicle, &config).unwrap();
     for from in [[36.0, 9.6], CORNERS[0]] {
         let path = identifier.search(&from).unwrap();
@@ -59,7 +63,7 @@ fn a_free_run_through_everything_ends_there_too() {
 fn with_noise_the_interval_holds_the_truth() {
     for amplitude in [0.01, 0.1] {
         let (record, vehicle) = sim1(amplitude, true, 3);
-        let (records, config) = ([record], config(Drive::WheelSpeeds));
+        let (records, config) = ([record], config(LongitudinalInput::WheelSpeeds));
         let result = Identifier::new(&records, &vehicle, &config).unwrap().run(|_, _| ()).unwrap();
         for (parameter, truth) in result.parameters.iter().zip([50.0, 11.5]) {
             let (low, high) = parameter.ci95;
@@ -77,12 +81,12 @@ fn with_noise_the_interval_holds_the_truth() {
 fn coverage_over_seeds() {
     let mut short = 0;
     // What is chosen where nobody says otherwise, and the other one where nothing slides.
-    for (drive, amplitude) in [(None, 0.01), (None, 0.1), (Some(Drive::WheelSpeeds), 0.01)] {
+    for (drive, amplitude) in [(None, 0.01), (None, 0.1), (Some(LongitudinalInput::WheelSpeeds), 0.01)] {
         let (mut inside, mut squares, mut stds) = ([0; 2], [0.0; 2], [0.0; 2]);
         let mut bias = [0.0; 2];
         for seed in 100..300 {
             let (record, vehicle) = sim1(amplitude, true, seed);
-            let (records, config) = ([record], IdentifyConfig { drive, ..config(Drive::Torque) });
+            let (records, config) = ([record], IdentifyConfig { drive, ..config(LongitudinalInput::Torque) });
             let result = Identifier::new(&records, &vehicle, &config).unwrap().run(|_, _| ()).unwrap();
             for (i, truth) in [50.0, 11.5].into_iter().enumerate() {
                 let parameter = &result.parameters[i];
@@ -110,9 +114,10 @@ fn coverage_over_seeds() {
 
 #[test]
 fn where_tires_slide_torque_is_not_what_drives() {
-    for (amplitude, usual) in [(0.01, Drive::Torque), (0.1, Drive::WheelSpeeds)] {
+    for (amplitude, usual) in [(0.01, LongitudinalInput::Torque), (0.1, LongitudinalInput::WheelSpeeds)] {
         let (record, vehicle) = sim1(amplitude, true, 4);
-        let (records, config) = ([record], IdentifyConfig { drive: None, ..config(Drive::Torque) });
+        let (records, config) =
+            ([record], IdentifyConfig { drive: None, ..config(LongitudinalInput::Torque) });
         let result = Identifier::new(&records, &vehicle, &config).unwrap().run(|_, _| ()).unwrap();
         assert_eq!(result.drive, usual);
     }

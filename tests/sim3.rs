@@ -6,7 +6,7 @@ use gripd::estimate::{EstimatorsConfig, Pipeline, SlipPoint, WheelSaturation};
 use gripd::estimates::{Estimates, MuSource};
 use gripd::model::scenario::Stretch;
 use gripd::model::scenario::thesis::{SIM2, SIM3, SIM3_LIMIT};
-use gripd::model::simulate::Drive;
+use gripd::model::simulate::SimulatedDrive;
 use gripd::model::{Piece, Scenario, TireKind, Truth, Uncertain, Vehicle};
 use gripd::reproduce::noticed;
 
@@ -16,7 +16,7 @@ fn drive(scenario: &Scenario, seed: u64) -> Vec<(Truth, Estimates)> {
 }
 
 fn drive_with(scenario: &Scenario, seed: u64, config: &EstimatorsConfig) -> Vec<(Truth, Estimates)> {
-    let drive = Drive::simulate(scenario, seed).unwrap();
+    let drive = SimulatedDrive::simulate(scenario, seed).unwrap();
     let unknown = Uncertain { value: 30.0, std: 15.0 };
     let vehicle = Vehicle { longitudinal_stiffness: unknown, ..drive.vehicle.clone() };
     let mut pipeline = Pipeline::new(&vehicle, &drive.sensors, config);

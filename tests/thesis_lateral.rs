@@ -11,7 +11,7 @@ use gripd::estimate::{Car, Cornering, Kinematics};
 use gripd::estimates::LateralVelocities;
 use gripd::model::scenario::Piece;
 use gripd::model::scenario::thesis::{SIM1, SIM2};
-use gripd::model::simulate::Drive;
+use gripd::model::simulate::SimulatedDrive;
 use gripd::model::{Scenario, Truth};
 
 const SLOWEST: f64 = 4.0;
@@ -26,13 +26,16 @@ fn scenario(text: &str, frequency_hz: f64, amplitude: f64) -> Scenario {
     scenario
 }
 
-fn drive(text: &str, frequency_hz: f64, amplitude: f64) -> Drive {
+fn drive(text: &str, frequency_hz: f64, amplitude: f64) -> SimulatedDrive {
     let scenario = scenario(text, frequency_hz, amplitude);
-    Drive::simulate(&scenario, scenario.seed).unwrap()
+    SimulatedDrive::simulate(&scenario, scenario.seed).unwrap()
 }
 
 /// Runs `estimate` over a drive; gives time, truth and what it returned.
-fn over<T>(drive: &Drive, mut estimate: impl FnMut(&Kinematics, &Truth) -> T) -> Vec<(f64, Truth, T)> {
+fn over<T>(
+    drive: &SimulatedDrive,
+    mut estimate: impl FnMut(&Kinematics, &Truth) -> T,
+) -> Vec<(f64, Truth, T)> {
     let car = Car::new(&drive.vehicle);
     let samples = drive.samples.iter().zip(&drive.truth);
     samples
@@ -59,13 +62,13 @@ fn mean(rows: &[(f64, Truth, f64)], time: Range<f64>) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-fn velocities(drive: &Drive, of: fn(&LateralVelocities) -> Option<f64>) -> Vec<(f64, Truth, f64)> {
+fn velocities(drive: &SimulatedDrive, of: fn(&LateralVelocities) -> Option<f64>) -> Vec<(f64, Truth, f64)> {
     let mut estimator = LateralVelocityEstimator::new(&Car::new(&drive.vehicle), &drive.sensors, SLOWEST);
     over(drive, |now, _| of(&estimator.step(now)).unwrap())
 }
 
 /// Method 2 with an a_x of our choice.
-fn observer(drive: &Drive, mut ax: impl FnMut(&Cornering, &Truth) -> f64) -> Vec<(f64, Truth, f64)> {
+fn observer(drive: &SimulatedDrive, mut ax: impl FnMut(&Cornering, &Truth) -> f64) -> Vec<(f64, Truth, f64)> {
     let mut observer = KinematicObserver::new(&drive.sensors);
     over(drive, |now, truth| {
         let cornering = now.cornering(SLOWEST).unwrap();
@@ -74,7 +77,11 @@ fn observer(drive: &Drive, mut ax: impl FnMut(&Cornering, &Truth) -> f64) -> Vec
     })
 }
 
-fn ekf(drive: &Drive, walk: f64, input: fn(&Kinematics, &Truth) -> Kinematics) -> Vec<(f64, Truth, f64)> {
+fn ekf(
+    drive: &SimulatedDrive,
+    walk: f64,
+    input: fn(&Kinematics, &Truth) -> Kinematics,
+) -> Vec<(f64, Truth, f64)> {
     let config = JointEkfConfig { stiffness_walk: walk, ..JointEkfConfig::default() };
     let mut filter = JointEkf::new(&Car::new(&drive.vehicle), &drive.sensors, &config, SLOWEST);
     over(drive, |now, truth| {
@@ -99,7 +106,7 @@ fn noise_free(now: &Kinematics, truth: &Truth) -> Kinematics {
 
 /// Harmonic mean of both axles' slopes on a lateral velocity.
 fn slope(
-    drive: &Drive,
+    drive: &SimulatedDrive,
     mut velocity: impl FnMut(&Kinematics, &Truth) -> Option<f64>,
 ) -> Vec<(f64, Truth, f64)> {
     let mut estimator = LateralSlopeEstimator::new(&Car::new(&drive.vehicle), SLOWEST);
@@ -115,9 +122,9 @@ fn slope(
 fn integration_drifts_by_the_sensors_offsets_and_by_nothing_else() {
     let mut offsets = scenario(SIM1, 0.5, 0.03);
     offsets.sensors.by_name.get_mut("lateral_acceleration").unwrap().offset = -0.02;
-    let with = Drive::simulate(&offsets, 1).unwrap();
+    let with = SimulatedDrive::simulate(&offsets, 1).unwrap();
     let without = drive(SIM1, 0.5, 0.03);
-    let end = |drive: &Drive| {
+    let end = |drive: &SimulatedDrive| {
         let rows = velocities(drive, |v| v.integration);
         let (_, truth, estimate) = rows.last().unwrap();
         estimate - truth.lateral_velocity

@@ -42,7 +42,7 @@ mod surface;
 mod tooth_wheel;
 mod truth;
 
-pub use drive::Drive;
+pub use drive::SimulatedDrive;
 pub(super) use effects::OWN_STATES;
 pub use truth::{Truth, TruthWriter};
 

@@ -1,9 +1,10 @@
-//! The equations of one Gauss–Newton step: a chain of starts with the parameters as its border.
+//! The normal equations of one Gauss–Newton step. They are block tridiagonal in the starts of the segments, with the
+//! parameters as border.
 
 use nalgebra::{DMatrix, DVector, Dyn, Matrix3, OMatrix, U3, Vector3};
 
 use super::motion::Channel;
-use super::shooting::Said;
+use super::segment_sums::SegmentSums;
 
 /// Three states by the parameters.
 pub(super) type Border = OMatrix<f64, U3, Dyn>;
@@ -41,7 +42,7 @@ pub(super) struct Linearized {
     pub(super) information: DMatrix<f64>,
     pub(super) blocks: Vec<Block>,
     pub(super) scores: Vec<Score>,
-    pub(super) said: Vec<Said>,
+    pub(super) said: Vec<SegmentSums>,
     /// Start of each segment after the first less the end of the one before; where it does not continue
     /// one, not-a-number.
     pub(super) jumps: Vec<Vector3<f64>>,
@@ -49,7 +50,7 @@ pub(super) struct Linearized {
     pub(super) jump_covariance: Vec<Option<Matrix3<f64>>>,
 }
 
-/// One segment's start in the chain.
+/// One segment's start: a block of the diagonal, the one beside it, and its border.
 #[derive(Clone, Debug)]
 pub(super) struct Block {
     pub(super) gradient: Vector3<f64>,
@@ -67,11 +68,11 @@ pub(super) struct Score {
     pub(super) before: Vector3<f64>,
 }
 
-/// The chain with its starts eliminated.
+/// The equations with the starts eliminated.
 pub(super) struct Eliminated<'a> {
     all: &'a Linearized,
     /// Inverse of each start's block, borders and gradients as they are when its turn comes.
-    chain: Vec<(Matrix3<f64>, Border, Vector3<f64>)>,
+    starts: Vec<(Matrix3<f64>, Border, Vector3<f64>)>,
     /// Of the parameters, the starts following.
     pub(super) information: DMatrix<f64>,
     gradient: DVector<f64>,
@@ -86,7 +87,7 @@ impl Linearized {
         for i in 0..information.nrows() {
             information[(i, i)] += damping * information[(i, i)].max(f64::MIN_POSITIVE);
         }
-        let mut chain: Vec<(Matrix3<f64>, Border, Vector3<f64>)> = Vec::with_capacity(self.blocks.len());
+        let mut starts: Vec<(Matrix3<f64>, Border, Vector3<f64>)> = Vec::with_capacity(self.blocks.len());
         let mut link: Option<Matrix3<f64>> = None;
         for block in &self.blocks {
             let mut own = block.information;
@@ -94,7 +95,7 @@ impl Linearized {
                 own[(i, i)] += damping * own[(i, i)];
             }
             let (mut border, mut pull) = (block.border.clone(), block.gradient);
-            if let (Some(next), Some((inverse, before, gradient))) = (link, chain.last()) {
+            if let (Some(next), Some((inverse, before, gradient))) = (link, starts.last()) {
                 let through: Matrix3<f64> = next.transpose() * inverse;
                 own -= through * next;
                 border -= through * before;
@@ -104,10 +105,10 @@ impl Linearized {
             let weighted = inverse * &border;
             information -= border.transpose() * &weighted;
             gradient -= weighted.transpose() * pull;
-            chain.push((inverse, border, pull));
+            starts.push((inverse, border, pull));
             link = Some(block.next);
         }
-        Some(Eliminated { all: self, chain, information, gradient })
+        Some(Eliminated { all: self, starts, information, gradient })
     }
 
     /// By how much a step would lower the cost were all linear.
@@ -128,9 +129,9 @@ impl Eliminated<'_> {
     /// farther than its limits, down and up.
     pub(super) fn step(&self, limits: &[(f64, f64)]) -> Option<(Point, f64)> {
         let theta = self.step_of_parameters(limits)?;
-        let mut starts = vec![Vector3::zeros(); self.chain.len()];
+        let mut starts = vec![Vector3::zeros(); self.starts.len()];
         let mut after = Vector3::zeros();
-        for (place, (inverse, border, gradient)) in self.chain.iter().enumerate().rev() {
+        for (place, (inverse, border, gradient)) in self.starts.iter().enumerate().rev() {
             let next = self.all.blocks[place].next;
             starts[place] = -(inverse * (gradient + next * after + border * &theta));
             after = starts[place];
@@ -170,8 +171,8 @@ impl Eliminated<'_> {
     /// a segment.
     pub(super) fn scores(&self) -> Vec<DVector<f64>> {
         // How the starts follow the parameters.
-        let mut follow: Vec<Border> = Vec::with_capacity(self.chain.len());
-        for (place, (inverse, border, _)) in self.chain.iter().enumerate().rev() {
+        let mut follow: Vec<Border> = Vec::with_capacity(self.starts.len());
+        for (place, (inverse, border, _)) in self.starts.iter().enumerate().rev() {
             let next = self.all.blocks[place].next;
             let own = match follow.last() {
                 Some(after) => inverse * (border - next * after),
@@ -221,18 +222,18 @@ mod tests {
     #[test]
     fn at_its_limit_a_parameter_stays_and_the_others_make_the_best_of_it() {
         let all = linearized([4.0, 3.9, 3.9, 4.0], [-1.0, 1.0]);
-        let chain = all.eliminate(0.0).unwrap();
-        let (step, gain) = chain.step(&[(-99.0, 99.0); 2]).unwrap();
+        let eliminated = all.eliminate(0.0).unwrap();
+        let (step, gain) = eliminated.step(&[(-99.0, 99.0); 2]).unwrap();
         assert!((step.theta[0] - 10.0).abs() < 1e-9 && (step.theta[1] + 10.0).abs() < 1e-9, "{step:?}");
         assert_eq!(step.starts, [Vector3::new(-1.0, 0.0, 0.0)]);
         // Half of what the slopes promise; the start adds its own.
         assert!((gain - 21.0).abs() < 1e-9, "{gain}");
-        let (step, gain) = chain.step(&[(-0.5, 0.5), (-99.0, 99.0)]).unwrap();
+        let (step, gain) = eliminated.step(&[(-0.5, 0.5), (-99.0, 99.0)]).unwrap();
         assert!((step.theta[0] - 0.5).abs() < 1e-12 && (step.theta[1] + 2.95 / 4.0).abs() < 1e-9, "{step:?}");
         let cost = |x: f64, y: f64| 4.0 * (x * x + y * y) + 7.8 * x * y + 2.0 * (y - x);
         assert!((gain - 1.0 + cost(step.theta[0], step.theta[1])).abs() < 1e-9, "{gain}");
         // Nowhere to go.
-        let (step, gain) = chain.step(&[(0.0, 0.0), (0.0, 0.0)]).unwrap();
+        let (step, gain) = eliminated.step(&[(0.0, 0.0), (0.0, 0.0)]).unwrap();
         assert!(step.theta.amax() == 0.0 && (gain - 1.0).abs() < 1e-12);
     }
 }

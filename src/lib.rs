@@ -1,6 +1,6 @@
 //! gripd estimates tire stiffness and tire-road friction from a vehicle's CAN bus.
 //!
-//! The data's way through the crate is its architecture:
+//! The data's way through the rooms is the architecture:
 //!
 //! ```text
 //! frames ─can─► dbc ─► signals ─► Sample ─► estimate ─► Estimates ─► signals ─► dbc ─► frames
@@ -9,6 +9,18 @@
 //! [`Sample`] and [`Estimates`] are the two hinges: everything left and right of them knows of
 //! buses and files, everything between knows only physics. The live service, the replay of a
 //! recording, the tests and the benchmarks all drive the same [`service::Engine`].
+//!
+//! The rooms lie in crates of a workspace, and the compiler keeps these apart:
+//!
+//! | Crate | Folder | Rooms |
+//! |---|---|---|
+//! | `physics` | `src/physics` | [`time`], [`sample`], [`estimates`], [`faults`], [`filter`], [`model`], [`estimate`] |
+//! | `bus` | `src/bus` | [`new_file`], [`can`], [`dbc`], [`signals`], [`propose`], [`config`], [`service`], [`watch`] |
+//! | `lab` | `src/lab` | [`report`], [`identify`], [`explain`], [`reproduce`], [`pages`] |
+//! | `gripd` | `src/cli` | [`cli`]: one file or folder for each command |
+//!
+//! `bus` and `lab` know `physics` and not each other. This crate gives all rooms out again, for tests and other programs.
+//! What may depend on what within a crate: [`guide::contributing`].
 //!
 //! What to do with it, task by task: [`guide`].
 //!

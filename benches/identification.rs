@@ -13,9 +13,9 @@ use std::process::Command;
 use std::time::Instant;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use gripd::identify::{Drive, Identifier, IdentifyConfig, Method, Record};
+use gripd::identify::{Identifier, IdentifyConfig, LongitudinalInput, Method, Record};
 use gripd::model::scenario::thesis::{SIM1, steered};
-use gripd::model::simulate::Drive as Driven;
+use gripd::model::simulate::SimulatedDrive;
 use gripd::model::{GRAVITY, Vehicle};
 
 const START_N: [f64; 2] = [1.5e5, 4e4];
@@ -23,7 +23,7 @@ const START_N: [f64; 2] = [1.5e5, 4e4];
 /// Sim1 with gentle steering, as measured; its slips are those of the plant.
 fn problem() -> (Vehicle, [Record; 1]) {
     let scenario = steered(SIM1, 0.01, true).unwrap();
-    let driven = Driven::simulate(&scenario, 1).unwrap();
+    let driven = SimulatedDrive::simulate(&scenario, 1).unwrap();
     let mut record = Record::new("sim1", &driven.samples, &driven.sensors);
     for (row, truth) in record.rows.iter_mut().zip(&driven.truth) {
         row.slip = truth.slip;
@@ -35,7 +35,7 @@ fn problem() -> (Vehicle, [Record; 1]) {
 fn config() -> IdentifyConfig {
     IdentifyConfig {
         parameters: vec!["longitudinal_stiffness".into(), "lateral_stiffness".into()],
-        drive: Some(Drive::Slips),
+        drive: Some(LongitudinalInput::Slips),
         method: Method::FreeRun,
         ..IdentifyConfig::default()
     }

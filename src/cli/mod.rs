@@ -1,4 +1,4 @@
-//! The command line: the service here, what one does at a desk in [`desk`].
+//! The command line: the service here, what one does at a desk in `desk`.
 
 mod configuration;
 #[cfg(feature = "desk")]

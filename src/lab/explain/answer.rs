@@ -2,40 +2,24 @@
 
 use std::collections::BTreeMap;
 
+use super::case::Answer;
 use super::chain::{self, ChainReport};
+use super::conclusion::Conclusion;
 use super::course::give_means_to_zeros;
-use super::explanation::{Answer, Case};
 use super::finding::{finding, ranking};
-use super::fit::{Data, Fit};
+use super::fit::Fit;
 use super::locate::{EQUATIONS, Gains, gains, innovations, regimes};
 use super::model::{Free, Place};
-use super::predict::pass::Innovation;
-use super::predict::{Drive, drive::COMPARED, free::Said};
-use super::proof::{self, Saids};
+use super::predict::sums::{Comparison, Innovation};
+use super::predict::{Drive, grid::COMPARED};
+use super::proof::{self, Comparisons};
 use super::result::{Block, Estimate, Explanation, Finding, Missing, Models, Parts, Trace, Verdict, Where};
-use super::select::Selection;
 use super::split::Part;
-
-/// Everything that an answer is made of.
-pub struct Told<'c, 'a> {
-    /// What there was to explain.
-    pub case: &'c Case<'a>,
-    /// Its recordings on the filter's grid.
-    pub drives: &'c [Drive],
-    /// The same with their split.
-    pub data: &'c Data<'c>,
-    /// The plain model with unknown forces.
-    pub corrected: &'c Fit<'a>,
-    /// What was chosen.
-    pub selection: &'c Selection<'a>,
-    /// What it came to.
-    pub verdict: Verdict,
-}
 
 /// The innovations of each drive.
 type Innovations = Vec<Vec<Innovation>>;
 
-impl<'a> Told<'_, 'a> {
+impl<'a> Conclusion<'_, 'a> {
     /// The answer, of so many usable seconds.
     pub fn answer(self, usable: f64) -> Answer<'a> {
         let baseline = &self.selection.baseline;
@@ -74,9 +58,9 @@ impl<'a> Told<'_, 'a> {
             rayon::join(|| self.innovations(baseline), || differs.then(|| self.innovations(differing)));
         let differently = differently.unwrap_or_else(|| plainly.clone());
         let place = self.place(&plainly, &differently);
-        let predicted = proof::fits(&said(&plainly), split);
+        let predicted = proof::fits(&compared(&plainly), split);
         let prediction_fit = Models {
-            extended: if helps { proof::fits(&said(&differently), split) } else { predicted.clone() },
+            extended: if helps { proof::fits(&compared(&differently), split) } else { predicted.clone() },
             baseline: predicted,
         };
         drop(differently);
@@ -221,12 +205,12 @@ impl<'a> Told<'_, 'a> {
         self.drives.iter().enumerate().flat_map(of).collect()
     }
 
-    fn traces(&self, before: &Saids, after: &Saids) -> Vec<Trace> {
+    fn traces(&self, before: &Comparisons, after: &Comparisons) -> Vec<Trace> {
         let mut all = Vec::new();
         for ((drive, before), after) in self.drives.iter().zip(before).zip(after) {
             for channel in COMPARED {
-                let of = |saids: &Vec<Said>| -> Vec<Said> {
-                    saids.iter().filter(|said| said.channel == channel as u8).copied().collect()
+                let of = |comparisons: &Vec<Comparison>| -> Vec<Comparison> {
+                    comparisons.iter().filter(|compared| compared.channel == channel as u8).copied().collect()
                 };
                 let (before, after) = (of(before), of(after));
                 if before.len() < 20 || before.len() != after.len() {
@@ -251,9 +235,13 @@ impl<'a> Told<'_, 'a> {
 }
 
 /// Predictions by one step as a simulation's.
-fn said(steps: &Innovations) -> Saids {
-    let of =
-        |i: &Innovation| Said { t: i.t, channel: i.channel, measured: i.value, simulated: i.value - i.error };
+fn compared(steps: &Innovations) -> Comparisons {
+    let of = |i: &Innovation| Comparison {
+        t: i.t,
+        channel: i.channel,
+        measured: i.value,
+        simulated: i.value - i.error,
+    };
     steps.iter().map(|steps| steps.iter().map(of).collect()).collect()
 }
 

@@ -2,11 +2,11 @@
 
 use super::model::{Chosen, Model};
 use super::predict::Drive;
-use super::predict::drive::STEP_S;
+use super::predict::grid::STEP_S;
 use super::predict::noise::Live;
 use physics::Quantity;
 use physics::model::TireKind;
-use physics::model::effect::{Channel, Course, Kind};
+use physics::model::effect::{Channel, Course, Kind, Needs};
 
 /// One thing that could be missing.
 #[derive(Clone, Debug)]
@@ -109,36 +109,30 @@ pub fn library(
                 stretches: Vec::new(),
             };
             if let Some(course) = kind.surroundings(channel) {
-                let slow = kind.name == "sensor_drift";
                 let live = Live {
                     size: course.size,
                     length_s: course.length_s,
-                    least_s: if slow { 8.0 } else { 0.2 },
+                    least_s: course.shortest_s,
                     difference: if course.sign == 0.0 { 0.02 * course.size } else { 0.5 * course.size },
                 };
                 if course.sign == 0.0 {
                     all.push(Candidate { live: Some(live), ..plain });
                     continue;
                 }
-                // How much of the road is different is estimated; how different, is set: somewhat, and much.
-                let numbers: &[&[f64]] = match kind.name {
-                    "friction_split" => &[&[2.0, 0.0], &[0.0, 2.0], &[5.0, 0.0], &[0.0, 5.0]],
-                    "friction_change" => &[&[2.0], &[5.0]],
-                    _ => &[&[-0.7], &[-1.6]],
-                };
-                for numbers in numbers {
-                    let fixed = numbers.iter().copied().enumerate().collect();
+                // How much of the road is different is estimated; how different, is set.
+                for setting in course.settings {
+                    let fixed = setting.iter().copied().enumerate().collect();
                     all.push(Candidate { live: Some(live), free: Vec::new(), fixed, ..plain.clone() });
                 }
                 continue;
             }
-            if kind.name == "tire_radius" {
-                for wheel in 0..4 {
-                    all.push(Candidate { free: vec![wheel], ..plain.clone() });
-                }
+            if kind.search.each_number_alone {
+                all.extend(
+                    everything.iter().map(|number| Candidate { free: vec![*number], ..plain.clone() }),
+                );
                 continue;
             }
-            match kind.place_of("at_s") {
+            match kind.onset() {
                 Some(at) => {
                     let free: Vec<usize> = everything.iter().copied().filter(|place| *place != at).collect();
                     for onset in onsets {
@@ -148,7 +142,7 @@ pub fn library(
                             ..plain.clone()
                         });
                     }
-                    if kind.name == "payload" {
+                    if kind.search.from_start {
                         all.push(Candidate { free, fixed: vec![(at, -1.0)], ..plain });
                     }
                 }
@@ -168,27 +162,13 @@ fn is_there(channel: Channel, has: &impl Fn(Quantity) -> bool) -> bool {
 
 /// Could it be told from the ordinary numbers at all?
 fn makes_sense(kind: &Kind, channel: Option<Channel>, model: &Model<'_>) -> bool {
-    let quantity = channel.and_then(Channel::quantity);
-    match kind.name {
-        // No number to search: the chain audit looks for them.
-        "sensor_sign" | "channel_swap" => false,
-        "sensor_scale" => !matches!(
-            quantity,
-            // Those are the steering ratio and the tires' radii.
-            Some(
-                Quantity::SteeringWheelAngle
-                    | Quantity::WheelSpeedFl
-                    | Quantity::WheelSpeedFr
-                    | Quantity::WheelSpeedRl
-                    | Quantity::WheelSpeedRr
-            )
-        ),
-        // How late an axle's wheels are is an ordinary number; a wheel that steps is a tire.
-        "sensor_delay" | "sensor_bias" => quantity.is_none_or(|quantity| quantity.wheel().is_none()),
-        // That of a torque is a grade.
-        "sensor_drift" => !matches!(quantity, Some(Quantity::DriveTorque | Quantity::BrakePressure)),
-        "tire_saturation" => model.vehicle.tire == TireKind::Linear,
-        "air_drag" | "rolling_resistance" | "road_grade" => model.knows_torque,
-        _ => true,
-    }
+    let is_left_out =
+        channel.and_then(Channel::quantity).is_some_and(|quantity| kind.search.not_of.contains(&quantity));
+    let has_what_it_needs = match kind.search.needs {
+        Needs::Nothing => true,
+        Needs::LinearTire => model.vehicle.tire == TireKind::Linear,
+        Needs::KnownTorque => model.knows_torque,
+    };
+    // Without a number there is nothing to search: the audit of the measurement chain looks for those.
+    !kind.is_all_or_nothing() && !is_left_out && has_what_it_needs
 }

@@ -6,7 +6,7 @@
 use super::fit::{Data, Fit};
 use super::model::Chosen;
 use super::predict::noise::Live;
-use physics::model::effect::{Acting, Course, Effect, Kind, Now, Setting};
+use physics::model::effect::{Acting, Course, Effect, Kind, Now, Search, Setting};
 
 /// An unknown force or moment.
 #[derive(Clone, Debug)]
@@ -36,6 +36,7 @@ impl Effect for Unknown {
 const fn kind(name: &'static str, place: &'static str, make: fn(&Setting<'_>) -> Box<dyn Effect>) -> Kind {
     Kind {
         name,
+        words: name,
         about: "something acts on the car that no effect of the library does",
         equation: "… + u(t)",
         source: "no physics: a smooth course of its own",
@@ -44,6 +45,7 @@ const fn kind(name: &'static str, place: &'static str, make: fn(&Setting<'_>) ->
         channels: &[],
         parameters: &[],
         course: None,
+        search: Search::USUAL,
         make,
     }
 }

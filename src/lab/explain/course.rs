@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::candidates::Candidate;
 use super::fit::Fit;
 use super::predict::noise::{Live, Noise};
-use super::predict::{Drive, drive::points};
+use super::predict::{Drive, grid::points};
 use super::result::{self, Estimate, Finding};
 use super::smooth::{Smoothed, courses};
 use physics::model::effect;
@@ -100,18 +100,17 @@ impl<'d> Course<'d> {
 
 /// Is the number that stands for the course its peak, not its size?
 fn tells_its_peak(candidate: &Candidate) -> bool {
-    candidate
-        .kind
-        .surroundings(candidate.channel)
-        .is_some_and(|surroundings| surroundings.rms_name.contains("peak"))
+    candidate.kind.course.is_some_and(|course| course.is_told_by_its_peak)
 }
 
 /// The mean of a sensor's drift over the recording is its zero, which is a number of its own: nobody can tell
 /// one from the other, so the drift is told about its mean.
 pub fn give_means_to_zeros(findings: &mut [Finding], numbers: &mut BTreeMap<String, Estimate>) {
-    for finding in findings.iter_mut().filter(|finding| finding.effect == "sensor_drift") {
+    for finding in findings {
+        let course = effect::named(&finding.effect).and_then(|kind| kind.course);
+        let Some(course) = course.filter(|course| course.has_its_mean_in_an_offset) else { continue };
         let zero = finding.channel.as_ref().and_then(|channel| numbers.get_mut(&format!("{channel}_offset")));
-        let drift = finding.parameters.get_mut("drift_rms");
+        let drift = finding.parameters.get_mut(course.rms_name);
         let Some(((zero, drift), series)) = zero.zip(drift).zip(finding.series.as_mut()) else { continue };
         let mean = series.value.iter().sum::<f64>() / series.value.len().max(1) as f64;
         series.value.iter_mut().for_each(|value| *value -= mean);

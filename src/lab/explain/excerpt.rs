@@ -7,8 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::fit::{Data, Fit};
 use super::locate::{rate, steering_rate, turn};
 use super::predict::Drive;
-use super::predict::drive::{STEP_S, points};
-use super::predict::pass::Sums;
+use super::predict::grid::{STEP_S, points};
+use super::predict::sums::Sums;
 use super::split::BLOCK_S;
 use physics::Quantity;
 

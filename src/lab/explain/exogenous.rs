@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 use super::predict::Drive;
-use super::predict::drive::{STEP_S, points};
+use super::predict::grid::{STEP_S, points};
 use super::smooth::Smoothed;
 
 /// Distance of the points that are compared, grid points.

@@ -1,51 +1,21 @@
 //! The whole job, from recordings to an answer.
 
-use super::answer::Told;
 use super::candidates::library;
-use super::chain::ChainReport;
+use super::case::{Answer, Case};
+use super::conclusion::Conclusion;
 use super::correction::correct;
 use super::excerpt::Excerpt;
 use super::fit::Data;
 use super::gross;
 use super::model::Model;
 use super::predict::noise::{Live, Noise};
-use super::predict::{Drive, Recording, drive::STEP_S};
+use super::predict::{Drive, grid::STEP_S};
 use super::result::{Explanation, Verdict};
 use super::select::select;
 use super::split::{Part, Split};
 use super::verdict::Gains;
 use super::whole::Search;
 use physics::Quantity;
-use physics::model::Vehicle;
-use physics::model::effect::{EffectConfig, Kind};
-
-/// What there is to explain.
-#[derive(Debug)]
-pub struct Case<'a> {
-    /// The car, with what is uncertain of it.
-    pub vehicle: &'a Vehicle,
-    /// Effects that the configuration switches on: they belong to the plain model here.
-    pub effects: &'a [EffectConfig],
-    /// Recordings, the held-out ones last.
-    pub recordings: &'a [Recording],
-    /// How many of them the user has set apart.
-    pub held_out: usize,
-    /// What the audit of the measurement chain says of each.
-    pub chain: &'a [ChainReport],
-    /// What could be missing: [`KINDS`](physics::model::effect::KINDS), or some of them.
-    pub library: &'a [&'static Kind],
-    /// For what is drawn at random.
-    pub seed: u64,
-}
-
-/// An answer with the model it speaks of.
-#[derive(Debug)]
-pub struct Answer<'a> {
-    /// The answer.
-    pub explanation: Explanation,
-    /// The extended model, with its courses smoothed over all readings of the first recording.
-    pub model: Model<'a>,
-}
 
 /// Seconds that must be usable.
 const LEAST_SECONDS: f64 = 15.0;
@@ -105,7 +75,7 @@ impl<'a> Case<'a> {
         let verdict = gains.verdict(drives.iter().any(turns));
         tracing::debug!(?gains, ?verdict, "judged");
         progress("proving", 0.0);
-        Told {
+        Conclusion {
             case: self,
             drives: &drives,
             data: &data,

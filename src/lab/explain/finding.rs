@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::answer::Told;
 use super::candidates::Candidate;
+use super::conclusion::Conclusion;
 use super::course::Course;
 use super::fit::Fit;
 use super::model::Place;
@@ -16,35 +16,30 @@ use physics::model::effect::Spec;
 /// A rival whose evidence is less than so far behind cannot be told from what was chosen.
 const TOLD_APART: f64 = 7.0;
 
-/// So much of a number is how the rest of the car was written down: where noise alone leaves less doubt, the
-/// same physics simulated by other equations (tests/concealed) comes out this far off.
-fn model_share(name: &str) -> f64 {
-    match name {
-        // Only the product of the height and the stiffness that comes with load shows to first order; what
-        // tells them apart is the curve of stiffness over load far from the usual one.
-        "cg_height_m" | "load_sensitivity" | "load_sensitivity_along" => 0.2,
-        _ => 0.02,
-    }
-}
-
 /// What is told of the effect chosen in this round. `place` is where its fit is better than the one before.
-pub fn finding(told: &Told<'_, '_>, number: usize, extended: &Fit<'_>, mut place: Where) -> Finding {
-    let taken = &told.selection.chosen[number];
+pub fn finding(
+    conclusion: &Conclusion<'_, '_>,
+    number: usize,
+    extended: &Fit<'_>,
+    mut place: Where,
+) -> Finding {
+    let taken = &conclusion.selection.chosen[number];
     let candidate = &taken.candidate;
     place.equation = match candidate.channel {
         Some(channel) => format!("{}: {channel}", candidate.kind.place),
         None => candidate.kind.place.into(),
     };
     // Those that the configuration switches on come first in the model.
-    let effect = told.case.effects.len() + number;
-    let mut parameters = own_numbers(told, extended, effect);
-    if let Some((at, place)) = taken.onset().zip(candidate.kind.place_of("at_s")) {
-        let std = onset_std(told.data, extended, effect, place);
-        parameters.insert("at_s".into(), Estimate { value: at, std });
+    let effect = conclusion.case.effects.len() + number;
+    let mut parameters = own_numbers(conclusion, extended, effect);
+    if let Some((at, place)) = taken.onset().zip(candidate.kind.onset()) {
+        let std = onset_std(conclusion.data, extended, effect, place);
+        parameters.insert(Spec::AT_S.name.into(), Estimate { value: at, std });
     }
     let mut series = None;
     if candidate.live.is_some() {
-        if let Some(course) = Course::new(told.drives, (extended, effect), candidate, &place.recording) {
+        if let Some(course) = Course::new(conclusion.drives, (extended, effect), candidate, &place.recording)
+        {
             place.intervals = course.clear_stretches();
             place.recording.clone_from(&course.drive.name);
             course.summarize(candidate, (extended, effect), &mut parameters);
@@ -53,12 +48,14 @@ pub fn finding(told: &Told<'_, '_>, number: usize, extended: &Fit<'_>, mut place
     } else if !candidate.stretches.is_empty() {
         place.intervals.clone_from(&candidate.stretches);
     } else if let Some(at) = taken.onset() {
-        place.intervals = vec![[at, told.drives.first().map_or(at, Drive::seconds)]];
+        place.intervals = vec![[at, conclusion.drives.first().map_or(at, Drive::seconds)]];
     }
-    for (name, estimate) in parameters.iter_mut().filter(|(name, _)| *name != "at_s") {
-        estimate.std = estimate.std.hypot(model_share(name) * estimate.value);
+    for (name, estimate) in &mut parameters {
+        let place = candidate.kind.place_of(name);
+        let share = place.map_or(Spec::MODEL_ERROR, |place| candidate.kind.parameters[place].model_error);
+        estimate.std = estimate.std.hypot(share * estimate.value);
     }
-    let round = &told.selection.rounds[number];
+    let round = &conclusion.selection.rounds[number];
     Finding {
         effect: candidate.kind.name.into(),
         channel: candidate.channel.map(|channel| channel.to_string()),
@@ -118,9 +115,9 @@ pub fn ranking(selection: &Selection<'_>) -> Vec<Ranked> {
 }
 
 /// Numbers of one of the effects, by name.
-fn own_numbers(told: &Told<'_, '_>, fit: &Fit<'_>, number: usize) -> BTreeMap<String, Estimate> {
+fn own_numbers(conclusion: &Conclusion<'_, '_>, fit: &Fit<'_>, number: usize) -> BTreeMap<String, Estimate> {
     let Some(chosen) = fit.model.effects.get(number) else { return BTreeMap::new() };
-    let variances = told.data.variances(fit);
+    let variances = conclusion.data.variances(fit);
     let of = |(place, spec): (usize, Spec)| {
         let coordinate = chosen.numbers[place];
         // What is not searched has nothing to say.

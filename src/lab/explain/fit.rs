@@ -7,7 +7,8 @@ use super::model::{Free, Model};
 use super::predict::Drive;
 use super::predict::car::BODY_STATES;
 use super::predict::noise::Noise;
-use super::predict::pass::{Ask, Beside, Other, Sums, pass_run};
+use super::predict::pass::{Beside, Other, pass_run};
+use super::predict::sums::{Ask, Sums};
 use super::split::{Part, Split};
 
 /// The drives and which of their blocks may be looked at.

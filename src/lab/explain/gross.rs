@@ -8,7 +8,7 @@ use super::fit::{Data, Fit};
 use super::model::{Chosen, Free, Model};
 use super::naming::Refitted;
 use super::predict::noise::Noise;
-use physics::model::effect::{Channel, Course, named};
+use physics::model::effect::{Channel, Course, Kind, named};
 
 /// Gain, twice the log-likelihood ratio, below which a suggestion is not taken: such an error is never
 /// a small one.
@@ -16,21 +16,21 @@ const LEAST_GAIN: f64 = 200.0;
 
 /// Is it such an error?
 pub fn is_gross(candidate: &Candidate) -> bool {
-    matches!(candidate.kind.name, "sensor_sign" | "channel_swap")
+    candidate.kind.is_all_or_nothing()
 }
 
 /// What the audit suggests.
 pub fn suggested(chain: &[ChainReport]) -> Vec<Candidate> {
     let findings = chain.iter().flat_map(|report| &report.findings);
     let gross = findings.filter(|finding| {
-        finding.confidence >= Confidence::Likely && matches!(finding.effect, "sensor_sign" | "channel_swap")
+        finding.confidence >= Confidence::Likely && named(finding.effect).is_some_and(Kind::is_all_or_nothing)
     });
     let mut all: Vec<Candidate> = Vec::new();
     for finding in gross {
         let (Some(kind), Ok(channel)) = (named(finding.effect), finding.channel.parse::<Channel>()) else {
             continue;
         };
-        if all.iter().any(|other| other.kind.name == kind.name && other.channel == Some(channel)) {
+        if all.iter().any(|other| other.kind == kind && other.channel == Some(channel)) {
             continue;
         }
         all.push(Candidate {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::fit::Data;
 use super::model::Model;
 use super::predict::noise::{Noise, floor};
-use super::predict::pass::Sums;
+use super::predict::sums::Sums;
 use physics::Quantity;
 
 impl Data<'_> {

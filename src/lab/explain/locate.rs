@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use super::model::Model;
 use super::predict::Drive;
 use super::predict::car::BODY_STATES;
-use super::predict::drive::{STEP_S, points};
+use super::predict::grid::{STEP_S, points};
 use super::predict::noise::Noise;
-use super::predict::pass::{Ask, Beside, Innovation, pass};
+use super::predict::pass::{Beside, pass};
+use super::predict::sums::{Ask, Innovation};
 use physics::Quantity;
 
 /// Seconds of one bin.

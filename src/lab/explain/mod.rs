@@ -17,7 +17,9 @@ mod answer;
 #[cfg(test)]
 mod bench;
 mod candidates;
+mod case;
 pub mod chain;
+mod conclusion;
 mod correction;
 mod course;
 mod excerpt;
@@ -40,7 +42,7 @@ mod split;
 mod verdict;
 mod whole;
 
-pub use explanation::{Answer, Case};
+pub use case::{Answer, Case};
 pub use model::{Chosen, Model};
 pub use predict::Recording;
 pub use result::{

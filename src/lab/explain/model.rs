@@ -38,7 +38,7 @@ impl Chosen {
 
     /// When it begins, s; long ago, where it is always there.
     pub fn onset(&self) -> f64 {
-        self.kind.place_of("at_s").map_or(f64::NEG_INFINITY, |place| self.numbers[place])
+        self.kind.onset().map_or(f64::NEG_INFINITY, |place| self.numbers[place])
     }
 
     /// Its numbers in their units.
@@ -159,9 +159,9 @@ impl<'a> Model<'a> {
     /// offsets.
     pub fn ordinary(&self, has: impl Fn(Quantity) -> bool) -> Vec<Free> {
         let drive = if self.knows_torque {
-            crate::identify::Drive::Torque
+            crate::identify::LongitudinalInput::Torque
         } else {
-            crate::identify::Drive::WheelSpeeds
+            crate::identify::LongitudinalInput::WheelSpeeds
         };
         let is_slip_offset = |p: &Parameter| {
             use Parameter::{SlipOffsetFl, SlipOffsetFr, SlipOffsetRl, SlipOffsetRr};

@@ -9,8 +9,9 @@ use rayon::prelude::*;
 use super::candidates::Candidate;
 use super::fit::{Data, Fit, Learn, Varied, within_bounds};
 use super::model::{Free, Model, Place};
-use super::predict::drive::STEP_S;
+use super::predict::grid::STEP_S;
 use super::predict::noise::{Live, Noise};
+use physics::model::effect::Growth;
 
 /// A candidate with its score.
 #[derive(Clone, Debug)]
@@ -53,7 +54,7 @@ impl<'a> Refitted<'a> {
     /// The model with the moment at which it began where it fits best, within so many seconds.
     pub fn begun_within(&self, data: &Data<'_>, within_s: f64) -> Model<'a> {
         let model = &self.fit.model;
-        let Some((at, place)) = self.onset().zip(self.candidate.kind.place_of("at_s")) else {
+        let Some((at, place)) = self.onset().zip(self.candidate.kind.onset()) else {
             return model.clone();
         };
         let steps = within_s as i32;
@@ -78,9 +79,9 @@ const STRICT_ROUNDS: usize = 3;
 /// first a small step. What grows with the square, or begins at a threshold, shows only in a large one.
 const WAYS: [Option<f64>; 4] = [None, Some(0.7), Some(2.0), Some(-2.0)];
 
-/// The ways for a candidate: a zero that jumps acts in proportion, of it the small step tells all.
+/// The ways for a candidate: of what acts in proportion the small step tells all.
 fn ways(candidate: &Candidate) -> &'static [Option<f64>] {
-    if candidate.kind.name == "sensor_bias" { &WAYS[..1] } else { &WAYS }
+    if candidate.kind.search.growth == Growth::Proportional { &WAYS[..1] } else { &WAYS }
 }
 
 /// All candidates, best first; of the same effect with different onsets only the best one.
@@ -202,7 +203,7 @@ pub fn refine<'a>(data: &Data<'_>, before: &Fit<'a>, refitted: &Refitted<'a>, ro
     let again = |model: &Model<'a>, rounds| data.fit(model, &fit.free, &fit.noise, rounds);
     // It was on a grid so far.
     let at = |model: &Model<'_>, place: usize| model.effects[effect].numbers[place];
-    let place = candidate.kind.place_of("at_s").filter(|place| at(&fit.model, *place) > 0.0);
+    let place = candidate.kind.onset().filter(|place| at(&fit.model, *place) > 0.0);
     let refined = match place {
         None => again(&fit.model, rounds),
         Some(place) => {
@@ -287,7 +288,7 @@ fn evidence(before: &Fit<'_>, after: &Fit<'_>, new: usize, is_live: bool) -> f64
 struct Normal {
     /// Products of the innovations with the ordinary numbers' derivatives.
     gradient: DVector<f64>,
-    /// [`Sums::alone`](super::predict::pass::Sums::alone).
+    /// [`Sums::alone`](super::predict::sums::Sums::alone).
     alone: DMatrix<f64>,
     /// Covariance of the ordinary numbers.
     inverse: DMatrix<f64>,

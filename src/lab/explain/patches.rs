@@ -55,7 +55,7 @@ pub fn slippery(library: &[Candidate]) -> impl Iterator<Item = &Candidate> {
     let mut seen = BTreeSet::new();
     library
         .iter()
-        .filter(|candidate| matches!(candidate.kind.name, "friction_change" | "friction_split"))
+        .filter(|candidate| candidate.kind.course.is_some_and(|course| course.is_slippery))
         .filter(move |candidate| seen.insert((candidate.kind.name, sides(candidate))))
 }
 

@@ -8,9 +8,9 @@ use rayon::prelude::*;
 
 use super::fit::Fit;
 use super::model::Model;
-use super::predict::free::{Said, run};
-use super::predict::pass::Readers;
-use super::predict::{Drive, drive::COMPARED};
+use super::predict::free::run;
+use super::predict::sums::{Comparison, Readers};
+use super::predict::{Drive, grid::COMPARED};
 use super::result::{ByChannel, Parts};
 use super::smooth::courses;
 use super::split::Split;
@@ -18,11 +18,11 @@ use physics::Quantity;
 use physics::model::effect::{Course, Series};
 
 /// What a free simulation says of all drives.
-pub type Saids = Vec<Vec<Said>>;
+pub type Comparisons = Vec<Vec<Comparison>>;
 
 /// Simulates all drives freely, each course of the model told by readings of other seconds than those it
 /// is compared with.
-pub fn simulate(drives: &[Drive], fit: &Fit<'_>) -> Saids {
+pub fn simulate(drives: &[Drive], fit: &Fit<'_>) -> Comparisons {
     let model = &fit.model;
     let keeps = usize::from(!model.knows_torque);
     let has_courses = fit.noise.live.len() > keeps;
@@ -36,14 +36,14 @@ pub fn simulate(drives: &[Drive], fit: &Fit<'_>) -> Saids {
             let of = |odd: bool| {
                 let told = told(drive, model, fit, keeps, Readers::EveryOther(odd));
                 let others = Readers::EveryOther(!odd);
-                let mut said = run(drive, &held, &told.car(), &fit.noise);
-                said.retain(|said| others.see(said.t));
-                said
+                let mut compared = run(drive, &held, &told.car(), &fit.noise);
+                compared.retain(|compared| others.see(compared.t));
+                compared
             };
-            let (mut said, odd) = rayon::join(|| of(false), || of(true));
-            said.extend(odd);
-            said.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.channel.cmp(&b.channel)));
-            said
+            let (mut compared, odd) = rayon::join(|| of(false), || of(true));
+            compared.extend(odd);
+            compared.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.channel.cmp(&b.channel)));
+            compared
         })
         .collect()
 }
@@ -79,11 +79,11 @@ struct Sums {
 }
 
 impl Sums {
-    fn add(&mut self, said: &Said) {
+    fn add(&mut self, compared: &Comparison) {
         self.count += 1.0;
-        self.value += said.measured;
-        self.square += said.measured * said.measured;
-        self.error += (said.measured - said.simulated).powi(2);
+        self.value += compared.measured;
+        self.square += compared.measured * compared.measured;
+        self.error += (compared.measured - compared.simulated).powi(2);
     }
 
     fn plus(self, other: &Self) -> Self {
@@ -103,13 +103,13 @@ impl Sums {
 }
 
 /// Fit by channel in %, of both parts.
-pub fn fits(saids: &Saids, split: &Split) -> Parts<ByChannel> {
+pub fn fits(comparisons: &Comparisons, split: &Split) -> Parts<ByChannel> {
     let mut parts: Parts<ByChannel> = Parts::default();
     for channel in COMPARED {
         let (mut train, mut holdout) = (Sums::default(), Sums::default());
-        for (drive, saids) in saids.iter().enumerate() {
-            for said in saids.iter().filter(|said| said.channel == channel as u8) {
-                if split.is_held_out(drive, said.t) { holdout.add(said) } else { train.add(said) }
+        for (drive, comparisons) in comparisons.iter().enumerate() {
+            for compared in comparisons.iter().filter(|compared| compared.channel == channel as u8) {
+                if split.is_held_out(drive, compared.t) { holdout.add(compared) } else { train.add(compared) }
             }
         }
         let name = channel.name().to_owned();
@@ -135,16 +135,22 @@ const DRAWS: usize = 400;
 
 /// 95 % interval of the improvement of the held-out fit, percentage points, by channel: blocks of seconds
 /// are drawn with replacement.
-pub fn improvement(before: &Saids, after: &Saids, split: &Split, seed: u64) -> BTreeMap<String, [f64; 2]> {
+pub fn improvement(
+    before: &Comparisons,
+    after: &Comparisons,
+    split: &Split,
+    seed: u64,
+) -> BTreeMap<String, [f64; 2]> {
     let mut all = BTreeMap::new();
     for channel in COMPARED {
-        let blocks = |saids: &Saids| -> BTreeMap<(usize, i64), Sums> {
+        let blocks = |comparisons: &Comparisons| -> BTreeMap<(usize, i64), Sums> {
             let mut blocks: BTreeMap<(usize, i64), Sums> = BTreeMap::new();
-            for (drive, saids) in saids.iter().enumerate() {
-                let held =
-                    saids.iter().filter(|s| s.channel == channel as u8 && split.is_held_out(drive, s.t));
-                for said in held {
-                    blocks.entry((drive, (said.t / BOOTSTRAP_S) as i64)).or_default().add(said);
+            for (drive, comparisons) in comparisons.iter().enumerate() {
+                let held = comparisons
+                    .iter()
+                    .filter(|s| s.channel == channel as u8 && split.is_held_out(drive, s.t));
+                for compared in held {
+                    blocks.entry((drive, (compared.t / BOOTSTRAP_S) as i64)).or_default().add(compared);
                 }
             }
             blocks
@@ -180,20 +186,20 @@ pub fn improvement(before: &Saids, after: &Saids, split: &Split, seed: u64) -> B
 /// Share of the free simulation's squared error above the sensors' noise that is left, by channel, on what
 /// was held out.
 pub fn unexplained(
-    before: &Saids,
-    after: &Saids,
+    before: &Comparisons,
+    after: &Comparisons,
     split: &Split,
     noise: &[f64; Quantity::COUNT],
 ) -> ByChannel {
     let mut all = ByChannel::new();
     for channel in COMPARED {
-        let error = |saids: &Saids| {
+        let error = |comparisons: &Comparisons| {
             let mut sums = Sums::default();
-            for (drive, saids) in saids.iter().enumerate() {
-                for said in
-                    saids.iter().filter(|s| s.channel == channel as u8 && split.is_held_out(drive, s.t))
+            for (drive, comparisons) in comparisons.iter().enumerate() {
+                for compared in
+                    comparisons.iter().filter(|s| s.channel == channel as u8 && split.is_held_out(drive, s.t))
                 {
-                    sums.add(said);
+                    sums.add(compared);
                 }
             }
             let variance = noise[channel as usize].powi(2);

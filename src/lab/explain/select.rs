@@ -15,7 +15,7 @@ use super::predict::Drive;
 use super::smooth::courses;
 use super::split::{BLOCK_S, Part, Split};
 use physics::Quantity;
-use physics::model::effect::{Channel, Kind};
+use physics::model::effect::{Channel, Growth, Kind};
 
 /// Evidence (twice the logarithm of the odds) that the first finding needs. The odds must beat those of
 /// some fifty candidates, each with a small chance of its own.
@@ -40,9 +40,6 @@ pub const ONSET_S: f64 = 3.0;
 
 /// A course of which more than this follows from the driver's own inputs is none of wind and road.
 pub const MOST_FOLLOWING: f64 = 0.4;
-
-/// See [`is_noteworthy`].
-const LEAST_TORQUE_SCALE: f64 = 0.01;
 
 /// Rounds of fitting without learning any noise.
 const STRICT_ROUNDS: usize = 4;
@@ -254,7 +251,7 @@ fn fitted<'f, 'a: 'f>(
     best_of_each(all.into_iter().chain(patches).collect())
 }
 
-/// Torques are told by maps and by pads: a scale of theirs that is off by less is nobody's mistake.
+/// Is the error large enough to be anybody's mistake? See [`Search`](physics::model::effect::Search).
 fn is_noteworthy(refitted: &Refitted<'_>) -> bool {
     let candidate = &refitted.candidate;
     let of_a_torque = matches!(
@@ -262,8 +259,8 @@ fn is_noteworthy(refitted: &Refitted<'_>) -> bool {
         Some(Quantity::DriveTorque | Quantity::BrakePressure)
     );
     let number = refitted.fit.model.effects.last().and_then(|effect| effect.numbers.first());
-    let is_scale = of_a_torque && candidate.kind.name == "sensor_scale";
-    !is_scale || number.is_none_or(|number| number.abs() > LEAST_TORQUE_SCALE)
+    let least = candidate.kind.search.least_of_torque.filter(|_| of_a_torque);
+    least.zip(number).is_none_or(|(least, number)| number.abs() > least)
 }
 
 /// What lies in patches, within clear edges: each kind of them wherever the course of any kind has some; and each
@@ -287,7 +284,7 @@ fn patches<'a>(
         .collect();
     let sliding = patches::of_sliding(data);
     if let Some(place) = &sliding {
-        let is_there = |kind: &Kind| before.model.effects.iter().any(|effect| effect.kind.name == kind.name);
+        let is_there = |kind: &Kind| before.model.effects.iter().any(|effect| *effect.kind == *kind);
         let slippery = patches::slippery(library).filter(|candidate| !is_there(candidate.kind));
         pairs.extend(slippery.map(|candidate| (candidate, place)));
     }
@@ -301,8 +298,7 @@ fn patches<'a>(
 fn worth(scanned: &[Scored], least: f64) -> impl Iterator<Item = &Scored> {
     let best = scanned.first().map_or(0.0, |scored| scored.gain);
     let enough = move |(rank, scored): &(usize, &Scored)| {
-        // What grows with the square shows little to first order.
-        let hides = scored.candidate.kind.name == "load_transfer";
+        let hides = scored.candidate.kind.search.growth == Growth::Quadratic;
         let is_among_best = *rank < MOST_REFITTED && scored.gain > LEAST_SHARE * best;
         scored.gain > LEAST_OF_FIRST_ORDER * least && (hides || is_among_best)
     };
@@ -343,8 +339,7 @@ pub fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> f64 {
 /// something that begins at a moment of its choice: where both explain about the same, it goes first.
 pub fn prefer_the_simpler(refitted: &mut [Refitted<'_>]) {
     // A jump before the beginning is one all the same.
-    let jumps =
-        |candidate: &Candidate| candidate.channel.is_some() && candidate.kind.place_of("at_s").is_some();
+    let jumps = |candidate: &Candidate| candidate.channel.is_some() && candidate.kind.onset().is_some();
     let always = |other: &Refitted<'_>| {
         other.candidate.live.is_none() && other.onset().is_none() && !jumps(&other.candidate)
     };

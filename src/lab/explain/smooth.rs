@@ -7,9 +7,10 @@ use super::model::Model;
 use super::predict::Drive;
 use super::predict::FILTERED;
 use super::predict::car::BODY_STATES;
-use super::predict::drive::STEP_S;
+use super::predict::grid::STEP_S;
 use super::predict::noise::Noise;
-use super::predict::pass::{Filtered, Readers, pass_backwards};
+use super::predict::pass::pass_backwards;
+use super::predict::sums::{Filtered, Readers};
 
 /// A course with its uncertainty, at grid points.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -11,9 +11,9 @@ use super::gross;
 use super::model::{Free, Model};
 use super::naming::{Refitted, onset};
 use super::predict::Drive;
-use super::predict::drive::{STEP_S, points};
+use super::predict::grid::{STEP_S, points};
 use super::predict::noise::Noise;
-use super::predict::pass::Sums;
+use super::predict::sums::Sums;
 use super::select::{
     MOST_FOLLOWING, MOST_RIVALS, ONSET_S, RIVAL_SHARE, Round, Selection, following_share, is_confirmed,
     least_evidence, prefer_the_simpler, select,
@@ -183,7 +183,7 @@ impl<'a> Search<'_, '_, 'a> {
 
     /// Puts the moment at which something began where everything around it says: an excerpt may not have it.
     fn place_onset(&self, drives: &[Drive], data: &Data<'_>, refitted: &mut Refitted<'a>) {
-        let Some((at, place)) = refitted.onset().zip(refitted.candidate.kind.place_of("at_s")) else {
+        let Some((at, place)) = refitted.onset().zip(refitted.candidate.kind.onset()) else {
             return;
         };
         let (from, to) = gap_around(drives, at);

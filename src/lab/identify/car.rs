@@ -1,10 +1,11 @@
 //! The plain car's numbers, each of which may be searched for.
 
+use super::longitudinal_input::LongitudinalInput;
 use super::parameter::{Parameter, Values};
+use physics::Wheel;
 use physics::model::body::Body;
 use physics::model::tire::{Brush, Contact, Linear, MagicFormula, PiecewiseLinear, Tire};
 use physics::model::{GRAVITY, Real, TireKind, Vehicle};
-use physics::{Quantity, Wheel};
 
 /// Body, tires and sensors' offsets, with derivatives by whatever is free.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +41,7 @@ pub(super) struct Car<T> {
 
 impl<T: Real> Car<T> {
     /// From a number for each parameter; what is no number (driven axle, kind of tire) is the vehicle's.
-    pub(super) fn new(vehicle: &Vehicle, drive: Drive, number: impl Fn(Parameter) -> T) -> Self {
+    pub(super) fn new(vehicle: &Vehicle, drive: LongitudinalInput, number: impl Fn(Parameter) -> T) -> Self {
         let zero = T::constant(0.0);
         let mass = number(Parameter::Mass);
         let wheelbase = number(Parameter::Wheelbase);
@@ -65,9 +66,9 @@ impl<T: Real> Car<T> {
         let share = |axle: usize, torque: T| torque / (nominal * load[axle]);
         let torque = number(Parameter::DriveTorqueRatio) / count;
         let from_outside = driven.map(|driven| match drive {
-            Drive::Torque => true,
-            Drive::WheelSpeeds => !driven,
-            Drive::Slips => false,
+            LongitudinalInput::Torque => true,
+            LongitudinalInput::WheelSpeeds => !driven,
+            LongitudinalInput::Slips => false,
         });
         let half_track = [number(Parameter::TrackFront) / 2.0, number(Parameter::TrackRear) / 2.0];
         let wheel_mass = number(Parameter::WheelInertia) / (nominal * nominal);
@@ -124,7 +125,7 @@ impl<T: Real> Car<T> {
 
 impl Car<f64> {
     /// Without derivatives.
-    pub(super) fn plain(vehicle: &Vehicle, drive: Drive, values: &Values) -> Self {
+    pub(super) fn plain(vehicle: &Vehicle, drive: LongitudinalInput, values: &Values) -> Self {
         Self::new(vehicle, drive, |parameter| values.get(parameter))
     }
 
@@ -138,25 +139,5 @@ impl Car<f64> {
         let yaw = (body.a * body.a * front + body.b * body.b * rear) / body.yaw_inertia;
         let along = 4.0 * self.contact[0].stiffness_x * self.load[0] / body.mass;
         (sideways.max(along) + yaw) / vx.max(1.0)
-    }
-}
-
-/// How the longitudinal forces get into the equations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Drive {
-    /// From drive torque and brake pressure; all wheel speeds are outputs. Not where tires slide: there a
-    /// wheel's slip is hardly a function of its torque, and stiffnesses come out too low.
-    Torque,
-    /// From the driven wheels' measured speeds; the undriven ones' are outputs.
-    WheelSpeeds,
-    /// From the slips of all wheels, measured beforehand (thesis 5.26); the speed is an output.
-    Slips,
-}
-
-impl Drive {
-    /// By torque where the bus has it and nothing slides, else by the driven wheels' speeds.
-    pub fn usual(has: impl Fn(Quantity) -> bool, slides: bool) -> Self {
-        if has(Quantity::DriveTorque) && !slides { Self::Torque } else { Self::WheelSpeeds }
     }
 }

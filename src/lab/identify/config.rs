@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::car::Drive;
 use super::error::IdentifyError;
 use super::fit::Method;
 use super::free::Tied;
+use super::longitudinal_input::LongitudinalInput;
 use super::parameter::Parameter;
 
 /// The `[identify]` table: what is to be found, and how. Every key has a default.
@@ -16,7 +16,7 @@ pub struct IdentifyConfig {
     /// table calls uncertain, and the sensors' offsets.
     pub parameters: Vec<String>,
     /// How longitudinal forces get into the equations; left out: by torque where the bus has it.
-    pub drive: Option<Drive>,
+    pub drive: Option<LongitudinalInput>,
     /// How segments are tied.
     pub method: Method,
     /// Length of a segment, s.

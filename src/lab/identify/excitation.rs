@@ -61,7 +61,7 @@ mod tests {
     use super::*;
     use physics::model::Scenario;
     use physics::model::scenario::thesis::SIM1;
-    use physics::model::simulate::Drive;
+    use physics::model::simulate::SimulatedDrive;
 
     #[test]
     fn noise_is_no_steering() {
@@ -69,7 +69,7 @@ mod tests {
             let text = SIM1
                 .replace("duration_s = 200.0", "duration_s = 20.0")
                 .replace("\namplitude = 0.1\n", &format!("\namplitude = {amplitude}\n"));
-            let driven = Drive::simulate(&Scenario::parse(&text).unwrap(), 1).unwrap();
+            let driven = SimulatedDrive::simulate(&Scenario::parse(&text).unwrap(), 1).unwrap();
             let record = Record::new("sim1", &driven.samples, &driven.sensors);
             assert_eq!(is_steered(&[record]), steered, "{amplitude}");
         }

@@ -8,10 +8,10 @@
 
 use nalgebra::{DVector, Vector3};
 
-use super::car::Drive;
-use super::chain::{Linearized, Point};
 use super::free::Free;
+use super::longitudinal_input::LongitudinalInput;
 use super::motion::Channel;
+use super::normal_equations::{Linearized, Point};
 use super::parameter::Values;
 use super::segment::Segment;
 use super::shooting::{Problem, Tie};
@@ -67,7 +67,7 @@ pub(super) struct Search<'a> {
     pub(super) values: &'a Values,
     pub(super) free: &'a [Free],
     pub(super) segments: &'a [Segment],
-    pub(super) drive: Drive,
+    pub(super) drive: LongitudinalInput,
     pub(super) method: Method,
 }
 
@@ -89,7 +89,7 @@ const LEAST_NOISE: f64 = 1e-5;
 impl<'a> Search<'a> {
     fn problem(&self, noise: &Noise, tie: Tie) -> Problem<'a> {
         let mut weight = noise.map(|std| 1.0 / (std * std));
-        if self.drive == Drive::WheelSpeeds {
+        if self.drive == LongitudinalInput::WheelSpeeds {
             // The noise of a driven wheel's speed is at once in the simulated acceleration and in its
             // derivative by the stiffness: fitting it would make every tire too soft.
             weight[Channel::LongitudinalAcceleration as usize] = 0.0;
@@ -220,7 +220,8 @@ impl<'a> Search<'a> {
         let mut converged = false;
         while iterations < MOST_ITERATIONS && !converged && damping < 1e9 {
             let limits = self.limits(&point);
-            let Some((step, gain)) = all.eliminate(damping).and_then(|chain| chain.step(&limits)) else {
+            let Some((step, gain)) = all.eliminate(damping).and_then(|equations| equations.step(&limits))
+            else {
                 iterations += 1;
                 damping = (damping * 10.0).max(1e-9);
                 continue;

@@ -3,7 +3,8 @@
 //! Driven by the recorded steering wheel, torques or wheel speeds, restarted from the measured state each
 //! 20 s (contract: `fit`), 100 (1 − |y − ŷ| / |y − mean y|) per cent.
 
-use super::car::{Car, Drive};
+use super::car::Car;
+use super::longitudinal_input::LongitudinalInput;
 use super::motion::Channel;
 use super::parameter::Values;
 use super::prepare;
@@ -38,12 +39,12 @@ pub struct FitRow {
 }
 
 /// Runs freely through all records with the vehicle as its table says, no offsets.
-pub fn free_run(records: &[Record], vehicle: &Vehicle, drive: Drive) -> Fits {
+pub fn free_run(records: &[Record], vehicle: &Vehicle, drive: LongitudinalInput) -> Fits {
     fits(records, vehicle, &Values::of(vehicle), drive)
 }
 
 /// Runs freely through all records.
-pub(super) fn fits(records: &[Record], vehicle: &Vehicle, values: &Values, drive: Drive) -> Fits {
+pub(super) fn fits(records: &[Record], vehicle: &Vehicle, values: &Values, drive: LongitudinalInput) -> Fits {
     let car = Car::plain(vehicle, drive, values);
     let mut rows = Vec::new();
     for segment in prepare::segments(records, vehicle, values, drive, BLOCK_S, LEAST_S) {

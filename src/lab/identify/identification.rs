@@ -7,7 +7,6 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use super::car::Drive;
 use super::config::IdentifyConfig;
 use super::error::IdentifyError;
 use super::excitation;
@@ -15,6 +14,7 @@ use super::fit::{Ahead, Fit, Noise, Search};
 use super::free::Free;
 use super::free_run;
 use super::input_noise;
+use super::longitudinal_input::LongitudinalInput;
 use super::motion::Channel;
 use super::parameter::Values;
 use super::prepare;
@@ -36,7 +36,7 @@ pub struct Identifier<'a> {
     values: Values,
     free: Vec<Free>,
     segments: Vec<Segment>,
-    drive: Drive,
+    drive: LongitudinalInput,
     noise: Noise,
     is_steered: bool,
 }
@@ -54,14 +54,14 @@ impl<'a> Identifier<'a> {
         config.validate()?;
         let has = |quantity| records.iter().any(|record| record.sensors.has(quantity));
         let slides = excitation::slides(records, vehicle);
-        let drive = config.drive.unwrap_or_else(|| Drive::usual(has, slides));
-        if drive == Drive::Torque && slides {
+        let drive = config.drive.unwrap_or_else(|| LongitudinalInput::usual(has, slides));
+        if drive == LongitudinalInput::Torque && slides {
             tracing::warn!(
                 "tires slide in these recordings: with drive = \"torque\" stiffnesses come out too low"
             );
         }
         let measured_before = records.iter().all(setup::has_slips);
-        if drive == Drive::Slips && !measured_before && !slips::can_be_had(vehicle, has) {
+        if drive == LongitudinalInput::Slips && !measured_before && !slips::can_be_had(vehicle, has) {
             let reason = "no slip without an undriven wheel to compare with, and four wheel speeds; \
                           torque or wheel_speeds will do";
             return Err(IdentifyError::Setting { key: "drive", value: "\"slips\"".into(), reason });
@@ -73,8 +73,11 @@ impl<'a> Identifier<'a> {
             prepare::segments(&records, vehicle, &values, drive, config.segment_s, 0.5 * config.segment_s);
         if segments.is_empty() {
             let records = records.iter().map(|record| record.name.clone()).collect::<Vec<_>>().join(", ");
-            let braking =
-                if drive == Drive::Torque { "only where its pressure is known" } else { "left out" };
+            let braking = if drive == LongitudinalInput::Torque {
+                "only where its pressure is known"
+            } else {
+                "left out"
+            };
             return Err(IdentifyError::NothingUsable { least_s: 0.5 * config.segment_s, braking, records });
         }
         let noise = setup::first_noise(&records);
@@ -207,8 +210,9 @@ impl<'a> Identifier<'a> {
         let correlation = sure.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
         let there = Channel::ALL.into_iter().zip(fit.noise).filter(|(channel, _)| self.is_measured(*channel));
         // A channel that has no say in the search leaves no residuals.
-        let is_silent =
-            |channel| self.drive == Drive::WheelSpeeds && channel == Channel::LongitudinalAcceleration;
+        let is_silent = |channel| {
+            self.drive == LongitudinalInput::WheelSpeeds && channel == Channel::LongitudinalAcceleration
+        };
         let there = there.map(|(channel, std)| (channel, if is_silent(channel) { f64::NAN } else { std }));
         Ok(Identification {
             parameters,

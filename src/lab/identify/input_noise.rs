@@ -10,7 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use super::car::Drive;
+use super::longitudinal_input::LongitudinalInput;
 use super::record::{Record, Row};
 use super::segment::Segment;
 
@@ -23,10 +23,10 @@ struct InputNoise {
 }
 
 impl InputNoise {
-    fn of(record: &Record, drive: Drive) -> Self {
+    fn of(record: &Record, drive: LongitudinalInput) -> Self {
         let wheel = |row: &Row, i: usize| match drive {
-            Drive::Slips => row.slip[i],
-            Drive::WheelSpeeds | Drive::Torque => row.wheel_speed[i],
+            LongitudinalInput::Slips => row.slip[i],
+            LongitudinalInput::WheelSpeeds | LongitudinalInput::Torque => row.wheel_speed[i],
         };
         Self {
             steering: white(&record.rows, |row| row.steering),
@@ -50,7 +50,12 @@ fn white(rows: &[Row], value: impl Fn(&Row) -> f64) -> f64 {
 }
 
 /// The same segments with the noise of their inputs once more.
-pub(super) fn noisier(segments: &[Segment], records: &[Record], drive: Drive, seed: u64) -> Vec<Segment> {
+pub(super) fn noisier(
+    segments: &[Segment],
+    records: &[Record],
+    drive: LongitudinalInput,
+    seed: u64,
+) -> Vec<Segment> {
     let noise: Vec<InputNoise> = records.iter().map(|record| InputNoise::of(record, drive)).collect();
     let mut segments = segments.to_vec();
     // Neighbours share a row, and so its noise.
@@ -98,7 +103,7 @@ mod tests {
             samples.push(sample);
         }
         let record = Record::new("test", &samples, &Sensors::default());
-        let std = InputNoise::of(&record, Drive::WheelSpeeds).steering;
+        let std = InputNoise::of(&record, LongitudinalInput::WheelSpeeds).steering;
         assert!((std / 0.002 - 1.0).abs() < 0.1, "{std}");
     }
 }

@@ -10,7 +10,6 @@
 
 mod braking;
 mod car;
-mod chain;
 mod config;
 mod error;
 mod excitation;
@@ -19,25 +18,28 @@ mod free;
 mod free_run;
 mod identification;
 mod input_noise;
+mod longitudinal_input;
 mod motion;
+mod normal_equations;
 mod parameter;
 mod prepare;
 mod profile;
 mod record;
 mod result;
 mod segment;
+mod segment_sums;
 mod setup;
 mod shooting;
 mod slips;
 mod smooth;
 mod uncertainty;
 
-pub use car::Drive;
 pub use config::IdentifyConfig;
 pub use error::IdentifyError;
 pub use fit::Method;
 pub use free_run::{BLOCK_S, FitRow, Fits, free_run};
 pub use identification::Identifier;
+pub use longitudinal_input::LongitudinalInput;
 pub use motion::Channel;
 pub use parameter::{Parameter, Values};
 pub use record::{Record, Row};

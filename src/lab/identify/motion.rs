@@ -5,7 +5,8 @@
 //! (methods.md §2 with r ω̇ the acceleration of its contact point). So it adds to the car's mass, and,
 //! at half a track from the middle, some per cent to its yaw inertia.
 
-use super::car::{Car, Drive};
+use super::car::Car;
+use super::longitudinal_input::LongitudinalInput;
 use super::record::Row;
 use physics::model::Real;
 use physics::model::body::{External, Steer, Velocity};
@@ -73,19 +74,19 @@ pub(super) struct Input {
     pub(super) steering: f64,
     /// Its rate, rad/s.
     pub(super) steering_rate: f64,
-    /// Wheel speeds or slips, as [`Drive`] says.
+    /// Wheel speeds or slips, as [`LongitudinalInput`] says.
     pub(super) wheel: [f64; 4],
     pub(super) drive_torque: f64,
     pub(super) brake_pressure: f64,
 }
 
 impl Input {
-    pub(super) fn of(row: &Row, drive: Drive) -> Self {
+    pub(super) fn of(row: &Row, drive: LongitudinalInput) -> Self {
         let or_zero = |value: f64| if value.is_finite() { value } else { 0.0 };
         Self {
             steering: row.steering,
             steering_rate: 0.0,
-            wheel: if drive == Drive::Slips { row.slip } else { row.wheel_speed },
+            wheel: if drive == LongitudinalInput::Slips { row.slip } else { row.wheel_speed },
             drive_torque: or_zero(row.drive_torque),
             brake_pressure: or_zero(row.brake_pressure),
         }
@@ -131,7 +132,7 @@ pub(super) struct Instant<T> {
 impl<T: Real> Car<T> {
     /// Forces and accelerations.
     #[inline(always)]
-    pub(super) fn instant(&self, state: &State<T>, input: &Input, drive: Drive) -> Instant<T> {
+    pub(super) fn instant(&self, state: &State<T>, input: &Input, drive: LongitudinalInput) -> Instant<T> {
         let [vx, vy, yaw_rate] = *state;
         let velocity = Velocity { vx, vy, yaw_rate };
         let steer = Steer::new((-self.steering_offset + input.steering) / self.steering_ratio);
@@ -147,7 +148,7 @@ impl<T: Real> Car<T> {
             let (contact, load, angle) = (&self.contact[axle], self.load[axle], slip_angle[axle]);
             if self.from_outside[axle] {
                 let mut x = zero;
-                if drive == Drive::Torque {
+                if drive == LongitudinalInput::Torque {
                     let most = contact.friction_x * 0.99;
                     let torques = self.drive_share[axle] * input.drive_torque
                         - self.brake_share[axle] * input.brake_pressure;
@@ -162,7 +163,7 @@ impl<T: Real> Car<T> {
             }
             for i in [2 * axle, 2 * axle + 1] {
                 let slip = match drive {
-                    Drive::Slips => T::constant(input.wheel[i]),
+                    LongitudinalInput::Slips => T::constant(input.wheel[i]),
                     _ => wheel::slip(self.radius[i] * input.wheel[i], along[i]),
                 };
                 let [x, y] = self.tire.combined(contact, slip, angle);

@@ -1,6 +1,6 @@
 //! What can be identified: the vehicle's named numbers, and the offsets of its sensors.
 
-use super::car::Drive;
+use super::longitudinal_input::LongitudinalInput;
 use physics::model::{DrivenAxle, TireKind, Uncertain, Vehicle};
 use physics::{Quantity, Wheel};
 
@@ -235,18 +235,23 @@ impl Parameter {
     }
 
     /// Do the equations use it, and do the sensors see it?
-    pub fn is_used(self, vehicle: &Vehicle, drive: Drive, has: impl Fn(Quantity) -> bool) -> bool {
+    pub fn is_used(
+        self,
+        vehicle: &Vehicle,
+        drive: LongitudinalInput,
+        has: impl Fn(Quantity) -> bool,
+    ) -> bool {
         match self {
             Self::MagicShape | Self::MagicCurvature => vehicle.tire == TireKind::MagicFormula,
             Self::Friction => vehicle.tire != TireKind::Linear,
-            Self::DriveTorqueRatio => drive == Drive::Torque,
+            Self::DriveTorqueRatio => drive == LongitudinalInput::Torque,
             Self::BrakePerBarFront | Self::BrakePerBarRear => {
-                drive == Drive::Torque && has(Quantity::BrakePressure)
+                drive == LongitudinalInput::Torque && has(Quantity::BrakePressure)
             }
             Self::YawRateOffset => has(Quantity::YawRate),
             Self::LateralAccelerationOffset => has(Quantity::LateralAcceleration),
             Self::LongitudinalAccelerationOffset => {
-                drive != Drive::WheelSpeeds && has(Quantity::LongitudinalAcceleration)
+                drive != LongitudinalInput::WheelSpeeds && has(Quantity::LongitudinalAcceleration)
             }
             Self::SteeringOffset => has(Quantity::SteeringWheelAngle),
             _ => true,
@@ -255,7 +260,7 @@ impl Parameter {
 
     /// What is free where nobody says otherwise: all that the vehicle's table calls uncertain and the
     /// equations use, and the offsets of the sensors there are.
-    pub fn usual(vehicle: &Vehicle, drive: Drive, has: impl Fn(Quantity) -> bool) -> Vec<Self> {
+    pub fn usual(vehicle: &Vehicle, drive: LongitudinalInput, has: impl Fn(Quantity) -> bool) -> Vec<Self> {
         let is_free = |parameter: &Self| {
             // One radius is the nominal one; the undriven wheels (rear, where all are driven) set it.
             let sets_the_radius = match parameter {

@@ -1,6 +1,7 @@
 //! Records to segments.
 
-use super::car::{Car, Drive};
+use super::car::Car;
+use super::longitudinal_input::LongitudinalInput;
 use super::motion::Input;
 use super::parameter::Values;
 use super::record::Record;
@@ -17,13 +18,13 @@ pub(super) fn segments(
     records: &[Record],
     vehicle: &Vehicle,
     values: &Values,
-    drive: Drive,
+    drive: LongitudinalInput,
     segment_s: f64,
     least_s: f64,
 ) -> Vec<Segment> {
     let mut segments = Vec::new();
     for (number, record) in records.iter().enumerate() {
-        let knows_brakes = drive == Drive::Torque
+        let knows_brakes = drive == LongitudinalInput::Torque
             && record.sensors.has(Quantity::BrakePressure)
             && vehicle.brake_torque_per_bar_front_nm.is_some()
             && vehicle.brake_torque_per_bar_rear_nm.is_some();
@@ -39,7 +40,7 @@ fn cut(
     record: &Record,
     number: usize,
     (from, to): (usize, usize),
-    (vehicle, values, drive, segment_s): (&Vehicle, &Values, Drive, f64),
+    (vehicle, values, drive, segment_s): (&Vehicle, &Values, LongitudinalInput, f64),
     segments: &mut Vec<Segment>,
 ) {
     let steps = to - from - 1;

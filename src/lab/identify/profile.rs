@@ -3,8 +3,8 @@
 
 use std::collections::VecDeque;
 
-use super::chain::Point;
 use super::fit::{Fit, Search};
+use super::normal_equations::Point;
 
 /// Where it is computed, in standard deviations from the optimum: the last ones for profiles that are flatter than
 /// their curvature at the optimum.

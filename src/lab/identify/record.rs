@@ -1,6 +1,6 @@
 //! A recording as identification sees it: rows on a uniform grid, cut where nothing can be learnt.
 
-use super::car::Drive;
+use super::longitudinal_input::LongitudinalInput;
 use physics::model::{DrivenAxle, Vehicle};
 use physics::{Micros, Quantity, Sample, Sensors, Wheel};
 
@@ -61,7 +61,7 @@ impl Record {
         &self,
         vehicle: &Vehicle,
         least_s: f64,
-        drive: Drive,
+        drive: LongitudinalInput,
         braking: bool,
     ) -> Vec<(usize, usize)> {
         let mut stretches = Vec::new();
@@ -136,12 +136,14 @@ impl Row {
     }
 
     /// Is all there that the equations are driven by?
-    fn has_inputs(&self, vehicle: &Vehicle, drive: Drive) -> bool {
+    fn has_inputs(&self, vehicle: &Vehicle, drive: LongitudinalInput) -> bool {
         let driven = Wheel::ALL.into_iter().filter(|wheel| vehicle.driven_axle.drives(*wheel));
         match drive {
-            Drive::Torque => self.drive_torque.is_finite(),
-            Drive::WheelSpeeds => driven.map(|w| self.wheel_speed[w as usize]).all(f64::is_finite),
-            Drive::Slips => self.slip.iter().all(|slip| slip.is_finite()),
+            LongitudinalInput::Torque => self.drive_torque.is_finite(),
+            LongitudinalInput::WheelSpeeds => {
+                driven.map(|w| self.wheel_speed[w as usize]).all(f64::is_finite)
+            }
+            LongitudinalInput::Slips => self.slip.iter().all(|slip| slip.is_finite()),
         }
     }
 

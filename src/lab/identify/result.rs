@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use super::car::Drive;
 use super::free_run::Fits;
+use super::longitudinal_input::LongitudinalInput;
 use super::motion::Channel;
 use super::parameter::Values;
 
@@ -55,7 +55,7 @@ pub struct Identification {
     /// All numbers at the optimum.
     pub values: Values,
     /// How the forces came in.
-    pub drive: Drive,
+    pub drive: LongitudinalInput,
     /// Seconds that were used.
     pub seconds: f64,
     /// Segments.

@@ -2,7 +2,8 @@
 
 use multiversion::multiversion;
 
-use super::car::{Car, Drive};
+use super::car::Car;
+use super::longitudinal_input::LongitudinalInput;
 use super::motion::{Input, Outputs, State};
 use super::record::Row;
 use physics::Wheel;
@@ -40,24 +41,24 @@ pub(super) struct Segment {
 const SLIDING: f64 = 0.85;
 
 /// A measured row, given which channels are inputs.
-pub(super) fn measured(row: &Row, drive: Drive, vehicle: &Vehicle) -> Measured {
+pub(super) fn measured(row: &Row, drive: LongitudinalInput, vehicle: &Vehicle) -> Measured {
     let driven = Wheel::ALL.map(|wheel| vehicle.driven_axle.drives(wheel));
     let radius = vehicle.wheel_radius_m.value;
     let used = row.lateral_acceleration.abs() / GRAVITY;
     let slides = vehicle.tire != TireKind::Linear && used > SLIDING * vehicle.friction.value;
     let [fl, fr, rl, rr] = std::array::from_fn(|i| match drive {
-        Drive::Torque if slides && driven[i] => f64::NAN,
-        Drive::Torque => row.wheel_speed[i],
-        Drive::WheelSpeeds if !driven[i] => row.wheel_speed[i],
-        Drive::WheelSpeeds | Drive::Slips => f64::NAN,
+        LongitudinalInput::Torque if slides && driven[i] => f64::NAN,
+        LongitudinalInput::Torque => row.wheel_speed[i],
+        LongitudinalInput::WheelSpeeds if !driven[i] => row.wheel_speed[i],
+        LongitudinalInput::WheelSpeeds | LongitudinalInput::Slips => f64::NAN,
     });
     let undriven = row.wheel_speed.iter().zip(driven).filter(|(speed, driven)| speed.is_finite() && !driven);
     let (sum, count) = undriven.fold((0.0, 0.0), |(sum, n), (speed, _)| (sum + radius * speed, n + 1.0));
     let speed = match drive {
         // There the speed is that of the freely rolling wheels (thesis 4.4).
-        Drive::Slips if count > 0.0 => sum / count,
-        Drive::Slips => row.vehicle_speed,
-        Drive::Torque | Drive::WheelSpeeds => f64::NAN,
+        LongitudinalInput::Slips if count > 0.0 => sum / count,
+        LongitudinalInput::Slips => row.vehicle_speed,
+        LongitudinalInput::Torque | LongitudinalInput::WheelSpeeds => f64::NAN,
     };
     let (r, ay, ax) = (row.yaw_rate, row.lateral_acceleration, row.longitudinal_acceleration);
     [fl, fr, rl, rr, r, ay, ax, speed]
@@ -89,7 +90,7 @@ impl Segment {
     fn simulate<T: Real>(
         &self,
         car: &Car<T>,
-        drive: Drive,
+        drive: LongitudinalInput,
         start: State<T>,
         mut take: impl FnMut(usize, &Outputs<T>),
     ) -> State<T> {
@@ -123,7 +124,12 @@ impl Segment {
     }
 
     /// The outputs at each row.
-    pub(super) fn outputs(&self, car: &Car<f64>, drive: Drive, start: State<f64>) -> Vec<Outputs<f64>> {
+    pub(super) fn outputs(
+        &self,
+        car: &Car<f64>,
+        drive: LongitudinalInput,
+        start: State<f64>,
+    ) -> Vec<Outputs<f64>> {
         let mut rows = Vec::with_capacity(self.len());
         self.simulate(car, drive, start, |_, outputs| rows.push(*outputs));
         rows
@@ -135,7 +141,7 @@ impl Segment {
 pub(super) fn trace(
     segment: &Segment,
     car: &Car<Dual<LANES>>,
-    drive: Drive,
+    drive: LongitudinalInput,
     start: State<Dual<LANES>>,
     channels: &[usize],
 ) -> Trace {

@@ -3,11 +3,11 @@
 use std::borrow::Cow;
 
 use super::braking;
-use super::car::Drive;
 use super::config::{self, IdentifyConfig};
 use super::error::IdentifyError;
 use super::fit::Noise;
 use super::free::{Free, Tied};
+use super::longitudinal_input::LongitudinalInput;
 use super::parameter::Parameter;
 use super::record::Record;
 use super::slips;
@@ -15,13 +15,17 @@ use physics::model::Vehicle;
 use physics::{Quantity, Wheel};
 
 /// Records with what the sensors do not say themselves: where the car brakes, and how much its wheels slip.
-pub(super) fn prepared<'a>(records: &'a [Record], vehicle: &Vehicle, drive: Drive) -> Cow<'a, [Record]> {
+pub(super) fn prepared<'a>(
+    records: &'a [Record],
+    vehicle: &Vehicle,
+    drive: LongitudinalInput,
+) -> Cow<'a, [Record]> {
     let mut records = Cow::Borrowed(records);
     for place in 0..records.len() {
         if !braking::is_told(&records[place]) {
             braking::recognize(&mut records.to_mut()[place], vehicle);
         }
-        if drive == Drive::Slips && !has_slips(&records[place]) {
+        if drive == LongitudinalInput::Slips && !has_slips(&records[place]) {
             slips::fill(&mut records.to_mut()[place], vehicle);
         }
     }
@@ -38,7 +42,7 @@ pub(super) fn free(
     vehicle: &Vehicle,
     config: &IdentifyConfig,
     has: impl Fn(Quantity) -> bool,
-    drive: Drive,
+    drive: LongitudinalInput,
 ) -> Result<Vec<Free>, IdentifyError> {
     let chosen: Vec<Tied> = if config.parameters.is_empty() {
         Parameter::usual(vehicle, drive, &has).into_iter().map(Tied::One).collect()

@@ -9,19 +9,21 @@
 //! | some | process noise, gathered over a segment: a prediction-error method |
 //! | tight | one simulation through everything: output error, free run |
 //!
-//! The equations of a Gauss–Newton step are a chain of 3 × 3 blocks with the parameters as its border;
-//! it is eliminated from the first segment to the last, so that a step's cost grows with the length of
+//! The normal equations of a Gauss–Newton step are block tridiagonal (3 × 3) with the parameters as border;
+//! the blocks are eliminated from the first segment to the last, so that a step's cost grows with the length of
 //! the recordings only.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use rayon::prelude::*;
 
-use super::car::{Car, Drive};
-use super::chain::{Block, Border, Linearized, Point, Score};
+use super::car::Car;
 use super::free::Free;
+use super::longitudinal_input::LongitudinalInput;
 use super::motion::{Channel, State};
+use super::normal_equations::{Block, Border, Linearized, Point, Score};
 use super::parameter::Values;
-use super::segment::{LANES, Segment, Trace, products, trace};
+use super::segment::{LANES, Segment, trace};
+use super::segment_sums::SegmentSums;
 use physics::model::{Dual, Number, Vehicle};
 
 /// How the start of a segment is tied to the end of the one before: standard deviation of what may
@@ -51,29 +53,10 @@ pub(super) struct Problem<'a> {
     pub(super) values: &'a Values,
     pub(super) free: &'a [Free],
     pub(super) segments: &'a [Segment],
-    pub(super) drive: Drive,
+    pub(super) drive: LongitudinalInput,
     /// 1 / noise² by channel.
     pub(super) weight: [f64; Channel::COUNT],
     pub(super) tie: Tie,
-}
-
-/// What one segment says, channel by channel, not weighted yet: weights may change without simulating
-/// again.
-#[derive(Clone, Debug)]
-pub(super) struct Said {
-    channels: Vec<Sums>,
-    end: Vector3<f64>,
-    /// Derivatives of the end by parameters and start.
-    end_by: DMatrix<f64>,
-}
-
-/// Sums over the rows of one channel; derivatives by the parameters, then by the start.
-#[derive(Clone, Debug)]
-struct Sums {
-    channel: usize,
-    square: f64,
-    gradient: DVector<f64>,
-    information: DMatrix<f64>,
 }
 
 /// The same, weighted and summed over the channels, parameters apart from start.
@@ -90,7 +73,7 @@ struct Own {
 }
 
 impl Own {
-    fn new(said: &Said, weight: &[f64; Channel::COUNT], count: usize) -> Self {
+    fn new(said: &SegmentSums, weight: &[f64; Channel::COUNT], count: usize) -> Self {
         let mut gradient = DVector::zeros(count + 3);
         let mut information = DMatrix::zeros(count + 3, count + 3);
         for sums in &said.channels {
@@ -106,40 +89,6 @@ impl Own {
             end: said.end,
             end_by_start: Matrix3::from_fn(|i, j| said.end_by[(i, count + j)]),
             end_by_theta: Border::from_fn(count, |i, j| said.end_by[(i, j)]),
-        }
-    }
-}
-
-impl Said {
-    /// From simulations that together carry all derivatives.
-    fn new(traces: &[Trace], channels: &[usize], count: usize) -> Self {
-        let sums = channels.iter().enumerate().map(|(number, channel)| {
-            let residuals = &traces[0].residuals[number];
-            let mut gradient = DVector::zeros(count);
-            let mut information = DMatrix::zeros(count, count);
-            for (i, a) in traces.iter().enumerate() {
-                for (residual, by) in residuals.iter().zip(&a.by[number]) {
-                    for (lane, by) in by.iter().enumerate().take(count - i * LANES) {
-                        gradient[i * LANES + lane] += residual * by;
-                    }
-                }
-                for (j, b) in traces.iter().enumerate().skip(i) {
-                    let block = products(&a.by[number], &b.by[number]);
-                    for (row, line) in block.iter().enumerate().take(count - i * LANES) {
-                        for (column, value) in line.iter().enumerate().take(count - j * LANES) {
-                            information[(i * LANES + row, j * LANES + column)] = *value;
-                            information[(j * LANES + column, i * LANES + row)] = *value;
-                        }
-                    }
-                }
-            }
-            let square = residuals.iter().map(|residual| residual * residual).sum();
-            Sums { channel: *channel, square, gradient, information }
-        });
-        Self {
-            channels: sums.collect(),
-            end: Vector3::from_fn(|i, _| traces[0].end[i].value),
-            end_by: DMatrix::from_fn(3, count, |i, j| traces[j / LANES].end[i].by[j % LANES]),
         }
     }
 }
@@ -171,7 +120,7 @@ impl Problem<'_> {
                 });
                 trace(&self.segments[place], car, self.drive, start, &channels)
             });
-            Said::new(&traces.collect::<Vec<_>>(), &channels, count)
+            SegmentSums::new(&traces.collect::<Vec<_>>(), &channels, count)
         });
         self.gather(point, said.collect())
     }
@@ -206,7 +155,7 @@ impl Problem<'_> {
         })
     }
 
-    fn gather(&self, point: &Point, said: Vec<Said>) -> Linearized {
+    fn gather(&self, point: &Point, said: Vec<SegmentSums>) -> Linearized {
         let count = self.free.len();
         let mut all = Linearized {
             cost: 0.0,

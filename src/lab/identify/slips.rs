@@ -141,14 +141,14 @@ pub(super) fn can_be_had(vehicle: &Vehicle, has: impl Fn(Quantity) -> bool) -> b
 mod tests {
     use super::*;
     use physics::model::scenario::thesis::SIM1;
-    use physics::model::simulate::Drive;
+    use physics::model::simulate::SimulatedDrive;
     use physics::model::{Scenario, Uncertain};
 
     /// Sim1's first minute with its left front wheel 1 % smaller than the table says.
     fn record(offset: f64) -> (Record, Vehicle) {
         let text = SIM1.replace("duration_s = 200.0", "duration_s = 60.0").replace("0.1\n", "0.01\n");
         let scenario = Scenario::parse(&text).unwrap();
-        let driven = Drive::simulate(&scenario, 3).unwrap();
+        let driven = SimulatedDrive::simulate(&scenario, 3).unwrap();
         let mut record = Record::new("sim1", &driven.samples, &driven.sensors);
         for row in &mut record.rows {
             row.wheel_speed[0] *= 1.0 + offset;

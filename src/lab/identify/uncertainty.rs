@@ -62,10 +62,10 @@ impl Shift {
 /// squared scores says by how much ("sandwich", Huber 1967, with segments as clusters). Of both the larger
 /// counts. `None` if the parameters are not determined.
 pub(super) fn of(fit: &Fit, free: &[Free], shift: &Shift) -> Option<Uncertainty> {
-    let chain = fit.all.eliminate(0.0)?;
-    let information = chain.information.clone();
+    let eliminated = fit.all.eliminate(0.0)?;
+    let information = eliminated.information.clone();
     let inverse = information.clone().cholesky()?.inverse();
-    let scores = chain.scores();
+    let scores = eliminated.scores();
     let (count, of) = (scores.len() as f64, free.len() as f64);
     let dof = (count - of).max(1.0);
     let scatter = scatter_of(&scores) * (count / dof);

@@ -1,7 +1,7 @@
 //! Intervals below one another, before and after something was learnt; each on a scale of its own.
 
 use super::Color;
-use super::page::{escape, open_svg};
+use super::markup::{escape, open_svg};
 
 /// One row.
 #[derive(Clone, Debug, PartialEq)]

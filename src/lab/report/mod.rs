@@ -6,6 +6,7 @@
 mod color;
 mod decimate;
 mod intervals;
+mod markup;
 mod page;
 mod plot;
 mod shifts;
@@ -13,7 +14,8 @@ mod timeline;
 
 pub use color::Color;
 pub use intervals::Interval;
-pub use page::{Page, escape, number};
+pub use markup::{escape, number};
+pub use page::Page;
 pub use plot::{Mark, Marker, Plot, PlotError, Segment, Span, Stroke};
 pub use shifts::Shift;
 pub use timeline::{Panel, Row, Timeline};

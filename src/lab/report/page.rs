@@ -1,5 +1,6 @@
 //! A page: one HTML file with its style in it.
 
+use super::markup::escape;
 use super::{Interval, Plot, PlotError, Shift, Timeline, intervals, shifts};
 
 const STYLE: &str = include_str!("page.css");
@@ -153,34 +154,6 @@ impl Page {
             env!("CARGO_PKG_VERSION")
         )
     }
-}
-
-/// The opening tag of a picture that scales with the page; `title` is read out where it cannot be seen.
-pub fn open_svg(title: &str, width: f64, height: f64) -> String {
-    format!(
-        "<svg role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {width} {height}\" xmlns=\"http://www.w3.org/2000/svg\">",
-        escape(title)
-    )
-}
-
-/// Text as it can stand in HTML, between tags and in attributes.
-pub fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => escaped += "&amp;",
-            '<' => escaped += "&lt;",
-            '>' => escaped += "&gt;",
-            '"' => escaped += "&quot;",
-            other => escaped.push(other),
-        }
-    }
-    escaped
-}
-
-/// A number with so many decimals; a dash where there is none.
-pub fn number(value: f64, decimals: usize) -> String {
-    if value.is_finite() { format!("{value:.decimals$}") } else { "–".into() }
 }
 
 #[cfg(test)]

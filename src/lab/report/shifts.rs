@@ -2,7 +2,7 @@
 //! scale of its own.
 
 use super::Color;
-use super::page::{escape, open_svg};
+use super::markup::{escape, open_svg};
 
 /// One number.
 #[derive(Clone, Debug, PartialEq)]

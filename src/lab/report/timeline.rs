@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::page::{escape, open_svg};
+use super::markup::{escape, open_svg};
 use super::{Color, decimate};
 
 /// A course for orientation.

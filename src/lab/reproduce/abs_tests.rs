@@ -1,6 +1,6 @@
 //! Drives for calibrating: on each of several surfaces some normal driving, then an ABS braking.
 
-use super::Drive;
+use super::SimulatedDrive;
 use physics::Micros;
 use physics::estimate::mapping::{Braking, PairFinder};
 use physics::estimate::{EstimatorsConfig, Pipeline};
@@ -116,7 +116,7 @@ pub fn scenario(tests: &[AbsTest], tire: TireKind) -> Result<Scenario, String> {
     Ok(scenario)
 }
 
-/// All sensors at once and undelayed, as a [`Drive`] needs them.
+/// All sensors at once and undelayed, as a [`SimulatedDrive`] needs them.
 pub fn in_step(mut scenario: Scenario) -> Scenario {
     for sensor in scenario.sensors.by_name.values_mut() {
         (sensor.period_ms, sensor.phase_ms, sensor.delay_ms) = (10.0, 0.0, 0.0);
@@ -144,7 +144,7 @@ pub struct Found {
 /// # Errors
 /// What is wrong with the tests' numbers.
 pub fn drive(tests: &[AbsTest], tire: TireKind, usual_slope: f64, seed: u64) -> Result<Vec<Found>, String> {
-    let drive = Drive::simulate(&in_step(scenario(tests, tire)?), seed)?;
+    let drive = SimulatedDrive::simulate(&in_step(scenario(tests, tire)?), seed)?;
     let mut vehicle = toml::from_str::<DataSheet>(CAR).map_err(|error| error.to_string())?.vehicle;
     let scale = vehicle.static_wheel_load(true) / (0.25 * vehicle.mass() * GRAVITY);
     vehicle.longitudinal_stiffness = Uncertain { value: scale * usual_slope, std: 0.3 * scale * usual_slope };

@@ -1,7 +1,7 @@
 //! Section 8.1: friction by the brush model.
 
 use super::abs_tests::{self, AbsTest};
-use super::{Claim, Drive, Experiment, Outcome, Picture};
+use super::{Claim, Experiment, Outcome, Picture, SimulatedDrive};
 use crate::report::{Color, Plot};
 use physics::estimate::{BrushConfig, EstimatorsConfig, Pipeline};
 use physics::model::TireKind;
@@ -29,7 +29,7 @@ const SURFACES: [(f64, f64); 6] =
 
 /// 1000 s of normal driving on brush tires, with an ABS braking at the end of each surface; one hard
 /// acceleration on the second asphalt.
-fn long_drive(seed: u64) -> Result<Drive, String> {
+fn long_drive(seed: u64) -> Result<SimulatedDrive, String> {
     let each = LENGTH_S / SURFACES.len() as f64;
     let tests = SURFACES.map(|(friction, slope)| AbsTest {
         friction,
@@ -43,7 +43,7 @@ fn long_drive(seed: u64) -> Result<Drive, String> {
         let points = vec![[from, 0.0], [from + 10.0, -8.0], [from + 14.0, -8.0], [from + 17.0, 0.0]];
         driver.speed_mps.push(Piece::Points { points });
     }
-    Drive::simulate(&abs_tests::in_step(scenario), seed)
+    SimulatedDrive::simulate(&abs_tests::in_step(scenario), seed)
 }
 
 /// What the pipeline made of a drive.
@@ -56,7 +56,7 @@ struct Run {
     brakings: Vec<(f64, f64)>,
 }
 
-fn run(drive: &Drive, brush: BrushConfig) -> Run {
+fn run(drive: &SimulatedDrive, brush: BrushConfig) -> Run {
     let config = EstimatorsConfig { brush, ..EstimatorsConfig::default() };
     let mut pipeline = Pipeline::new(&drive.vehicle, &drive.sensors, &config);
     let mut run = Run { brush: Vec::new(), abs: Vec::new(), brakings: Vec::new() };
@@ -76,7 +76,7 @@ fn run(drive: &Drive, brush: BrushConfig) -> Run {
 }
 
 /// Share of the friction that 95 % of the driving without brakes stays below.
-fn usual_use(drive: &Drive) -> f64 {
+fn usual_use(drive: &SimulatedDrive) -> f64 {
     let mut shares: Vec<_> = drive
         .truth
         .iter()
@@ -88,7 +88,7 @@ fn usual_use(drive: &Drive) -> f64 {
 }
 
 /// Mean of f(estimate, truth) over the samples from `from` on that have an estimate.
-fn mean(drive: &Drive, run: &Run, from: f64, f: impl Fn(f64, f64) -> f64) -> f64 {
+fn mean(drive: &SimulatedDrive, run: &Run, from: f64, f: impl Fn(f64, f64) -> f64) -> f64 {
     let rows = run.brush.iter().zip(&drive.truth);
     let values: Vec<_> = rows
         .filter(|((time, mu, _), _)| *time >= from && mu.is_finite())
@@ -97,7 +97,7 @@ fn mean(drive: &Drive, run: &Run, from: f64, f: impl Fn(f64, f64) -> f64) -> f64
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-fn plot(title: &str, drive: &Drive, run: &Run, to: f64) -> Plot {
+fn plot(title: &str, drive: &SimulatedDrive, run: &Run, to: f64) -> Plot {
     Plot::new(title, "mu_max", 0.0..to, 0.2..1.2)
         .height(320)
         .line("true friction", Color::Truth, drive.truth.iter().map(|t| (t.time.seconds(), t.mu_max)))
@@ -155,7 +155,7 @@ fn uncalibrated() -> Result<Outcome, String> {
 }
 
 /// Mean relative error where the road's friction is below 0.7.
-fn slippery_error(drive: &Drive, run: &Run) -> f64 {
+fn slippery_error(drive: &SimulatedDrive, run: &Run) -> f64 {
     let rows = run.brush.iter().zip(&drive.truth);
     let errors: Vec<_> = rows
         .filter(|((time, mu, _), truth)| *time > 30.0 && mu.is_finite() && truth.mu_max < 0.7)
@@ -263,7 +263,8 @@ fn low_slip() -> Result<Outcome, String> {
         AbsTest { friction: mu, slope: 95.0, settle_s: 60.0, after_s: 18.7 },
         AbsTest { friction: mu, slope: 50.0, settle_s: 170.0, after_s: 8.7 },
     ];
-    let drive = Drive::simulate(&abs_tests::in_step(abs_tests::scenario(&tests, TireKind::Brush)?), 82)?;
+    let drive =
+        SimulatedDrive::simulate(&abs_tests::in_step(abs_tests::scenario(&tests, TireKind::Brush)?), 82)?;
     let thesis = run(&drive, BrushConfig { calibrate: true, ..THESIS });
     let ours = run(&drive, BrushConfig::default());
     let second = 80.0 + 169.0;

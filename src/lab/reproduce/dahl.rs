@@ -3,7 +3,7 @@
 use nalgebra::vector;
 
 use super::sim3::{AtTheLimit, bound_claim, halved, published};
-use super::{Claim, Drive, Experiment, Outcome, Picture, SIM3};
+use super::{Claim, Experiment, Outcome, Picture, SIM3, SimulatedDrive};
 use crate::report::{Color, Plot};
 use physics::estimate::thesis::{DahlEkf, DahlWheel};
 use physics::estimate::{Car, EstimatorsConfig, Kinematics};
@@ -21,7 +21,7 @@ struct Row {
 }
 
 /// Runs the filter over a drive, starting from this σ₀ (1/m) and μ.
-fn filtered(drive: &Drive, stiffness: f64, friction: f64) -> Vec<Row> {
+fn filtered(drive: &SimulatedDrive, stiffness: f64, friction: f64) -> Vec<Row> {
     let car = Car::new(&drive.vehicle);
     let slow = EstimatorsConfig::default().minimum_speed_mps;
     let mut filter = DahlEkf::new(&car, &drive.sensors, slow).starting_from(stiffness, friction);
@@ -82,7 +82,7 @@ fn of_steady_slip(wheel: &DahlWheel, noise: [f64; 2]) -> ([f64; 2], usize) {
 
 fn figure() -> Result<Outcome, String> {
     let scenario = Scenario::parse(SIM3).map_err(|e| e.to_string())?;
-    let drive = Drive::simulate(&scenario, scenario.seed)?;
+    let drive = SimulatedDrive::simulate(&scenario, scenario.seed)?;
     let rows = filtered(&drive, 50.0, 0.5);
     let settled = || rows.iter().filter(|row| row.truth.time.seconds() > 20.0);
     let pulling = || settled().filter(|row| row.truth.mu_used > 0.05);

@@ -1,8 +1,10 @@
 //! Section 5.3.2: identification off line.
 
 use super::numeric::within;
-use super::{Claim, Drive as Driven, Experiment, Outcome, Picture, SIM1};
-use crate::identify::{Drive, Identified, Identifier, IdentifyConfig, Method, Path, Record, Row, free_run};
+use super::{Claim, Experiment, Outcome, Picture, SIM1, SimulatedDrive};
+use crate::identify::{
+    Identified, Identifier, IdentifyConfig, LongitudinalInput, Method, Path, Record, Row, free_run,
+};
 use crate::report::{Color, Marker, Plot};
 use physics::model::scenario::thesis::steered;
 use physics::model::{Scenario, TireKind, Uncertain, Vehicle};
@@ -24,12 +26,12 @@ const AMPLITUDES: [f64; 2] = [0.01, 0.1];
 /// Sim1 with this steering amplitude; without noise unless asked for.
 fn sim1(amplitude: f64, noisy: bool) -> Result<(Record, Vehicle), String> {
     let scenario = steered(SIM1, amplitude, noisy).map_err(|e| e.to_string())?;
-    let driven = Driven::simulate(&scenario, 11)?;
+    let driven = SimulatedDrive::simulate(&scenario, 11)?;
     Ok((Record::new("Sim1", &driven.samples, &driven.sensors), scenario.vehicle))
 }
 
 /// C_x and C_y (front and rear as one) from one start.
-fn two_parameters(drive: Drive) -> IdentifyConfig {
+fn two_parameters(drive: LongitudinalInput) -> IdentifyConfig {
     IdentifyConfig {
         parameters: vec!["longitudinal_stiffness".into(), "lateral_stiffness".into()],
         drive: Some(drive),
@@ -93,7 +95,7 @@ fn error(record: &Record, vehicle: &Vehicle, tire: TireKind, stiffness: f64) -> 
         lateral_stiffness_rear: normalized,
         ..vehicle.clone()
     };
-    let fits = free_run(std::slice::from_ref(record), &vehicle, Drive::WheelSpeeds);
+    let fits = free_run(std::slice::from_ref(record), &vehicle, LongitudinalInput::WheelSpeeds);
     let both = ["yaw_rate", "lateral_acceleration"];
     let fits = fits.percent.iter().filter(|(name, _)| both.contains(name));
     fits.map(|(_, percent)| (1.0 - percent / 100.0).powi(2)).sum()
@@ -111,7 +113,7 @@ fn many_starts() -> Result<Outcome, String> {
     for amplitude in AMPLITUDES {
         let (record, vehicle) = sim1(amplitude, false)?;
         let records = [record];
-        let config = two_parameters(Drive::WheelSpeeds);
+        let config = two_parameters(LongitudinalInput::WheelSpeeds);
         let identifier = Identifier::new(&records, &vehicle, &config).map_err(|e| e.to_string())?;
         let starts: Vec<Vec<f64>> = grid().map(Vec::from).collect();
         let paths = identifier.search_from(&starts);
@@ -136,13 +138,13 @@ fn many_starts() -> Result<Outcome, String> {
     }
     let (record, vehicle) = sim1(0.01, true)?;
     let records = [record];
-    for drive in [Drive::Torque, Drive::WheelSpeeds] {
+    for drive in [LongitudinalInput::Torque, LongitudinalInput::WheelSpeeds] {
         let config = two_parameters(drive);
         let identifier = Identifier::new(&records, &vehicle, &config).map_err(|e| e.to_string())?;
         let result = identifier.run(|_, _| ()).map_err(|e| e.to_string())?;
         let holds = result.parameters.iter().zip([50.0, 11.5]).all(|(p, truth)| covers(p, truth));
         let ours = result.parameters.iter().map(newtons).collect::<Vec<_>>().join(", ");
-        let by = if drive == Drive::Torque { "torque" } else { "the driven wheels' speeds" };
+        let by = if drive == LongitudinalInput::Torque { "torque" } else { "the driven wheels' speeds" };
         let what = format!("with the noise of an ESP cluster, driven by {by}: intervals hold the truth");
         outcome.claims.push(Claim::better(
             &what,
@@ -192,9 +194,12 @@ fn straight_on() -> Result<Outcome, String> {
     let mut scenario = Scenario::parse(SIM1).map_err(|e| e.to_string())?;
     scenario.steering_wheel_angle.clear();
     scenario.initial_speed_mps = 20.0;
-    let driven = Driven::simulate(&scenario, 5)?;
+    let driven = SimulatedDrive::simulate(&scenario, 5)?;
     let records = [Record::new("straight on", &driven.samples, &driven.sensors)];
-    let config = IdentifyConfig { drive: Some(Drive::WheelSpeeds), ..two_parameters(Drive::WheelSpeeds) };
+    let config = IdentifyConfig {
+        drive: Some(LongitudinalInput::WheelSpeeds),
+        ..two_parameters(LongitudinalInput::WheelSpeeds)
+    };
     let vehicle = &scenario.vehicle;
     let identifier = Identifier::new(&records, vehicle, &config).map_err(|e| e.to_string())?;
     let few = grid().enumerate().filter(|(place, _)| place % 3 == 0 && (place / 10) % 3 == 0);
@@ -259,7 +264,8 @@ fn textbook() -> Result<Outcome, String> {
                 lateral_stiffness_rear: Uncertain::known(4e4 / NEWTON),
                 ..Vehicle::thesis()
             };
-            let config = IdentifyConfig { method: Method::FreeRun, ..two_parameters(Drive::Slips) };
+            let config =
+                IdentifyConfig { method: Method::FreeRun, ..two_parameters(LongitudinalInput::Slips) };
             let records = [record];
             let identifier = Identifier::new(&records, &vehicle, &config).map_err(|e| e.to_string())?;
             let result = identifier.run(|_, _| ()).map_err(|e| e.to_string())?;

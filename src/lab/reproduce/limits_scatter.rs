@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3, vector};
 
 use super::slip_slope::normal_driving;
-use super::{Claim, Drive, Experiment, Outcome, Picture};
+use super::{Claim, Experiment, Outcome, Picture, SimulatedDrive};
 use crate::report::{Color, Marker, Plot, Stroke};
 use physics::model::scenario::WheelNumbers;
 use physics::model::{GRAVITY, TireKind};
@@ -68,7 +68,7 @@ fn line(points: &[Point]) -> (f64, f64) {
     (xy / xx, xy * xy / (xx * yy))
 }
 
-fn points(drive: &Drive) -> Vec<Point> {
+fn points(drive: &SimulatedDrive) -> Vec<Point> {
     let vehicle = &drive.vehicle;
     let scale = 0.5 * vehicle.drive_torque_ratio.value
         / vehicle.wheel_radius_m.value
@@ -96,7 +96,7 @@ fn scatter() -> Result<Outcome, String> {
     }
     scenario.vehicle.tire = TireKind::Brush;
     scenario.radius_difference = WheelNumbers::default();
-    let drive = Drive::simulate(&scenario, 2)?;
+    let drive = SimulatedDrive::simulate(&scenario, 2)?;
     let points = points(&drive);
     let most = points.iter().map(|(_, mu)| *mu).fold(0.0, f64::max);
     let half = points.iter().filter(|(_, mu)| mu.abs() > 0.5 * TRUE.1).count() as f64 / points.len() as f64;
@@ -108,7 +108,8 @@ fn scatter() -> Result<Outcome, String> {
     let useful = fits.iter().filter(|(theta, std)| 1.96 * std[1] < 0.2 * theta[1]).count();
     // The same drive on a tire of the same slope and friction, but another curve.
     scenario.vehicle.tire = TireKind::MagicFormula;
-    let other = fitted(&self::points(&Drive::simulate(&scenario, 2)?)).ok_or("the brush cannot be fitted")?;
+    let other = fitted(&self::points(&SimulatedDrive::simulate(&scenario, 2)?))
+        .ok_or("the brush cannot be fitted")?;
     let with_its_own = fitted(&points).ok_or("the brush cannot be fitted")?;
     let [own, wrong] = [with_its_own, other].map(|(theta, std)| {
         [theta[1] + 1.96 * std[1], theta[1] - 1.96 * std[1]]

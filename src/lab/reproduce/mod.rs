@@ -26,7 +26,7 @@ pub use experiment::{Claim, Done, Experiment, ExperimentError, Outcome, Picture,
 pub use sim3::noticed;
 
 use physics::model::scenario::thesis::{SIM1, SIM2, SIM3, SIM3_LIMIT};
-use physics::model::simulate::Drive;
+use physics::model::simulate::SimulatedDrive;
 
 /// A section of the thesis.
 #[derive(Clone, Copy)]

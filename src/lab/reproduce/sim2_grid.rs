@@ -1,7 +1,7 @@
 //! Sim2 over frequency and amplitude of the steering: how near the joint filter comes, and how near any
 //! filter could.
 
-use super::{Drive, SIM2};
+use super::{SIM2, SimulatedDrive};
 use physics::estimate::thesis::lateral_filter::bound::{Assumptions, stiffness_bound};
 use physics::estimate::thesis::lateral_filter::model::Model;
 use physics::estimate::thesis::lateral_filter::{LateralFilter, LateralFilterConfig, Noise};
@@ -104,7 +104,7 @@ impl Cell {
 ///
 /// # Errors
 /// What is wrong with the scenario.
-pub fn simulate(amplitude: f64, frequency: f64, seed: u64) -> Result<Drive, String> {
+pub fn simulate(amplitude: f64, frequency: f64, seed: u64) -> Result<SimulatedDrive, String> {
     let mut scenario = Scenario::parse(SIM2).map_err(|e| e.to_string())?;
     scenario.steering_wheel_angle = vec![Piece::Sine {
         amplitude,
@@ -114,13 +114,13 @@ pub fn simulate(amplitude: f64, frequency: f64, seed: u64) -> Result<Drive, Stri
         from_s: 0.0,
         to_s: f64::INFINITY,
     }];
-    let mut drive = Drive::simulate(&scenario, seed)?;
+    let mut drive = SimulatedDrive::simulate(&scenario, seed)?;
     drive.vehicle.lateral_stiffness_front = GUESS;
     drive.vehicle.lateral_stiffness_rear = GUESS;
     Ok(drive)
 }
 
-fn bound(drive: &Drive, config: &LateralFilterConfig) -> [f64; 3] {
+fn bound(drive: &SimulatedDrive, config: &LateralFilterConfig) -> [f64; 3] {
     let car = Car::new(&drive.vehicle);
     let model = Model::new(&car, Tire::new(&drive.vehicle));
     let noise = Noise::promised(&car, &drive.sensors, config);
@@ -132,7 +132,7 @@ fn bound(drive: &Drive, config: &LateralFilterConfig) -> [f64; 3] {
 }
 
 impl Run {
-    fn of(drive: &Drive, config: &LateralFilterConfig) -> Self {
+    fn of(drive: &SimulatedDrive, config: &LateralFilterConfig) -> Self {
         let car = Car::new(&drive.vehicle);
         let tire = Tire::new(&drive.vehicle);
         let mut filter = LateralFilter::new(&car, tire, &drive.sensors, config, MINIMUM_SPEED);

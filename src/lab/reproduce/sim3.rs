@@ -1,6 +1,6 @@
 //! Sim3 as an experiment of its own: what a straight drive tells of slope and friction.
 
-use super::{Claim, Drive, Experiment, Outcome, Picture, SIM3, SIM3_LIMIT};
+use super::{Claim, Experiment, Outcome, Picture, SIM3, SIM3_LIMIT, SimulatedDrive};
 use crate::report::{Color, Mark, Plot, Span};
 use physics::Estimates;
 use physics::estimate::{EstimatorsConfig, Pipeline};
@@ -21,7 +21,7 @@ const WITHIN_S: f64 = 2.0;
 pub type Rows = Vec<(Truth, Estimates)>;
 
 /// Runs the pipeline over a drive. The car's data sheet is known, its tires are not.
-pub fn published(drive: &Drive) -> Rows {
+pub fn published(drive: &SimulatedDrive) -> Rows {
     let unknown = Uncertain { value: 30.0, std: 15.0 };
     let vehicle = Vehicle { longitudinal_stiffness: unknown, ..drive.vehicle.clone() };
     let mut pipeline = Pipeline::new(&vehicle, &drive.sensors, &EstimatorsConfig::default());
@@ -31,7 +31,7 @@ pub fn published(drive: &Drive) -> Rows {
 /// Simulates and runs one of the test cases.
 pub fn drive(text: &str, seed: u64) -> Result<Rows, String> {
     let scenario = Scenario::parse(text).map_err(|e| e.to_string())?;
-    Ok(published(&Drive::simulate(&scenario, seed)?))
+    Ok(published(&SimulatedDrive::simulate(&scenario, seed)?))
 }
 
 /// Seconds of driving with |μ_x| > 0.05 between a change of surface and its being noticed, for each

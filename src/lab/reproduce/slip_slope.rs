@@ -3,7 +3,7 @@
 use nalgebra::{Vector2, vector};
 
 use super::sim3::{Rows, SIM3_EXPERIMENT, published};
-use super::{Claim, Drive, Experiment, Outcome, Picture};
+use super::{Claim, Experiment, Outcome, Picture, SimulatedDrive};
 use crate::report::{Color, Plot, Span, Stroke};
 use physics::filter::{Cusum, Gaussian};
 use physics::model::scenario::{ClockConfig, Scenario, Stretch};
@@ -257,7 +257,7 @@ fn gravel() -> Result<Outcome, String> {
         stretch(GRAVEL_S[0], gravel, 0.6),
         stretch(GRAVEL_S[1], asphalt, 1.0),
     ];
-    let drive = Drive::simulate(&scenario, 1)?;
+    let drive = SimulatedDrive::simulate(&scenario, 1)?;
     let mut filter = ThesisFilter::new();
     let mut last = f64::NAN;
     let theirs: Vec<(f64, f64)> = drive

@@ -20,6 +20,23 @@ use crate::filter::Fading;
 use crate::model::{DrivenAxle, Vehicle};
 use crate::{Faults, Quantity, Sample, Sensors};
 
+/// Tuned: `agreeing` with the test `long_drives`, the rest with no test on record.
+struct Tuning {
+    /// Several wheels and filters notice the same change: within this time it is one, s.
+    one_change_s: f64,
+    /// Nobody knows whether the car moved during a gap as long as this, s.
+    gap_s: f64,
+    /// Slips of two driven wheels that agree differ by less than this share of the larger.
+    agreeing: f64,
+    /// Normalized force (rms) at which the slopes are fully excited.
+    full_excitation: f64,
+    /// Time constant of the excitation, s.
+    excitation_memory_s: f64,
+}
+
+const TUNING: Tuning =
+    Tuning { one_change_s: 2.0, gap_s: 1.0, agreeing: 0.4, full_excitation: 0.1, excitation_memory_s: 10.0 };
+
 /// Runs the estimators on a sample. Never allocates after construction.
 #[derive(Clone, Debug)]
 pub struct Pipeline {
@@ -52,15 +69,6 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// Several wheels and filters notice the same change: within this time it is one, s.
-    const ONE_CHANGE_S: f64 = 2.0;
-    /// Nobody knows whether the car moved during a gap as long as this, s.
-    const GAP_S: f64 = 1.0;
-    /// Slips of two driven wheels that agree differ by less than this share of the larger.
-    const AGREEING: f64 = 0.4;
-    /// Normalized force (rms) at which the slopes are fully excited.
-    const FULL_EXCITATION: f64 = 0.1;
-
     /// For this vehicle and these sensors: the estimators that something published stands on.
     pub fn new(vehicle: &Vehicle, sensors: &Sensors, config: &EstimatorsConfig) -> Self {
         let car = Car::new(vehicle);
@@ -136,7 +144,7 @@ impl Pipeline {
         self.latest.faults = sample.faults;
         self.latest.state = self.state(sample);
         self.unchanged_s += now.elapsed_s;
-        if now.elapsed_s < Self::GAP_S
+        if now.elapsed_s < TUNING.gap_s
             && now.speed.is_some_and(|speed| speed >= self.config.minimum_speed_mps)
         {
             self.driving_s += now.elapsed_s;
@@ -148,8 +156,8 @@ impl Pipeline {
         if let Some(thesis) = &mut self.thesis {
             self.latest.thesis = thesis.step(&now, self.latest.motion.lateral_velocity);
         }
-        self.latest.excitation_long = self.excitation[0].level(Self::FULL_EXCITATION);
-        self.latest.excitation_lat = self.excitation[1].level(Self::FULL_EXCITATION);
+        self.latest.excitation_long = self.excitation[0].level(TUNING.full_excitation);
+        self.latest.excitation_lat = self.excitation[1].level(TUNING.full_excitation);
         if !self.cornering.is_consistent() {
             self.latest.faults |= Faults::INCONSISTENT;
         }
@@ -253,7 +261,8 @@ impl Pipeline {
             return;
         }
         self.excitation[0].step(mu / count, block.duration_s);
-        let agrees = most - least < Self::AGREEING * least.abs().max(most.abs()) + 3.0 * slip_variance.sqrt();
+        let agrees =
+            most - least < TUNING.agreeing * least.abs().max(most.abs()) + 3.0 * slip_variance.sqrt();
         if !agrees {
             return;
         }
@@ -320,7 +329,7 @@ impl Pipeline {
     }
 
     fn on_surface_change(&mut self) {
-        if self.unchanged_s > Self::ONE_CHANGE_S {
+        if self.unchanged_s > TUNING.one_change_s {
             self.latest.surface_changes = self.latest.surface_changes.saturating_add(1);
         }
         self.unchanged_s = 0.0;
@@ -337,10 +346,7 @@ struct Excitation {
 }
 
 impl Excitation {
-    /// Time constant, s.
-    const MEMORY_S: f64 = 10.0;
-
-    const NONE: Self = Self { square: 0.0, fading: Fading::over(Self::MEMORY_S) };
+    const NONE: Self = Self { square: 0.0, fading: Fading::over(TUNING.excitation_memory_s) };
 
     fn step(&mut self, mu: f64, elapsed_s: f64) {
         let weight = 1.0 - self.fading.left(elapsed_s);

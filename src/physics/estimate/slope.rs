@@ -14,12 +14,61 @@ use crate::estimates::Estimate;
 use crate::filter::{Cusum, Gaussian, Innovation, InnovationMonitor, LearnedNoise};
 use crate::{Quantity, Sensors, Wheel};
 
+/// Tuned with the tests `accuracy`, `sim3` (changes, force beyond the known), `learned` (between drives) and
+/// `long_drives` (dwelling).
+struct Tuning {
+    /// Evidence teaches what is usual while the change detector is calmer than this, …
+    suspicious: f64,
+    /// … and the evidence itself is below this many standard deviations.
+    unusual: f64,
+    /// Blocks that the learned noise remembers.
+    noise_memory: f64,
+    /// Normalized innovations count up to this, so that one bad block is no change of surface.
+    clip: f64,
+    /// Surfaces change the compliance by as much as this share of itself: down and up.
+    changes: (f64, f64),
+    /// Up to this relative uncertainty a slope is known well enough to notice its change.
+    settled: f64,
+    /// More force than this many times what the curve is known for may be off the line because the curve bends
+    /// there: no evidence of another surface.
+    beyond: f64,
+    /// Between two drives the offset moves by this share of what tires may differ by at all: temperature, pressure,
+    /// passengers.
+    between_drives: f64,
+    /// An offset is worth keeping when it is surer than this share of what it was before anything was measured.
+    worth_keeping: f64,
+    /// Blocks for which an earlier drive's numbers are on trial.
+    trial: u32,
+    /// Blocks that are looked at for whether a wheel dwells at its speed, …
+    dwells: usize,
+    /// … within so much, m/s.
+    locked: f64,
+    /// How fast a curve becomes known further up, and how slowly that is forgotten, s.
+    known_s: (f64, f64),
+}
+
+const TUNING: Tuning = Tuning {
+    suspicious: 0.3,
+    unusual: 3.0,
+    noise_memory: 120.0,
+    clip: 4.0,
+    changes: (0.6, 1.5),
+    settled: 0.08,
+    beyond: 1.4,
+    between_drives: 0.03,
+    worth_keeping: 0.5,
+    trial: 40,
+    dwells: 4,
+    locked: 0.2,
+    known_s: (4.0, 120.0),
+};
+
 /// What holds for a slope by whatever means it was found.
 impl SlopeConfig {
-    /// A compliance is at first uncertain by this share of itself at least, however sure the data sheet or
-    /// an earlier drive: the surface is the road's.
+    /// A compliance is at first uncertain by this share of itself at least, however sure the data sheet or an
+    /// earlier drive: the surface is the road's. Tuned with the test `learned`.
     pub(super) const SURFACE_STD: f64 = 0.3;
-    /// A slope this uncertain (relative) is not given out at all.
+    /// A slope this uncertain (relative) is not given out at all. Tuned, no test on record.
     pub(super) const UNKNOWN_STD: f64 = 0.5;
 
     /// How uncertain, relative, what an earlier drive knew is now: half of what makes it valid has to be news.
@@ -53,11 +102,6 @@ pub struct SlopeEstimator {
 }
 
 impl SlopeEstimator {
-    /// Evidence teaches what is usual while the change detector is calmer than this, …
-    const SUSPICIOUS: f64 = 0.3;
-    /// … and the evidence itself is below this many standard deviations.
-    const UNUSUAL: f64 = 3.0;
-
     /// Starts from the vehicle's prior.
     pub fn new(car: &Car, sensors: &Sensors, config: &SlopeConfig) -> Self {
         let wheels = Wheel::ALL.map(|wheel| {
@@ -65,7 +109,7 @@ impl SlopeEstimator {
             car.driven_axle.drives(wheel).then(|| WheelSlope::new(prior, config))
         });
         let cusum = Cusum::new(config.cusum_drift, config.cusum_threshold);
-        let usual = InnovationMonitor::new(WheelSlope::NOISE_MEMORY);
+        let usual = InnovationMonitor::new(TUNING.noise_memory);
         let force_scale_std = if sensors.has(Quantity::DriveTorque) {
             car.torque_scale_std
         } else {
@@ -127,7 +171,7 @@ impl SlopeEstimator {
     /// the force, and blocks follow each other. What already looks like a change is not usual.
     fn calibrated(&mut self, evidence: f64) -> f64 {
         let calibrated = evidence / (self.usual.nis().max(1.0) * self.usual.redundancy()).sqrt();
-        if self.cusum.suspicion() < Self::SUSPICIOUS && calibrated.abs() < Self::UNUSUAL {
+        if self.cusum.suspicion() < TUNING.suspicious && calibrated.abs() < TUNING.unusual {
             self.usual.step(&Innovation { residual: evidence, variance: 1.0 });
         }
         calibrated
@@ -179,56 +223,31 @@ struct WheelSlope {
     /// What was taken up from an earlier drive is on trial.
     trial: Option<Trial<2>>,
     /// Rolling speeds of the last blocks, m/s.
-    speeds: [f64; Self::DWELLS],
+    speeds: [f64; TUNING.dwells],
 }
 
 impl WheelSlope {
-    /// Blocks that the learned noise remembers.
-    const NOISE_MEMORY: f64 = 120.0;
-    /// Normalized innovations count up to this, so that one bad block is no change of surface.
-    const CLIP: f64 = 4.0;
-    /// Surfaces change the compliance by as much as this share of itself: down and up.
-    const CHANGES: (f64, f64) = (0.6, 1.5);
-    /// Up to this relative uncertainty a slope is known well enough to notice its change.
-    const SETTLED: f64 = 0.08;
-    /// More force than this many times what the curve is known for may be off the line because the
-    /// curve bends there: no evidence of another surface.
-    const BEYOND: f64 = 1.4;
-    /// Between two drives the offset moves by this share of what tires may differ by at all: temperature,
-    /// pressure, passengers.
-    const BETWEEN_DRIVES: f64 = 0.03;
-    /// An offset is worth keeping when it is surer than this share of what it was before anything was
-    /// measured.
-    const WORTH_KEEPING: f64 = 0.5;
-    /// Blocks for which an earlier drive's numbers are on trial.
-    const TRIAL: u32 = 40;
-    /// Blocks that are looked at for whether a wheel dwells at its speed, and within how much of it, m/s.
-    const DWELLS: usize = 4;
-    const LOCKED: f64 = 0.2;
-    /// How fast a curve becomes known further up, and how slowly that is forgotten, s.
-    const KNOWN_S: (f64, f64) = (4.0, 120.0);
-
     fn new((slope, slope_std): (f64, f64), config: &SlopeConfig) -> Self {
         let compliance_std = (slope_std / (slope * slope)).max(SlopeConfig::SURFACE_STD / slope);
         Self {
             filter: Gaussian::new([1.0 / slope, 0.0], [compliance_std, config.initial_offset_std]),
-            noise: LearnedNoise::new(Self::NOISE_MEMORY),
+            noise: LearnedNoise::new(TUNING.noise_memory),
             age_s: 0.0,
             informed: false,
             known_up_to: 0.0,
             settled: None,
             trial: None,
-            speeds: [f64::NAN; Self::DWELLS],
+            speeds: [f64::NAN; TUNING.dwells],
         }
     }
 
     /// Takes up an earlier drive's numbers, where they are surer than the start. What it learned of the
     /// slope counts as `settled` still: a drive that tells nothing loses nothing.
     fn restore(&mut self, slope: Option<Known>, offset: Option<Known>, config: &SlopeConfig) {
-        let trial = Trial::new(self.filter, Self::TRIAL);
+        let trial = Trial::new(self.filter, TUNING.trial);
         let [mut mean, mut std] = [self.filter.mean.into(), [self.filter.std(0), self.filter.std(1)]];
         if let Some(offset) = offset {
-            let drift = Self::BETWEEN_DRIVES * config.initial_offset_std;
+            let drift = TUNING.between_drives * config.initial_offset_std;
             let widened = offset.std.hypot(drift);
             if widened < std[1] {
                 (mean[1], std[1]) = (offset.value, widened);
@@ -246,7 +265,7 @@ impl WheelSlope {
     /// The offset, if enough is known of it to be worth keeping.
     fn learned_offset(&self, config: &SlopeConfig) -> Option<Known> {
         let std = self.filter.alone_std(1, &[0, 1]);
-        (std < Self::WORTH_KEEPING * config.initial_offset_std)
+        (std < TUNING.worth_keeping * config.initial_offset_std)
             .then(|| Known { value: self.filter.mean[1], std })
     }
 
@@ -254,7 +273,7 @@ impl WheelSlope {
     fn start_afresh(&mut self, fresh: Gaussian<2>) {
         *self = Self {
             filter: fresh,
-            noise: LearnedNoise::new(Self::NOISE_MEMORY),
+            noise: LearnedNoise::new(TUNING.noise_memory),
             age_s: self.age_s,
             informed: false,
             known_up_to: 0.0,
@@ -302,14 +321,14 @@ impl WheelSlope {
         self.noise.learn(&expected, promised);
         // An outlier's residual is limited rather than dropped: at a change of surface all are.
         let normalized = expected.normalized();
-        let limited = normalized.clamp(-Self::CLIP, Self::CLIP) * expected.variance.sqrt();
+        let limited = normalized.clamp(-TUNING.clip, TUNING.clip) * expected.variance.sqrt();
         self.filter.update(&regressor, limited, noise * self.noise.redundancy());
         if point.mu.abs() >= config.informative_mu {
             self.age_s = 0.0;
             self.informed = true;
             self.settle(config);
         }
-        let beyond = point.mu.abs() > Self::BEYOND * self.known_up_to;
+        let beyond = point.mu.abs() > TUNING.beyond * self.known_up_to;
         self.explore(point.mu.abs(), duration_s);
         // A softer surface makes more slip in the direction of the force.
         let feigned = if self.dwells(point.rolling) { config.feigned_slip } else { 0.0 };
@@ -317,29 +336,29 @@ impl WheelSlope {
         let evidence = expected.residual / deviation * point.mu.signum();
         // What no change of surface could explain is no evidence of one.
         let explicable = self.filter.mean[0].abs() * point.mu.abs() / deviation;
-        let (stiffer, softer) = Self::CHANGES;
+        let (stiffer, softer) = TUNING.changes;
         (self.is_settled() && !beyond && point.mu.abs() > config.noticeable_mu).then(|| {
-            evidence.clamp(-Self::CLIP, Self::CLIP).clamp(-stiffer * explicable, softer * explicable)
+            evidence.clamp(-TUNING.clip, TUNING.clip).clamp(-stiffer * explicable, softer * explicable)
         })
     }
 
     /// Does the wheel dwell at one speed? Its teeth may be locked to the sampling then, and feign a slip that lasts.
     fn dwells(&mut self, speed: f64) -> bool {
         self.speeds.rotate_left(1);
-        self.speeds[Self::DWELLS - 1] = speed;
+        self.speeds[TUNING.dwells - 1] = speed;
         let changed = self.speeds.iter().map(|before| (speed - before).abs()).fold(0.0, f64::max);
-        changed < Self::LOCKED
+        changed < TUNING.locked
     }
 
     fn explore(&mut self, mu: f64, duration_s: f64) {
-        let (rise, fall) = Self::KNOWN_S;
+        let (rise, fall) = TUNING.known_s;
         let time = if mu > self.known_up_to { rise } else { fall };
         self.known_up_to += (mu - self.known_up_to) * (duration_s / time).min(1.0);
     }
 
     /// Is the slope known well enough that a contradiction is news?
     fn is_settled(&self) -> bool {
-        self.filter.std(0) < Self::SETTLED * self.filter.mean[0]
+        self.filter.std(0) < TUNING.settled * self.filter.mean[0]
     }
 
     /// Remembers a slope that is known well.

@@ -1,4 +1,4 @@
-//! What the demo compares, at one time.
+//! What the demo keeps of each round.
 
 use bus::watch::Round;
 

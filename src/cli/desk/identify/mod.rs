@@ -13,7 +13,7 @@ use serde::de::{DeserializeOwned, IntoDeserializer};
 use super::output::{check_outputs, write_json, write_text};
 use super::progress::Progress;
 use super::{Failure, configuration};
-use lab::identify::{Drive, Identifier, IdentifyConfig, IdentifyError, Method};
+use lab::identify::{Identifier, IdentifyConfig, IdentifyError, LongitudinalInput, Method};
 use lab::pages::identify::{self as page, Story};
 use physics::Quantity;
 
@@ -39,8 +39,8 @@ pub struct Identify {
     #[arg(long, value_parser = one_of::<Method>(&["auto", "free_run", "segments"]))]
     method: Option<Method>,
     /// What the longitudinal forces come from.
-    #[arg(long, value_parser = one_of::<Drive>(&["torque", "wheel_speeds", "slips"]))]
-    drive: Option<Drive>,
+    #[arg(long, value_parser = one_of::<LongitudinalInput>(&["torque", "wheel_speeds", "slips"]))]
+    drive: Option<LongitudinalInput>,
     /// Search from so many starts.
     #[arg(long, value_name = "N", value_parser = starts())]
     starts: Option<usize>,

@@ -3,9 +3,9 @@
 use nalgebra::DMatrix;
 
 use super::attribution::{Cause, Evidence, attribute};
-use super::gains::Channel;
 use super::relations::{Link, Relation, link};
 use super::report::{ChainReport, Confidence, Finding};
+use super::sensor_group::SensorGroup;
 use super::series::Series;
 
 /// Misfit (χ²) that one cause must take away, and by how much it must beat the next one.
@@ -26,7 +26,7 @@ const PHASES_S: f64 = 0.004;
 const ORDINARY_S: f64 = 0.012;
 const EXTRAORDINARY_S: f64 = 0.02;
 
-impl Channel {
+impl SensorGroup {
     /// How a relation's delay changes with this channel's.
     fn sense(self, relation: Relation) -> f64 {
         match (self, relation) {
@@ -52,7 +52,7 @@ pub(super) fn delays(series: &Series, report: &mut ChainReport) -> Vec<Link> {
             (entry.delay_s, entry.delay_std) = (Some(link.delay), Some(link.delay_std));
         }
     }
-    let mut known = [0.0; Channel::ALL.len()];
+    let mut known = [0.0; SensorGroup::ALL.len()];
     for _ in 0..2 {
         let Some((channel, delay)) = next_delay(&links, &known, report) else { break };
         known[channel as usize] += delay;
@@ -62,12 +62,12 @@ pub(super) fn delays(series: &Series, report: &mut ChainReport) -> Vec<Link> {
 
 fn next_delay(
     links: &[Link],
-    known: &[f64; Channel::ALL.len()],
+    known: &[f64; SensorGroup::ALL.len()],
     report: &mut ChainReport,
-) -> Option<(Channel, f64)> {
+) -> Option<(SensorGroup, f64)> {
     let expected = |relation: Relation| {
-        let known: f64 = Channel::ALL.iter().map(|c| c.sense(relation) * known[*c as usize]).sum();
-        known + WHEELS_LATE_S * Channel::Wheels.sense(relation)
+        let known: f64 = SensorGroup::ALL.iter().map(|c| c.sense(relation) * known[*c as usize]).sum();
+        known + WHEELS_LATE_S * SensorGroup::Wheels.sense(relation)
     };
     let evidence = Evidence {
         seen: links.iter().map(|link| link.delay - expected(link.relation)).collect(),
@@ -75,11 +75,11 @@ fn next_delay(
             let (a, b) = (&links[i], &links[j]);
             let own = if i == j { a.delay_std.powi(2) + PHASES_S.powi(2) } else { 0.0 };
             own + WHEELS_LATE_STD_S.powi(2)
-                * Channel::Wheels.sense(a.relation)
-                * Channel::Wheels.sense(b.relation)
+                * SensorGroup::Wheels.sense(a.relation)
+                * SensorGroup::Wheels.sense(b.relation)
         }),
     };
-    let causes: Vec<Cause<Channel>> = Channel::ALL
+    let causes: Vec<Cause<SensorGroup>> = SensorGroup::ALL
         .into_iter()
         .map(|channel| Cause {
             channel,
@@ -94,7 +94,7 @@ fn next_delay(
     }
     let next = explanations.get(1).map_or(0.0, |next| next.gain);
     // Tires, compliance and steering gear delay the car behind the steering wheel, too.
-    let kinematic = best.channel != Channel::Steering;
+    let kinematic = best.channel != SensorGroup::Steering;
     let seen_in = || links.iter().filter(|link| best.channel.sense(link.relation) != 0.0);
     let is_put_right = seen_in().any(|link| link.explained > PUT_RIGHT);
     let confidence = if best.gain < FOUND || !is_put_right {

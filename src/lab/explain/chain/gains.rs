@@ -5,9 +5,10 @@ use nalgebra::DMatrix;
 use super::attribution::{Cause, Evidence, attribute};
 use super::relations::{Link, Relation, link};
 use super::report::{ChainReport, Confidence, Finding, RelationReport};
+use super::sensor_group::SensorGroup;
 use super::series::Series;
 use super::units;
-use physics::{Quantity, Wheel};
+use physics::Wheel;
 
 /// Misfit (χ²) that one cause must take away.
 const FOUND: f64 = 16.0;
@@ -16,70 +17,6 @@ const SURE: f64 = 12.0;
 const AHEAD: f64 = 6.0;
 /// A smaller deviation does no harm.
 const HARMLESS: f64 = 0.015;
-
-/// A channel (or the four wheels together) whose scale may be wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Channel {
-    Wheels,
-    Yaw,
-    Lateral,
-    Steering,
-    Longitudinal,
-}
-
-impl Channel {
-    pub(super) const ALL: [Self; 5] =
-        [Self::Wheels, Self::Yaw, Self::Lateral, Self::Steering, Self::Longitudinal];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Wheels => "wheel_speed",
-            Self::Yaw => Quantity::YawRate.name(),
-            Self::Lateral => Quantity::LateralAcceleration.name(),
-            Self::Steering => Quantity::SteeringWheelAngle.name(),
-            Self::Longitudinal => Quantity::LongitudinalAcceleration.name(),
-        }
-    }
-
-    pub(super) fn quantities(self) -> Vec<Quantity> {
-        match self {
-            Self::Wheels => Wheel::ALL.map(Quantity::wheel_speed).to_vec(),
-            Self::Yaw => vec![Quantity::YawRate],
-            Self::Lateral => vec![Quantity::LateralAcceleration],
-            Self::Steering => vec![Quantity::SteeringWheelAngle],
-            Self::Longitudinal => vec![Quantity::LongitudinalAcceleration],
-        }
-    }
-
-    /// Body roll, pitch, tires and roads make scales look off by less than this (logarithmic).
-    fn explained_by_physics(self) -> f64 {
-        match self {
-            // Understeer and a steering ratio that varies with the angle.
-            Self::Steering => 0.8,
-            _ => 0.25,
-        }
-    }
-
-    /// By which power of this channel's factor a relation's slope grows.
-    fn power(self, relation: Relation) -> f64 {
-        let own = match relation {
-            Relation::RearWheels | Relation::FrontWheels => Self::Wheels,
-            Relation::Lateral => Self::Lateral,
-            Relation::Steering => Self::Steering,
-            Relation::Longitudinal => Self::Longitudinal,
-        };
-        let mut power = f64::from(u8::from(self == own));
-        match (self, relation) {
-            (Self::Yaw, Relation::Longitudinal) => {}
-            (Self::Yaw, _) => power -= 1.0,
-            (Self::Wheels, Relation::Lateral | Relation::Longitudinal) => power -= 1.0,
-            // Speed multiplies the steering angle there.
-            (Self::Wheels, Relation::Steering) => power += 1.0,
-            _ => {}
-        }
-        power
-    }
-}
 
 /// How far a relation's slope may be from one without anything being wrong (logarithmic), beside what
 /// the vehicle's own uncertainty allows.
@@ -106,7 +43,8 @@ fn covariance(series: &Series, links: &[Link]) -> DMatrix<f64> {
     let is_axle = |link: &Link| matches!(link.relation, Relation::RearWheels | Relation::FrontWheels);
     DMatrix::from_fn(links.len(), links.len(), |i, j| {
         let (a, b) = (&links[i], &links[j]);
-        let mut sum = radius.powi(2) * Channel::Wheels.power(a.relation) * Channel::Wheels.power(b.relation);
+        let mut sum =
+            radius.powi(2) * SensorGroup::Wheels.power(a.relation) * SensorGroup::Wheels.power(b.relation);
         if is_axle(a) && is_axle(b) {
             sum += track.powi(2);
         }
@@ -159,12 +97,12 @@ fn note(links: &[Link], report: &mut ChainReport) {
     }
 }
 
-fn next_scale(series: &Series, links: &[Link], report: &mut ChainReport) -> Option<(Channel, f64)> {
+fn next_scale(series: &Series, links: &[Link], report: &mut ChainReport) -> Option<(SensorGroup, f64)> {
     let evidence = Evidence {
         seen: links.iter().map(|link| link.gain.abs().ln()).collect(),
         covariance: covariance(series, links),
     };
-    let causes: Vec<Cause<Channel>> = Channel::ALL
+    let causes: Vec<Cause<SensorGroup>> = SensorGroup::ALL
         .into_iter()
         .map(|channel| Cause {
             channel,
@@ -224,24 +162,24 @@ fn next_scale(series: &Series, links: &[Link], report: &mut ChainReport) -> Opti
 }
 
 /// What, apart from the sensor, makes a channel's scale look wrong by some percent.
-fn physics(channel: Channel) -> Option<&'static str> {
+fn physics(channel: SensorGroup) -> Option<&'static str> {
     match channel {
-        Channel::Wheels => Some("wheel_radius_m is off"),
-        Channel::Yaw => None,
-        Channel::Lateral => Some("body_roll (the accelerometer leans with the body)"),
-        Channel::Longitudinal => Some("the accelerometer pitches with the body"),
-        Channel::Steering => Some("steering_ratio is off"),
+        SensorGroup::Wheels => Some("wheel_radius_m is off"),
+        SensorGroup::Yaw => None,
+        SensorGroup::Lateral => Some("body_roll (the accelerometer leans with the body)"),
+        SensorGroup::Longitudinal => Some("the accelerometer pitches with the body"),
+        SensorGroup::Steering => Some("steering_ratio is off"),
     }
 }
 
-fn correction(series: &Series, channel: Channel, factor: f64) -> String {
+fn correction(series: &Series, channel: SensorGroup, factor: f64) -> String {
     match channel {
-        Channel::Wheels => format!(
+        SensorGroup::Wheels => format!(
             "[vehicle] wheel_radius_m = {:.4}, or multiply the gain of all wheel speeds by {:.4}",
             series.vehicle.wheel_radius_m.value * factor,
             1.0 / factor
         ),
-        Channel::Steering => format!(
+        SensorGroup::Steering => format!(
             "[vehicle] steering_ratio = {:.2}, or multiply its gain by {:.4}",
             series.vehicle.steering_ratio.value * factor,
             1.0 / factor

@@ -27,6 +27,7 @@ mod offsets;
 mod regression;
 mod relations;
 mod report;
+mod sensor_group;
 mod series;
 mod signs;
 mod units;

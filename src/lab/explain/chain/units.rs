@@ -2,17 +2,22 @@
 
 use std::f64::consts::PI;
 
-use super::gains::Channel;
+use super::sensor_group::SensorGroup;
 use physics::model::Vehicle;
 
 /// A factor nearer than this (logarithmic) is that of the mistake.
 const NEAR: f64 = 0.1;
 
 /// The mistake that makes a channel's values `factor` times too large, if there is a known one.
-pub(super) fn mistake(channel: Channel, factor: f64, std: f64, vehicle: &Vehicle) -> Option<&'static str> {
+pub(super) fn mistake(
+    channel: SensorGroup,
+    factor: f64,
+    std: f64,
+    vehicle: &Vehicle,
+) -> Option<&'static str> {
     let degree = 180.0 / PI;
     let known: Vec<(f64, &'static str)> = match channel {
-        Channel::Wheels => {
+        SensorGroup::Wheels => {
             let radius = vehicle.wheel_radius_m.value;
             vec![
                 (3.6, "the speed is in km/h but taken for m/s (or rad/s from it)"),
@@ -30,15 +35,15 @@ pub(super) fn mistake(channel: Channel, factor: f64, std: f64, vehicle: &Vehicle
                 (1.0 / 1.609_344, "the speed is in mph but taken for km/h: unit = \"mph\""),
             ]
         }
-        Channel::Yaw => vec![
+        SensorGroup::Yaw => vec![
             (degree, "the values are in deg/s but taken for rad/s: unit = \"deg/s\""),
             (1.0 / degree, "the values are in rad/s but taken for deg/s: unit = \"rad/s\""),
         ],
-        Channel::Lateral | Channel::Longitudinal => vec![
+        SensorGroup::Lateral | SensorGroup::Longitudinal => vec![
             (9.81, "the values are in m/s^2 but taken for g: unit = \"m/s^2\""),
             (1.0 / 9.81, "the values are in g but taken for m/s^2: unit = \"g\""),
         ],
-        Channel::Steering => vec![
+        SensorGroup::Steering => vec![
             (degree, "the values are in deg but taken for rad: unit = \"deg\""),
             (1.0 / degree, "the values are in rad but taken for deg: unit = \"rad\""),
             (

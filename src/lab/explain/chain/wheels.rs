@@ -3,9 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::attribution::{Cause, Evidence, attribute};
-use super::gains::Channel;
 use super::relations::{Relation, link};
 use super::report::{ChainReport, Confidence, Finding};
+use super::sensor_group::SensorGroup;
 use super::series::Series;
 use super::units;
 use super::wheel_model::{AS_LABELLED, Order, Residuals, model};
@@ -60,7 +60,7 @@ pub(super) fn gross_factors(series: &mut Series, report: &mut ChainReport) {
             continue;
         }
         let negative = median < 0.0;
-        let words = units::mistake(Channel::Wheels, median.abs(), std, &series.vehicle);
+        let words = units::mistake(SensorGroup::Wheels, median.abs(), std, &series.vehicle);
         report.findings.push(Finding {
             effect: if negative { "sensor_sign" } else { "sensor_scale" },
             channel: speed(wheel).name().to_owned(),

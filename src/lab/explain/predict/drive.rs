@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::grid::{COMPARED, Measured, SLOWEST_MPS, STEP_S, points};
 use super::slide::{Slide, slides};
 use super::smoothing::{on_grid, smooth_on_grid};
 use physics::model::effect::Recorded;
@@ -44,33 +45,8 @@ impl Recording {
     }
 }
 
-/// Seconds between grid points. Readings within a step keep their own times; what a car does is smooth on
-/// this scale.
-pub const STEP_S: f64 = 0.02;
-
-/// Grid points in so many seconds.
-pub const fn points(seconds: f64) -> usize {
-    (seconds / STEP_S + 0.5) as usize
-}
-
-/// Below this speed slip angles mean nothing and wheel sensors are coarse, m/s.
-pub(super) const SLOWEST_MPS: f64 = 3.0;
-
 /// Shorter runs say nothing, s.
 const SHORTEST_RUN_S: f64 = 3.0;
-
-/// One reading.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measured {
-    /// It was taken in the step that begins at this grid point…
-    pub step: u32,
-    /// …at this share of it, above 0 and up to 1.
-    pub share: f32,
-    /// Its quantity.
-    pub channel: u8,
-    /// SI.
-    pub value: f64,
-}
 
 /// A recording on a grid. Copies share what was recorded, and may go over other stretches of it.
 #[derive(Clone, Debug)]
@@ -92,24 +68,6 @@ pub struct Drive {
     /// Where wheels slide.
     pub slides: Arc<Vec<Slide>>,
 }
-
-impl Measured {
-    /// When, s.
-    pub fn time(&self) -> f64 {
-        (f64::from(self.step) + f64::from(self.share)) * STEP_S
-    }
-}
-
-/// Quantities that the filter compares.
-pub const COMPARED: [Quantity; 7] = [
-    Quantity::WheelSpeedFl,
-    Quantity::WheelSpeedFr,
-    Quantity::WheelSpeedRl,
-    Quantity::WheelSpeedRr,
-    Quantity::YawRate,
-    Quantity::LateralAcceleration,
-    Quantity::LongitudinalAcceleration,
-];
 
 impl Drive {
     /// Of a recording of this vehicle.

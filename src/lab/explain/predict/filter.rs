@@ -1,37 +1,20 @@
 //! The filter that holds a car to a recording as tightly as sensors and equations allow.
 
-use super::car::{self, BODY_STATES, Car, Instant, MOST_LIVE, State};
-use super::drive::{Drive, STEP_S};
+use super::algebra::{Column, FILTERED, Gain, Square, dot};
+use super::car::{self, BODY_STATES, Car, Instant, State};
+use super::drive::Drive;
+use super::grid::STEP_S;
 use super::lane::Lane;
 use super::noise::{Live, Noise};
-use super::pass::{Ask, Filtered, Innovation, Out};
+use super::sums::{Ask, Filtered, Innovation, Out};
 use physics::Quantity;
 use physics::model::effect::Readings;
-
-/// Most states that the filter corrects.
-pub const FILTERED: usize = BODY_STATES + MOST_LIVE;
-
-/// A square of the filtered states.
-pub type Square = [[f64; FILTERED]; FILTERED];
-/// A number for each filtered state.
-pub type Column = [f64; FILTERED];
 
 /// Differences by which the filter linearizes, in the state's units.
 const DIFFERENCE: [f64; BODY_STATES] = [1e-3, 1e-3, 1e-4];
 
 /// What is known of a start: measured speed and yaw rate, and that no car drifts much.
 const START_STD: [f64; BODY_STATES] = [0.3, 0.5, 0.03];
-
-/// How one reading corrects the state.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Gain {
-    /// The correction of the state per unit of the innovation.
-    pub(super) k: Column,
-    /// Derivatives of the reading by the state.
-    pub(super) c: Column,
-    /// Variance of the innovation.
-    pub(super) s: f64,
-}
 
 /// A run in progress: state and covariance of the filter, and the cars beside it.
 #[derive(Clone)]
@@ -238,12 +221,6 @@ fn transition(j: &Square, n: usize, noise: &Noise) -> Square {
         a[BODY_STATES + i][BODY_STATES + i] = (-STEP_S / live.length_s).exp();
     }
     a
-}
-
-/// Σ aᵢ bᵢ over the first `n`: a loop, for it is at the bottom of everything here.
-#[inline(always)]
-pub(super) fn dot(a: &Column, b: &Column, n: usize) -> f64 {
-    a.iter().zip(b).take(n).fold(0.0, |sum, (a, b)| sum + a * b)
 }
 
 /// A P Aᵀ.

@@ -1,31 +1,20 @@
 //! A free simulation: from the measured state at the start of each block, then by the inputs alone.
 
 use super::car::Car;
-use super::drive::{Drive, points};
+use super::drive::Drive;
+use super::grid::points;
 use super::lane::Lane;
 use super::noise::Noise;
 use super::pass::pass_with;
-
-/// What a free simulation says of a reading.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Said {
-    /// Time, s.
-    pub t: f64,
-    /// Quantity.
-    pub channel: u8,
-    /// Measured.
-    pub measured: f64,
-    /// Simulated.
-    pub simulated: f64,
-}
+use super::sums::Comparison;
 
 /// The block restarts so often, s.
 const RESTART_S: f64 = 20.0;
 
 /// Simulates a drive. `held` holds the state to the recording up to each block's start; `free` goes on from
 /// there. They may differ in how they come by a course: one estimates it, the other is told.
-pub fn run(drive: &Drive, held: &Car, free: &Car, noise: &Noise) -> Vec<Said> {
-    let mut said = Vec::new();
+pub fn run(drive: &Drive, held: &Car, free: &Car, noise: &Noise) -> Vec<Comparison> {
+    let mut compared = Vec::new();
     let per_block = points(RESTART_S);
     let mut watch = |lane: &Lane, k: usize, to: usize, begins: bool| {
         if !begins && !k.is_multiple_of(per_block) {
@@ -41,9 +30,9 @@ pub fn run(drive: &Drive, held: &Car, free: &Car, noise: &Noise) -> Vec<Said> {
                 // Nobody knows what drives the car: its speed is the measured one.
                 lane.set_speed(drive, step);
             }
-            lane.run_free(free, drive, step, &mut said);
+            lane.run_free(free, drive, step, &mut compared);
         }
     };
     pass_with((0, drive), held, noise, &mut watch);
-    said
+    compared
 }

@@ -1,10 +1,11 @@
 //! A car on its way beside a recording: what it says of each reading, and what it is told.
 
+use super::algebra::{Column, FILTERED, Gain, dot};
 use super::car::{self, BODY_STATES, Before, Car, Inputs, Instant, State};
-use super::drive::{Drive, STEP_S, points};
-use super::filter::{Column, FILTERED, Gain, dot};
-use super::free::Said;
+use super::drive::Drive;
+use super::grid::{STEP_S, points};
 use super::noise::{Live, Noise};
+use super::sums::Comparison;
 use physics::model::effect::{Readings, Recorded};
 
 /// Readings may be so many grid points late.
@@ -147,13 +148,13 @@ impl Lane {
     }
 
     /// One step without any correction.
-    pub(super) fn run_free(&mut self, car: &Car, drive: &Drive, k: usize, said: &mut Vec<Said>) {
+    pub(super) fn run_free(&mut self, car: &Car, drive: &Drive, k: usize, compared: &mut Vec<Comparison>) {
         let predicted = self.predict(car, drive, k, &[]);
         for reading in drive.of_step(k).1 {
             let channel = usize::from(reading.channel);
             let simulated = self.reading(car, &predicted, channel, f64::from(reading.share));
             let t = (k as f64 + f64::from(reading.share)) * STEP_S;
-            said.push(Said { t, channel: reading.channel, measured: reading.value, simulated });
+            compared.push(Comparison { t, channel: reading.channel, measured: reading.value, simulated });
         }
         self.finish(&predicted, &[0.0; FILTERED]);
     }

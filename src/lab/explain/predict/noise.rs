@@ -1,7 +1,9 @@
 //! How much the sensors and the equations err.
 
 use super::car::{BODY_STATES, MOST_LIVE};
-use super::drive::{COMPARED, Drive};
+use super::drive::Drive;
+use super::grid::COMPARED;
+use super::smoothing::white_std;
 use physics::Quantity;
 
 /// A course that is estimated while the filter runs: an Ornstein–Uhlenbeck process.
@@ -87,20 +89,6 @@ impl Noise {
         }
         noise
     }
-}
-
-/// Standard deviation of the white noise in some tracks. Second differences leave of a smooth signal
-/// nothing, of white noise six times its variance.
-pub fn white_std<'t>(tracks: impl Iterator<Item = &'t [f64]>) -> Option<f64> {
-    let mut squares: Vec<f64> =
-        tracks.flat_map(|track| track.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2) / 6.0)).collect();
-    let middle = squares.len() / 2;
-    if squares.is_empty() {
-        return None;
-    }
-    let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
-    // The median of a squared normal number is 0.455 of its variance.
-    Some((*median / 0.455).sqrt())
 }
 
 /// No sensor of a car is better than this.

@@ -10,113 +10,14 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use super::algebra::Gain;
 use super::car::Car;
-use super::drive::{Drive, STEP_S, points};
-use super::filter::{Column, Filter, Gain, Square};
+use super::drive::Drive;
+use super::filter::Filter;
+use super::grid::{STEP_S, points};
 use super::lane::Lane;
 use super::noise::Noise;
-use physics::Quantity;
-use physics::model::effect::Readings;
-
-/// Blocks in which sums are kept, s.
-pub const BLOCK_S: f64 = 5.0;
-
-/// Which readings the filter may look at.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Readers {
-    /// All.
-    #[default]
-    All,
-    /// Those of every other second, from the first or from the second one.
-    EveryOther(bool),
-}
-
-impl Readers {
-    /// May it look at a reading of this time, s?
-    pub fn see(self, t: f64) -> bool {
-        match self {
-            Self::All => true,
-            Self::EveryOther(odd) => (t.floor() as i64 % 2 == 1) == odd,
-        }
-    }
-}
-
-/// What a pass shall also say.
-#[derive(Default)]
-pub struct Ask<'a> {
-    /// Which readings the filter may look at.
-    pub readers: Readers,
-    /// Every innovation of the first car.
-    pub innovations: Option<&'a mut Vec<Innovation>>,
-    /// Every step of the first car.
-    pub steps: Option<&'a mut Vec<Filtered>>,
-}
-
-/// Sums over one block of a drive.
-#[derive(Clone, Debug)]
-pub struct Sums {
-    /// Which drive.
-    pub drive: usize,
-    /// From, to, s.
-    pub t: (f64, f64),
-    /// Products of the whitened innovations (first) and their derivatives by each difference (the others,
-    /// with changed sign: how much a step takes away).
-    pub gram: DMatrix<f64>,
-    /// A column for each difference that is looked at alone: products of its derivatives with all those, and with
-    /// themselves (last).
-    pub alone: DMatrix<f64>,
-    /// Σ ln s.
-    pub log_s: f64,
-    /// Σ e²/s by quantity.
-    pub square: Readings,
-    /// Σ e² − (s − r²): estimates r² with `of`.
-    pub excess: Readings,
-    /// Readings by quantity.
-    pub of: [usize; Quantity::COUNT],
-}
-
-/// What comes of the steps of a block.
-pub(super) struct Out {
-    pub(super) gains: Vec<Gain>,
-    pub(super) errors: Vec<f64>,
-    pub(super) sums: Sums,
-}
-
-impl Out {
-    fn new(drive: usize, between: (usize, usize)) -> Self {
-        Self { gains: Vec::new(), errors: Vec::new(), sums: Sums::empty(drive, between) }
-    }
-}
-
-/// What the first car said of a reading.
-#[derive(Clone, Copy, Debug)]
-pub struct Innovation {
-    /// Time, s.
-    pub t: f64,
-    /// Quantity.
-    pub channel: u8,
-    /// Measured.
-    pub value: f64,
-    /// Measured minus predicted.
-    pub error: f64,
-    /// Standard deviation it should have.
-    pub std: f64,
-}
-
-/// A step of the first car, for smoothing.
-#[derive(Clone, Copy, Debug)]
-pub struct Filtered {
-    /// Grid point at the step's end.
-    pub k: usize,
-    /// Does the step begin a run?
-    pub begins: bool,
-    /// From the last filtered state to the predicted one.
-    pub a: Square,
-    /// Predicted state and covariance.
-    pub predicted: (Column, Square),
-    /// Filtered state and covariance.
-    pub filtered: (Column, Square),
-}
+use super::sums::{Ask, BLOCK_S, Filtered, Out, Readers, Sums};
 
 /// A car that differs from the one the filter is made for.
 #[derive(Debug)]
@@ -328,26 +229,12 @@ pub(super) fn pass_with(
     }
 }
 
-impl Sums {
-    fn empty(drive: usize, (from, to): (usize, usize)) -> Self {
-        Self {
-            drive,
-            t: (from as f64 * STEP_S, to as f64 * STEP_S),
-            gram: DMatrix::zeros(0, 0),
-            alone: DMatrix::zeros(0, 0),
-            log_s: 0.0,
-            square: [0.0; Quantity::COUNT],
-            excess: [0.0; Quantity::COUNT],
-            of: [0; Quantity::COUNT],
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::super::bench::recorded;
     use super::super::super::model::{Chosen, Model};
     use super::*;
+    use physics::Quantity;
     use physics::model::effect::{Channel, Course, KINDS, Setting};
 
     #[test]
@@ -358,7 +245,7 @@ mod tests {
         let kind = KINDS.iter().find(|kind| kind.name == "sensor_bias").unwrap();
         let steering = Some(Channel::One(Quantity::SteeringWheelAngle));
         let mut jump = Chosen::usual(kind, steering, Course::None);
-        jump.numbers[kind.place_of("at_s").unwrap()] = 22.0;
+        jump.numbers[kind.onset().unwrap()] = 22.0;
         jump.numbers[kind.place_of("bias").unwrap()] = 0.02;
         let jumps = plain.with(jump);
         assert_eq!(plain.same_until(&jumps), 22.0);
@@ -382,7 +269,7 @@ mod tests {
 
     #[test]
     fn nothing_that_begins_late_has_states_of_its_own() {
-        let late: Vec<_> = KINDS.iter().filter(|kind| kind.place_of("at_s").is_some()).collect();
+        let late: Vec<_> = KINDS.iter().filter(|kind| kind.onset().is_some()).collect();
         assert!(late.len() >= 3);
         for kind in late {
             let channel = kind.channels.first().copied();

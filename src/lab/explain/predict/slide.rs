@@ -5,7 +5,7 @@
 //! its own spin drives the car. So until it slides most, the car's longitudinal motion alone is compared: it tells the
 //! friction that is used up. While it comes back nothing is.
 
-use super::drive::{Measured, SLOWEST_MPS, STEP_S};
+use super::grid::{Measured, SLOWEST_MPS, STEP_S};
 use physics::Quantity;
 use physics::model::{DrivenAxle, Vehicle};
 

@@ -1,8 +1,7 @@
 //! Inputs on a grid. Noise of an input would act as a force: it is smoothed away over as long as the input's
 //! own movement allows.
 
-use super::drive::STEP_S;
-use super::noise::white_std;
+use super::grid::STEP_S;
 
 /// An input, or all wheels, missing for so long ends a run, s.
 const LONGEST_GAP_S: f64 = 0.3;
@@ -114,6 +113,20 @@ pub fn on_grid(track: &[(f64, f64)], points: usize) -> Vec<f64> {
         }
     };
     (0..points).map(at).collect()
+}
+
+/// Standard deviation of the white noise in some tracks. Second differences leave of a smooth signal
+/// nothing, of white noise six times its variance.
+pub fn white_std<'t>(tracks: impl Iterator<Item = &'t [f64]>) -> Option<f64> {
+    let mut squares: Vec<f64> =
+        tracks.flat_map(|track| track.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2) / 6.0)).collect();
+    let middle = squares.len() / 2;
+    if squares.is_empty() {
+        return None;
+    }
+    let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
+    // The median of a squared normal number is 0.455 of its variance.
+    Some((*median / 0.455).sqrt())
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::explain::{Estimate, Explanation, Finding, Verdict};
 use crate::identify::Parameter;
-use physics::model::effect;
+use physics::model::effect::{self, Kind, Spec};
 
 pub use super::numbers::{number, plus_minus, probability, signed, three, with_unit};
 
@@ -87,32 +87,10 @@ pub fn shown_unit(channel: &str, unit: &str) -> (f64, String) {
 /// An effect, of its channel.
 pub fn effect(name: &str, of: Option<&str>) -> String {
     let of = of.map(channel);
-    let sensor = |with: &str, without: &str| match &of {
-        Some(channel) => with.replace("{}", channel),
-        None => without.to_owned(),
-    };
-    match name {
-        "body_roll" => "body roll at the accelerometer".into(),
-        "relaxation_length" => "tire relaxation length".into(),
-        "steering_ratio" => "varying steering ratio".into(),
-        "tire_radius" => "unequal tire radii".into(),
-        "radius_growth" => "tire radii that grow with speed".into(),
-        "cg_shift" => "shifted centre of gravity".into(),
-        "friction_change" => "change of friction".into(),
-        "friction_split" => "friction unequal left and right".into(),
-        "surface_stiffness" => "surface that softens the tires".into(),
-        "brake_yaw_moment" => "yaw moment of single brakes or torque vectoring".into(),
-        "accelerometer_position" => "place of the accelerometer".into(),
-        "sensor_delay" => sensor("late {}", "late sensor"),
-        "sensor_scale" => sensor("wrong scale of {}", "wrong scale of a sensor"),
-        "sensor_drift" => sensor("drifting zero of {}", "drifting zero of a sensor"),
-        "sensor_bias" => sensor("jump in the zero of {}", "jump in the zero of a sensor"),
-        "sensor_sign" => sensor("wrong sign of {}", "wrong sign of a sensor"),
-        "channel_swap" => sensor("{} swapped", "two channels swapped"),
-        other => match &of {
-            Some(channel) => format!("{} of {channel}", other.replace('_', " ")),
-            None => other.replace('_', " "),
-        },
+    match (effect::named(name), of) {
+        (Some(kind), of) => kind.words_of(of.as_deref()),
+        (None, Some(channel)) => format!("{} of {channel}", name.replace('_', " ")),
+        (None, None) => name.replace('_', " "),
     }
 }
 
@@ -131,7 +109,7 @@ pub fn effect_named(text: &str) -> String {
 
 /// Is it of the measurement rather than of the car?
 pub fn is_of_sensors(name: &str) -> bool {
-    effect::named(name).is_some_and(|kind| !kind.channels.is_empty())
+    effect::named(name).is_some_and(Kind::is_of_measurement)
 }
 
 /// A number as it is shown.
@@ -164,18 +142,20 @@ pub fn parameters(finding: &Finding) -> Vec<Shown> {
         .parameters
         .iter()
         // A moment before the recording: it was there from the start.
-        .filter(|(name, estimate)| name.as_str() != "at_s" || estimate.value >= 0.0)
+        .filter(|(name, estimate)| name.as_str() != Spec::AT_S.name || estimate.value >= 0.0)
         .map(|(name, estimate)| {
             let place = kind.and_then(|kind| kind.place_of(name));
             let spec = kind.zip(place).and_then(|(kind, place)| kind.spec(place, of));
             let course = kind.and_then(|kind| kind.surroundings(of));
-            let unit = match (spec, course) {
-                (Some(spec), _) => spec.unit,
-                (None, Some(course)) => course.unit,
-                (None, None) => "1",
+            let (words, unit, is_main) = match (spec, course) {
+                (Some(spec), _) => (spec.words.to_owned(), spec.unit, spec.is_main),
+                (None, Some(course)) if course.rms_name == name => {
+                    (course.words.to_owned(), course.unit, true)
+                }
+                (None, course) => (parameter_name(name), course.map_or("1", |course| course.unit), false),
             };
-            let is_main = spec.map_or(course.is_some_and(|it| it.rms_name == name), |spec| spec.is_main);
-            shown(name, finding.channel.as_deref().unwrap_or(""), unit, *estimate, is_main)
+            let of = finding.channel.as_deref().unwrap_or("");
+            Shown { name: words, is_main, ..shown(name, of, unit, *estimate) }
         })
         .collect();
     // Of several main ones (four wheels), the one that is furthest from nothing.
@@ -190,7 +170,8 @@ pub fn parameters(finding: &Finding) -> Vec<Shown> {
     rows
 }
 
-fn shown(name: &str, channel: &str, unit: &str, estimate: Estimate, is_main: bool) -> Shown {
+/// A number in the unit it is shown in.
+fn shown(name: &str, channel: &str, unit: &str, estimate: Estimate) -> Shown {
     let (factor, unit) = match name {
         // An effect's, or an ordinary number: how late a channel is.
         _ if name.ends_with("delay_s") => (1e3, "ms".to_owned()),
@@ -203,7 +184,7 @@ fn shown(name: &str, channel: &str, unit: &str, estimate: Estimate, is_main: boo
         _ => shown_unit(channel, unit),
     };
     let estimate = Estimate { value: factor * estimate.value, std: (factor * estimate.std).abs() };
-    Shown { name: parameter_name(name), estimate, unit, is_main }
+    Shown { name: parameter_name(name), estimate, unit, is_main: false }
 }
 
 /// One of the ordinary numbers.
@@ -212,12 +193,12 @@ pub fn ordinary(name: &str, estimate: Estimate) -> Shown {
         "lateral_stiffness" => "1/rad",
         _ => Parameter::named(name).map_or("1", Parameter::unit),
     };
-    shown(name, "", unit, estimate, false)
+    shown(name, "", unit, estimate)
 }
 
+/// The name of an ordinary number in a sentence.
 fn parameter_name(name: &str) -> String {
     let words = match name {
-        "cg_height_m" => "height of the centre of gravity",
         "cg_to_front_m" => "front axle to centre of gravity",
         "yaw_inertia_kgm2" => "yaw inertia",
         "wheel_inertia_kgm2" => "wheel inertia",
@@ -229,51 +210,18 @@ fn parameter_name(name: &str) -> String {
         "lateral_stiffness" => "cornering stiffness",
         "track_front_m" => "front track",
         "track_rear_m" => "rear track",
-        "front_roll_share" => "front share of the roll moment",
-        "load_sensitivity" => "load sensitivity of the tires",
-        "load_sensitivity_along" => "load sensitivity along the wheel",
-        "radius_loss_m_per_n" => "loss of rolling radius per load",
-        "load_sensitivity_growth" => "growth of the load sensitivity with load",
-        "roll_gain_rad_per_mps2" => "roll per lateral acceleration",
-        "roll_frequency_rad_per_s" => "roll frequency",
-        "roll_steer_rad_per_rad" => "steer angle per roll angle",
-        "bank_rms_rad" => "bank, rms",
-        "grade_rms_rad" => "grade, rms",
-        "force_rms_n" => "force, rms",
-        "drift_rms" => "drift, rms",
-        "moment_peak_nm" => "peak moment",
-        "centre_of_pressure_m" => "centre of pressure ahead of the centre of gravity",
-        "coefficient" => "coefficient",
-        "length_m" => "relaxation length",
-        "compliance_rad_per_nm" => "steer angle per aligning moment",
-        "curvature_per_rad2" => "curvature of the ratio",
-        "relative_error" => "error of the scale",
-        "bias" => "jump",
-        "relative_per_mps_squared" => "relative growth per speed squared",
-        "shift_m" => "shift to the rear",
-        "at_s" => "from the time",
-        "position_behind_cg_m" => "position behind the centre of gravity",
-        "friction_left" => "friction at the left",
-        "friction_right" => "friction at the right",
-        "ellipse_factor" => "factor of the ellipse",
-        "forward_of_cg_m" => "position ahead of the centre of gravity",
-        "toe_rad" => "toe",
         _ => "",
     };
     if !words.is_empty() {
         return words.into();
     }
-    let wheel = |prefix: &str, words: &str| {
-        let rest = name.strip_prefix(prefix)?;
-        Some(format!("{words}, {}", channel(&format!("wheel_speed_{rest}")).trim_end_matches(" speed")))
-    };
-    wheel("relative_difference_", "radius").or_else(|| wheel("slip_offset_", "slip offset")).unwrap_or_else(
-        || {
-            let units = ["_kgm2", "_kg_per_m", "_kg", "_nm", "_m", "_s", "_n", "_rad"];
-            let short = units.iter().find_map(|unit| name.strip_suffix(unit)).unwrap_or(name);
-            short.replace('_', " ")
-        },
-    )
+    if let Some(wheel) = name.strip_prefix("slip_offset_") {
+        let wheel = channel(&format!("wheel_speed_{wheel}"));
+        return format!("slip offset, {}", wheel.trim_end_matches(" speed"));
+    }
+    let units = ["_kgm2", "_kg_per_m", "_kg", "_nm", "_m", "_s", "_n", "_rad"];
+    let short = units.iter().find_map(|unit| name.strip_suffix(unit)).unwrap_or(name);
+    short.replace('_', " ")
 }
 
 /// What it came to, in two or three words.

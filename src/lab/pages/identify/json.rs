@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::Story;
-use crate::identify::{Drive, Identified, Method, Path};
+use crate::identify::{Identified, LongitudinalInput, Method, Path};
 
 /// Everything, in an order that reads well.
 #[derive(Serialize)]
@@ -19,7 +19,7 @@ pub struct Report {
     between: [f64; 3],
     seconds: f64,
     segments: usize,
-    drive: Drive,
+    drive: LongitudinalInput,
     method: Method,
     recordings: Vec<Recording>,
     /// To be put into the configuration.

@@ -1,7 +1,7 @@
 //! What was found, on the terminal.
 
 use super::{Story, digits, number};
-use crate::identify::{Drive, Identified};
+use crate::identify::{Identified, LongitudinalInput};
 
 /// The whole text.
 pub fn text(story: &Story<'_>) -> String {
@@ -26,9 +26,9 @@ pub fn summary(story: &Story<'_>) -> String {
         several => format!("{} recordings", several.len()),
     };
     let forces = match found.drive {
-        Drive::Torque => "drive torque",
-        Drive::WheelSpeeds => "the driven wheels' speeds",
-        Drive::Slips => "slips",
+        LongitudinalInput::Torque => "drive torque",
+        LongitudinalInput::WheelSpeeds => "the driven wheels' speeds",
+        LongitudinalInput::Slips => "slips",
     };
     let total: f64 = story.records.iter().map(|record| record.rows.len() as f64 * record.period_s).sum();
     format!(

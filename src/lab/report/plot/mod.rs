@@ -12,7 +12,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use thiserror::Error;
 
-use super::page::open_svg;
+use super::markup::open_svg;
 use super::{Color, escape};
 
 /// A plot that could not be drawn; it tells what plotters says.

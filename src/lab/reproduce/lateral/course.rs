@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::ours::{self, Ours};
 use crate::report::{Color, Span};
-use crate::reproduce::Drive;
+use crate::reproduce::SimulatedDrive;
 use physics::estimate::thesis::{KinematicObserver, LateralVelocityEstimator, SlipAngles};
 use physics::estimate::{Car, Kinematics};
 use physics::estimates::LateralVelocities;
@@ -60,7 +60,7 @@ pub(super) struct Point {
 #[derive(Clone, Debug)]
 pub(super) struct Course {
     /// The drive.
-    pub(super) drive: Drive,
+    pub(super) drive: SimulatedDrive,
     /// The car as the estimators see it.
     pub(super) car: Car,
     /// In order of time.
@@ -77,7 +77,7 @@ fn slides(truth: &Truth) -> bool {
 impl Course {
     /// Drives `scenario` and runs the methods. The period is 10 ms.
     pub(super) fn run(scenario: &Scenario, seed: u64) -> Result<Self, String> {
-        let drive = Drive::simulate(scenario, seed)?;
+        let drive = SimulatedDrive::simulate(scenario, seed)?;
         let car = Car::new(&drive.vehicle);
         let ours = ours::over(&drive);
         let mut methods = LateralVelocityEstimator::new(&car, &drive.sensors, MINIMUM_SPEED);

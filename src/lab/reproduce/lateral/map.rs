@@ -5,7 +5,7 @@ use std::thread;
 
 use super::course::{Course, HALVED, WHOLE, scenario};
 use super::ekf::{self, Track, WALKS};
-use super::slope::{self, Source};
+use super::regression::{self, Source};
 use crate::report::{Color, Plot};
 use crate::reproduce::SIM2;
 
@@ -53,7 +53,7 @@ impl Cell {
             ]
         });
         let slopes = [Source::Truth, Source::Bicycle].map(|source| {
-            let slopes = slope::over(&course, source);
+            let slopes = regression::over(&course, source);
             Track::new(slopes.iter().copied())
         });
         let ekf = WALKS.map(|walk| {

@@ -12,6 +12,7 @@ mod kinematic;
 mod linear;
 mod map;
 mod ours;
+mod regression;
 mod slip_angle;
 mod slope;
 

@@ -1,6 +1,6 @@
 //! Our own joint lateral filter, beside the thesis's. The one place to put another in its stead.
 
-use crate::reproduce::Drive;
+use crate::reproduce::SimulatedDrive;
 use physics::estimate::{EstimatorsConfig, Pipeline};
 use physics::estimates::Estimate;
 
@@ -22,7 +22,7 @@ impl Ours {
 }
 
 /// The published filter on every sample of a drive.
-pub(super) fn over(drive: &Drive) -> Vec<Ours> {
+pub(super) fn over(drive: &SimulatedDrive) -> Vec<Ours> {
     let mut pipeline = Pipeline::new(&drive.vehicle, &drive.sensors, &EstimatorsConfig::default());
     let mut step = |sample| {
         let estimates = pipeline.step(sample);

@@ -10,14 +10,19 @@ use super::state::{AY_OFFSET, Row, State};
 use crate::estimate::belief::Belief;
 use crate::model::GRAVITY;
 
-/// Further off its direction of travel (rad) a car spins, and its wheels pull in directions of their own.
-const SPINNING: f64 = 0.55;
-/// Curves bend noticeably from this share of the friction on.
-const BENT_FROM: f64 = 0.75;
-/// With this share of the force sideways, an axle's limit is one sideways.
-const SIDEWAYS: f64 = 0.7;
-/// A compliance is hardly known better when it is to bound the friction: the surface may have changed.
-const LEAST_COMPLIANCE_STD: f64 = 0.12;
+/// Tuned with the test `campaign`: no bound may exclude the truth.
+struct Tuning {
+    /// Further off its direction of travel (rad) a car spins, and its wheels pull in directions of their own.
+    spinning: f64,
+    /// Curves bend noticeably from this share of the friction on.
+    bent_from: f64,
+    /// With this share of the force sideways, an axle's limit is one sideways.
+    sideways: f64,
+    /// A compliance is hardly known better when it is to bound the friction: the surface may have changed.
+    least_compliance_std: f64,
+}
+
+const TUNING: Tuning = Tuning { spinning: 0.55, bent_from: 0.75, sideways: 0.7, least_compliance_std: 0.12 };
 
 /// An axle's equation at a window, with its variance as it was learned, rad².
 pub type Measured<'a> = (&'a Equation, f64);
@@ -43,7 +48,7 @@ pub fn bent_limit(
             narrowest = LateralLimit::narrower(narrowest, limit);
         }
     }
-    let is_spinning = front.0.angle.abs().max(rear.0.angle.abs()) > SPINNING;
+    let is_spinning = front.0.angle.abs().max(rear.0.angle.abs()) > TUNING.spinning;
     narrowest.map(|limit: LateralLimit| LateralLimit { is_sure: !is_spinning, ..limit })
 }
 
@@ -59,16 +64,16 @@ fn bound_by(
     belief: &Belief,
 ) -> Option<LateralLimit> {
     let Equation { axle, force, used, .. } = *equation;
-    if !equation.is_cornering || force.abs() < SIDEWAYS * used {
+    if !equation.is_cornering || force.abs() < TUNING.sideways * used {
         return None;
     }
     let angle = angle * force.signum();
     let compliance = state.mean[axle];
     let straight = compliance * used;
-    let compliance_std = (state.std(axle) / compliance).max(LEAST_COMPLIANCE_STD);
+    let compliance_std = (state.std(axle) / compliance).max(TUNING.least_compliance_std);
     let angle_variance = state.innovation(row, 0.0, noise).variance;
     let variance = angle_variance + (compliance_std * straight).powi(2);
-    let at_limit = belief.at_most(used / BENT_FROM);
+    let at_limit = belief.at_most(used / TUNING.bent_from);
     let excess = Excess { angle: angle - straight, variance, straight, at_limit };
     if excess.sliding() < sliding::SURE {
         return None;

@@ -75,9 +75,9 @@ pub struct Surprises {
 }
 
 impl Surprises {
-    /// With so many the filter is doubted, until two windows have not surprised; …
+    /// With so many the filter is doubted, until two windows have not surprised. Tuned with the test `faults`.
     const DOUBTFUL: u32 = 2;
-    /// … more than three such count as three.
+    /// More than three windows that surprise count as three. Tuned with the test `faults`.
     const MOST: u32 = 6;
 
     /// None so far.

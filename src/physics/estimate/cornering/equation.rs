@@ -6,6 +6,20 @@ use super::window::Means;
 use crate::estimate::belief::Belief;
 use crate::model::GRAVITY;
 
+/// Tuned with the tests `campaign` and `long_drives`.
+struct Tuning {
+    /// Up to this share of the lateral acceleration, yaw acceleration is that of driving round a bend.
+    steady: f64,
+    /// Where the curve is too steep to say how far it is bent.
+    most_bent: f64,
+    /// Deviation of a tire's shape from the straightest one, of its distance to the roundest.
+    shape_std: f64,
+    /// Mean and variance of the bend where more is in use than was believed to be there.
+    bent_anyhow: (f64, f64),
+}
+
+const TUNING: Tuning = Tuning { steady: 0.5, most_bent: 0.97, shape_std: 0.3, bent_anyhow: (2.0, 4.0) };
+
 /// One axle's equation at a window.
 pub struct Equation {
     pub axle: usize,
@@ -32,9 +46,6 @@ pub struct Equation {
 }
 
 impl Equation {
-    /// Up to this share of the lateral acceleration, yaw acceleration is that of driving round a bend.
-    const STEADY: f64 = 0.5;
-
     /// What the slip angle is by the motion, less what it is by the force.
     pub fn new(axle: usize, now: &Means, state: &State, model: &Model, belief: &Belief) -> Self {
         let car = &model.car;
@@ -74,32 +85,25 @@ impl Equation {
             straight,
             bend_variance: straight * straight * bend_variance,
             promised: model.promised_variance(axle, x[axle], turning, lever / speed, now),
-            is_cornering: turned.abs() < Self::STEADY * now.acceleration.abs()
+            is_cornering: turned.abs() < TUNING.steady * now.acceleration.abs()
                 && now.yaw_rate * now.acceleration > 0.0,
         }
     }
 }
 
 impl Model {
-    /// Where the curve is too steep to say how far it is bent.
-    const MOST_BENT: f64 = 0.97;
-    /// Deviation of a tire's shape from the straightest one, of its distance to the roundest.
-    const SHAPE_STD: f64 = 0.3;
-    /// Mean and variance of the bend where more is in use than was believed to be there.
-    const BENT_ANYHOW: (f64, f64) = (2.0, 4.0);
-
     /// How far the axle's curve is bent where so much friction is in use: mean and variance over the frictions
     /// believed. Drivers seldom use much of what there is.
     fn expected_bend(&self, used: f64, belief: &Belief) -> (f64, f64) {
         let bends = belief.expect(|mu| {
             let share = used / mu;
-            let [least, most] = self.tires.at(share.min(Self::MOST_BENT));
+            let [least, most] = self.tires.at(share.min(TUNING.most_bent));
             // The tire's own shape counts as doubt.
             (if share < 1.0 { (1.0 - share).powi(4) } else { 0.0 }, [least, most - least])
         });
         match bends {
-            Some([(bend, variance), (spread, _)]) => (bend, variance + (Self::SHAPE_STD * spread).powi(2)),
-            None => Self::BENT_ANYHOW,
+            Some([(bend, variance), (spread, _)]) => (bend, variance + (TUNING.shape_std * spread).powi(2)),
+            None => TUNING.bent_anyhow,
         }
     }
 

@@ -18,6 +18,46 @@ use crate::estimate::learned::{Known, Learned, Trial};
 use crate::estimates::{Estimate, SensorOffsets};
 use crate::{Quantity, Sensors};
 
+/// Tuned: standing, creeping and blind driving with the tests `long_drives` and `faults`, what is given out with
+/// `real_cars`, the rest with no test on record.
+struct Tuning {
+    /// Samples are averaged over this time before each update, s.
+    window_s: f64,
+    /// A compliance stays within these, rad.
+    compliance_limits: (f64, f64),
+    /// A stiffness this uncertain (relative) is not given out at all.
+    unknown: f64,
+    /// Relative uncertainty that a compliance has again after a change of surface.
+    change_std: f64,
+    /// A bus sends less often than it is sampled: so many samples of a sensor that rests are worth one.
+    repeated: f64,
+    /// After driving so slowly that it may be backwards, where wheel speeds have no sign, that shows within this,
+    /// s.
+    forward_shows_s: f64,
+    /// By so much (rad) no tire has confirmed that the sideslip changed since the last window: that is a spin, or a
+    /// sensor that lies.
+    unseen: f64,
+    /// Driven blindly for so long (s), the surface may have become another one, …
+    blind_s: f64,
+    /// … and the stiffnesses be off by this share of themselves.
+    blind_std: f64,
+    /// A sample that stands for more than this share of a window ends it.
+    gap: f64,
+}
+
+const TUNING: Tuning = Tuning {
+    window_s: 0.4,
+    compliance_limits: (1.0 / 80.0, 1.0),
+    unknown: 0.25,
+    change_std: 0.4,
+    repeated: 4.0,
+    forward_shows_s: 3.0,
+    unseen: 0.05,
+    blind_s: 2.0,
+    blind_std: 0.2,
+    gap: 0.25,
+};
+
 /// The filter.
 #[derive(Clone, Debug)]
 pub struct CorneringEstimator {
@@ -50,28 +90,6 @@ pub struct CorneringEstimator {
 }
 
 impl CorneringEstimator {
-    /// Samples are averaged over this time before each update, s.
-    const WINDOW_S: f64 = 0.4;
-    /// A compliance stays within these, rad.
-    const COMPLIANCE_LIMITS: (f64, f64) = (1.0 / 80.0, 1.0);
-    /// A stiffness this uncertain (relative) is not given out at all.
-    const UNKNOWN: f64 = 0.25;
-    /// Relative uncertainty that a compliance has again after a change of surface.
-    const CHANGE_STD: f64 = 0.4;
-    /// A bus sends less often than it is sampled: so many samples of a sensor that rests are worth one.
-    const REPEATED: f64 = 4.0;
-    /// After driving so slowly that it may be backwards, where wheel speeds have no sign, that shows within this, s.
-    const FORWARD_SHOWS_S: f64 = 3.0;
-    /// By so much (rad) no tire has confirmed that the sideslip changed since the last window: that is a spin, or a
-    /// sensor that lies.
-    const UNSEEN: f64 = 0.05;
-    /// Driven blindly for so long (s), the surface may have become another one, and the stiffnesses be off by that
-    /// share of themselves.
-    const BLIND_S: f64 = 2.0;
-    const BLIND_STD: f64 = 0.2;
-    /// A sample that stands for more than this share of a window ends it.
-    const GAP: f64 = 0.25;
-
     /// Starts from the vehicle's priors.
     pub fn new(car: &Car, sensors: &Sensors, config: &CorneringConfig, minimum_speed: f64) -> Self {
         let single_brake = SingleBrake::new(car, car.radius * sensors.noise_std(Quantity::WheelSpeedFl));
@@ -83,7 +101,7 @@ impl CorneringEstimator {
         Self {
             state: prior(&model.car, &model.config),
             axles: [axle.clone(), axle],
-            window: Window::new(Self::WINDOW_S),
+            window: Window::new(TUNING.window_s),
             yaw_acceleration: YawAcceleration::default(),
             single_brake,
             standstill: Standstill::default(),
@@ -137,7 +155,7 @@ impl CorneringEstimator {
             return false;
         };
         self.driving_s += now.elapsed_s;
-        if now.elapsed_s > Self::GAP * Self::WINDOW_S {
+        if now.elapsed_s > TUNING.gap * TUNING.window_s {
             self.blind_s += now.elapsed_s;
             self.stop(now.elapsed_s);
         }
@@ -149,8 +167,8 @@ impl CorneringEstimator {
         let mut changed = false;
         if let Some(mut means) = self.window.step(&sample, now.elapsed_s) {
             self.yaw_acceleration.shrink(&mut means);
-            if std::mem::take(&mut self.blind_s) > Self::BLIND_S {
-                self.open(Self::BLIND_STD);
+            if std::mem::take(&mut self.blind_s) > TUNING.blind_s {
+                self.open(TUNING.blind_std);
             }
             changed = self.update(&means, belief);
             self.running = true;
@@ -178,7 +196,7 @@ impl CorneringEstimator {
             let relative = self.state.std(i) / compliance;
             let systematic = self.model.systematic_std[i - FRONT];
             let relative = (relative * relative + systematic * systematic).sqrt();
-            (self.informed && relative < Self::UNKNOWN).then(|| Estimate {
+            (self.informed && relative < TUNING.unknown).then(|| Estimate {
                 value: 1.0 / compliance,
                 std: relative / compliance,
                 age_s: self.age_s,
@@ -213,11 +231,11 @@ impl CorneringEstimator {
     /// The sideslip is known well enough to be acted upon.
     pub fn is_motion_valid(&self, speed: f64) -> bool {
         self.is_consistent()
-            && self.driving_s > Self::FORWARD_SHOWS_S
+            && self.driving_s > TUNING.forward_shows_s
             && self.motion.is_some_and(|m| {
                 let unseen = (m.lateral_velocity - self.state.mean[VY]).abs();
                 m.lateral_velocity_std <= self.model.config.valid_sideslip_std * speed
-                    && unseen < Self::UNSEEN * speed
+                    && unseen < TUNING.unseen * speed
             })
     }
 
@@ -244,7 +262,7 @@ impl CorneringEstimator {
 
     /// The surface changed, as this filter or another noticed: the stiffness may be anything near.
     pub fn surface_changed(&mut self) {
-        self.open(Self::CHANGE_STD);
+        self.open(TUNING.change_std);
     }
 
     /// The stiffnesses may be off by this share of themselves.
@@ -259,14 +277,14 @@ impl CorneringEstimator {
     /// Standing still, the yaw rate sensor shows its offset.
     fn watch_standstill(&mut self, now: &Kinematics) {
         if let Some((yaw_rate, samples)) = self.standstill.step(now) {
-            let variance = Self::REPEATED * self.model.noise.yaw_rate.powi(2) / samples;
+            let variance = TUNING.repeated * self.model.noise.yaw_rate.powi(2) / samples;
             self.state.update_component(YAW_OFFSET, yaw_rate - self.state.mean[YAW_OFFSET], variance);
         }
     }
 
     /// The motion is not known for a while; stiffness and sensor errors are kept.
     fn stop(&mut self, elapsed_s: f64) {
-        self.window = Window::new(Self::WINDOW_S);
+        self.window = Window::new(TUNING.window_s);
         self.single_brake.stop();
         if std::mem::take(&mut self.running) {
             self.state.forget(VY, 0.0, UNKNOWN_VY);
@@ -285,7 +303,7 @@ impl CorneringEstimator {
             self.state.forget(VY, vy, UNKNOWN_VY);
         }
         let is_braked = self.single_brake.end(now.speed, now.path.time);
-        if is_braked && self.driving_s > Self::FORWARD_SHOWS_S {
+        if is_braked && self.driving_s > TUNING.forward_shows_s {
             return false;
         }
         let Ok(changed) = self.measure(now, belief) else {
@@ -293,7 +311,7 @@ impl CorneringEstimator {
             return false;
         };
         for i in [FRONT, REAR] {
-            let (low, high) = Self::COMPLIANCE_LIMITS;
+            let (low, high) = TUNING.compliance_limits;
             self.state.mean[i] = self.state.mean[i].clamp(low, high);
         }
         if !self.state.is_sound() {

@@ -6,16 +6,16 @@ use super::state::{
 };
 use crate::estimate::learned::{ERRORS, Known, Learned};
 
-/// Between two drives an error of a sensor moves by this share of what it may be at all:
-/// temperature, a steering sensor that was reset, load, tires.
+/// Between two drives an error of a sensor moves by this share of what it may be at all: temperature, a steering
+/// sensor that was reset, load, tires. Tuned with the test `learned`.
 const BETWEEN_DRIVES: f64 = 0.25;
-/// Beyond this many times what it may be at all, an error is not known.
+/// Beyond this many times what it may be at all, an error is not known. Tuned with the test `learned`.
 const FORGOTTEN: f64 = 1.5;
 /// Stiffnesses and errors are taken up as independent of each other. With variances these many times
 /// what they were they are nowhere surer than they were together, however they were correlated:
 /// P ≤ diag((1 + c) P₁, (1 + 1/c) P₂), here for c = 4.
 const APART: (f64, f64) = (5.0, 1.25);
-/// Readings (two for each window) for which an earlier drive's numbers are on trial.
+/// Readings (two for each window) for which an earlier drive's numbers are on trial. Tuned with the test `learned`.
 pub const TRIAL: u32 = 80;
 /// The errors of the sensors, in the order of [`Learned::errors`].
 const PLACES: [usize; ERRORS] = [ANGLE_OFFSET, AY_OFFSET, YAW_OFFSET, SPEED_SCALE, ANGLE_SCALE];

@@ -11,6 +11,29 @@ use super::window::{Means, Path};
 use crate::estimate::kinematics::Car;
 use crate::{Quantity, Sensors};
 
+/// Tuned with the tests `campaign` and `long_drives`.
+struct Tuning {
+    /// What the equations leave out (timing of the sensors, relaxation, load transfer), relative: no amount of data
+    /// takes it away.
+    model_std: f64,
+    /// Far off its direction of travel, a car's wheels tell its speed badly, m/s²/√Hz.
+    sliding_noise: f64,
+    /// Correlation of both stiffnesses' walks: it is the same surface.
+    walks_together: f64,
+    /// A stiffness of which nothing was learned for long is no less known than this, relative.
+    unknown_std: f64,
+    /// Errors of sensors move by this share of what they may be at all, 1/√s: a tenth in an hour.
+    errors_walk: f64,
+}
+
+const TUNING: Tuning = Tuning {
+    model_std: 0.06,
+    sliding_noise: 0.1,
+    walks_together: 0.8,
+    unknown_std: 0.5,
+    errors_walk: 0.1 / 60.0,
+};
+
 /// The car, its sensors and its tires: all that stays the same while it drives.
 #[derive(Clone, Debug)]
 pub struct Model {
@@ -49,18 +72,6 @@ pub struct LateralMotion {
 }
 
 impl Model {
-    /// What the equations leave out (timing of the sensors, relaxation, load transfer), relative: no
-    /// amount of data takes it away.
-    const MODEL_STD: f64 = 0.06;
-    /// Far off its direction of travel, a car's wheels tell its speed badly, m/s²/√Hz.
-    const SLIDING_NOISE: f64 = 0.1;
-    /// Correlation of both stiffnesses' walks: it is the same surface.
-    const WALKS_TOGETHER: f64 = 0.8;
-    /// A stiffness of which nothing was learned for long is no less known than this, relative.
-    const UNKNOWN_STD: f64 = 0.5;
-    /// Errors of sensors move by this share of what they may be at all, 1/√s: a tenth in an hour.
-    const ERRORS_WALK: f64 = 0.1 / 60.0;
-
     /// For this car and these sensors.
     pub fn new(car: &Car, sensors: &Sensors, config: &CorneringConfig) -> Self {
         Self {
@@ -70,7 +81,7 @@ impl Model {
                 road_angle: sensors.noise_std(Quantity::SteeringWheelAngle) / car.steering_ratio,
             },
             tires: Bend::new(),
-            systematic_std: car.cornering_scale_std.map(|std| Self::MODEL_STD.hypot(std)),
+            systematic_std: car.cornering_scale_std.map(|std| TUNING.model_std.hypot(std)),
             car: car.clone(),
             config: config.clone(),
         }
@@ -88,7 +99,7 @@ impl Model {
         transition[(VY, SPEED_SCALE)] = -turned;
         let white =
             self.noise.acceleration.hypot(now.speed * self.noise.yaw_rate) * path.time / now.samples.sqrt();
-        let unmodelled = if is_sliding { Self::SLIDING_NOISE } else { self.config.acceleration_noise };
+        let unmodelled = if is_sliding { TUNING.sliding_noise } else { self.config.acceleration_noise };
         let unmodelled = unmodelled * path.time.sqrt();
         let mut noise = SMatrix::<f64, STATES, STATES>::zeros();
         noise[(VY, VY)] = white * white + unmodelled * unmodelled;
@@ -100,17 +111,17 @@ impl Model {
     pub fn walk(&self, state: &mut State, elapsed_s: f64) {
         let config = &self.config;
         let walk = [FRONT, REAR].map(|i| config.stiffness_walk * state.mean[i]);
-        let common = Self::WALKS_TOGETHER * walk[0] * walk[1] * elapsed_s;
+        let common = TUNING.walks_together * walk[0] * walk[1] * elapsed_s;
         state.covariance[(FRONT, REAR)] += common;
         state.covariance[(REAR, FRONT)] += common;
         for (i, walk) in [FRONT, REAR].into_iter().zip(walk) {
             state.inflate(i, walk * walk * elapsed_s);
-            let most = Self::UNKNOWN_STD * state.mean[i];
+            let most = TUNING.unknown_std * state.mean[i];
             let shrink = most / state.std(i).max(most);
             state.covariance.row_mut(i).scale_mut(shrink);
             state.covariance.column_mut(i).scale_mut(shrink);
         }
-        let step = Self::ERRORS_WALK * elapsed_s.sqrt();
+        let step = TUNING.errors_walk * elapsed_s.sqrt();
         for (i, most) in [
             (ANGLE_OFFSET, config.steering_offset_std),
             (AY_OFFSET, config.acceleration_offset_std),

@@ -33,9 +33,9 @@ pub type State = Gaussian<STATES>;
 /// How something measured moves with the state.
 pub type Row = SVector<f64, STATES>;
 
-/// Lateral velocity of which nothing is known yet, m/s.
+/// Lateral velocity of which nothing is known yet, m/s. Tuned, no test on record.
 pub const UNKNOWN_VY: f64 = 0.5;
-/// No data sheet knows a stiffness better than this, relative.
+/// No data sheet knows a stiffness better than this, relative. Tuned, no test on record.
 const LEAST_PRIOR_STD: f64 = 0.05;
 
 /// What is known before anything is measured.

@@ -128,7 +128,7 @@ pub struct YawAcceleration {
 }
 
 impl YawAcceleration {
-    /// Windows that are remembered.
+    /// Windows that are remembered. Tuned, no test on record.
     const MEMORY: f64 = 100.0;
 
     /// Replaces the measured yaw acceleration by its expectation, given how much of what is measured

@@ -7,6 +7,18 @@ use super::regression::{Point, Regression, Shape};
 use super::{MappingConfig, MappingKind};
 use crate::filter::student;
 
+/// Tuned with the test `calibrate`: sets of pairs with and without a connection.
+struct Tuning {
+    /// The slopes have to spread over this many of their standard deviations, …
+    spread_in_std: f64,
+    /// … and by this share of their mean.
+    relative_spread: f64,
+    /// A gap between neighbouring slopes of more than this share of the range is told.
+    gap: f64,
+}
+
+const TUNING: Tuning = Tuning { spread_in_std: 4.0, relative_spread: 0.15, gap: 0.4 };
+
 /// The slope that had settled on a surface, and what an ABS braking on it gave.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Pair {
@@ -118,20 +130,15 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// Fewer pairs support nothing.
+    /// Fewer pairs support nothing. Tuned with the test `calibrate`.
     pub const FEWEST_PAIRS: usize = 6;
-    /// By chance fewer than one in a hundred sets of unconnected pairs look connected.
+    /// By chance fewer than one in a hundred sets of unconnected pairs look connected. Statistical.
     pub const SIGNIFICANCE: f64 = 0.01;
-    /// … and this is asked of the pairs with any one left out.
+    /// The same for the pairs with any one left out. Statistical: one in twenty.
     const SIGNIFICANCE_WITHOUT_ONE: f64 = 0.05;
-    /// The slopes have to spread over this many of their standard deviations, …
-    const SPREAD_IN_STD: f64 = 4.0;
-    /// … and by this share of their mean.
-    const RELATIVE_SPREAD: f64 = 0.15;
-    /// A criterion of Akaike lower by this is noticeably better.
+    /// A criterion of Akaike lower by this is noticeably better. Statistical: models within 2 of the best are
+    /// supported nearly as well (Burnham and Anderson, 2002).
     const NOTICEABLY: f64 = 2.0;
-    /// A gap between neighbouring slopes of more than this share of the range is told.
-    const GAP: f64 = 0.4;
 
     /// Fits the mappings and chooses.
     pub fn new(pairs: &[Pair]) -> Self {
@@ -225,7 +232,7 @@ fn choose(pairs: &[Pair], fits: &[MappingFit]) -> Result<MappingConfig, Refusal>
     let (low, high) = range(pairs);
     let std = (pairs.iter().map(|pair| pair.slope_std * pair.slope_std).sum::<f64>() / n).sqrt();
     let mean = pairs.iter().map(|pair| pair.slope).sum::<f64>() / n;
-    let needed = (Calibration::SPREAD_IN_STD * std).max(Calibration::RELATIVE_SPREAD * mean);
+    let needed = (TUNING.spread_in_std * std).max(TUNING.relative_spread * mean);
     let spread = high - low;
     if spread.is_nan() || spread < needed {
         return Err(Refusal::NotSpread { low, high, std });
@@ -264,7 +271,7 @@ fn remarks(pairs: &[Pair]) -> Vec<String> {
     slopes.sort_by(f64::total_cmp);
     let gap =
         slopes.windows(2).map(|pair| (pair[0], pair[1])).max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
-    gap.filter(|(from, to)| to - from > Calibration::GAP * (high - low))
+    gap.filter(|(from, to)| to - from > TUNING.gap * (high - low))
         .map(|(from, to)| {
             format!(
                 "no pair between slopes {from:.0} and {to:.0}: in between the mapping is a guess that no \

@@ -13,6 +13,21 @@ use crate::estimates::Estimate;
 use crate::model::{DrivenAxle, GRAVITY, Vehicle};
 use crate::{Estimates, Micros, Quantity, Sample, Sensors, Wheel};
 
+/// Tuned with the test `calibrate`.
+struct Tuning {
+    /// A slope that stays within this share of itself …
+    steady: f64,
+    /// … for so long has settled, s.
+    settled_s: f64,
+    /// An older slope may be of another surface, s.
+    oldest_s: f64,
+    /// A change of surface that is noticed this long after a braking was there before it, s: the car has to speed
+    /// up again before the slope can tell.
+    confirm_s: f64,
+}
+
+const TUNING: Tuning = Tuning { steady: 0.08, settled_s: 5.0, oldest_s: 10.0, confirm_s: 8.0 };
+
 /// An ABS braking, and whether it makes a pair.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Braking {
@@ -147,16 +162,8 @@ struct Lateral {
 }
 
 impl PairFinder {
-    /// A slope that stays within this share of itself …
-    const STEADY: f64 = 0.08;
-    /// … for so long has settled, s.
-    const SETTLED_S: f64 = 5.0;
-    /// An older slope may be of another surface, s.
-    const OLDEST_S: f64 = 10.0;
-    /// A change of surface that is noticed this long after a braking was there before it, s: the car
-    /// has to speed up again before the slope can tell.
-    const CONFIRM_S: f64 = 8.0;
-    /// Lateral acceleration / (μ g) that takes 4 % off the longitudinal friction.
+    /// Lateral acceleration / (μ g) that takes 4 % off the longitudinal friction. Physical: on a circle of friction
+    /// √(1 − 0.28²) = 0.96 is left.
     const SIDEWAYS: f64 = 0.28;
 
     /// For this car and what its bus has.
@@ -222,7 +229,7 @@ impl PairFinder {
         }
         let slope = mean_slope(&estimates.slope, self.car.driven_axle, self.scale_std);
         match (slope, self.anchor) {
-            (Some(slope), Some((value, _))) if (slope.value - value).abs() <= Self::STEADY * value => {}
+            (Some(slope), Some((value, _))) if (slope.value - value).abs() <= TUNING.steady * value => {}
             (Some(slope), _) => self.anchor = Some((slope.value, self.now_s)),
             (None, _) => self.anchor = None,
         }
@@ -232,7 +239,7 @@ impl PairFinder {
         if self.changed_s > ended_s {
             braking.not_a_pair = Some(NotAPair::SurfaceChanged { after_s });
             self.unconfirmed_s = None;
-        } else if after_s >= Self::CONFIRM_S {
+        } else if after_s >= TUNING.confirm_s {
             braking.confirmed = true;
             self.unconfirmed_s = None;
         }
@@ -274,15 +281,15 @@ impl PairFinder {
             return Some(NotAPair::Cornering { share: 100.0 * sideways });
         }
         let Some(slope) = self.free.slope else { return Some(NotAPair::NoSlope) };
-        if slope.age_s > Self::OLDEST_S {
+        if slope.age_s > TUNING.oldest_s {
             return Some(NotAPair::TooOld { age_s: slope.age_s });
         }
         if !self.free.valid {
             return Some(NotAPair::NotConverged { relative: 100.0 * slope.std / slope.value });
         }
-        if self.free.settled_s < Self::SETTLED_S {
+        if self.free.settled_s < TUNING.settled_s {
             let settled_s = self.free.settled_s;
-            return Some(NotAPair::NotSettled { settled_s, needed_s: Self::SETTLED_S });
+            return Some(NotAPair::NotSettled { settled_s, needed_s: TUNING.settled_s });
         }
         (self.changes != self.free.changes).then_some(NotAPair::SurfaceChanged { after_s: 0.0 })
     }

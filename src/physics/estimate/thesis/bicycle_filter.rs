@@ -18,9 +18,11 @@ pub struct BicycleFilter {
 }
 
 impl BicycleFilter {
-    /// Process noise of v_y, m/s²/√Hz, and of r, rad/s²/√Hz: wind, bank, tires not quite linear.
+    /// Process noise of v_y, m/s²/√Hz, and of r, rad/s²/√Hz: wind, bank, tires not quite linear. Tuned, no test on
+    /// record: the thesis does not tell its own.
     const PROCESS_NOISE: [f64; 2] = [0.1, 0.05];
-    /// What is known at the first sample: v_y, m/s, as if the rear wheels did not slip, and r, rad/s.
+    /// What is known at the first sample: v_y, m/s, as if the rear wheels did not slip, and r, rad/s. Tuned with
+    /// the test `thesis_lateral`.
     const INITIAL_STD: [f64; 2] = [0.3, 0.02];
 
     /// `stiffness`: normalized cornering stiffness front and rear, 1/rad.

@@ -25,6 +25,22 @@ use crate::filter::{Gaussian, Observability};
 use crate::model::{DrivenAxle, GRAVITY};
 use crate::{Quantity, Sensors, Wheel};
 
+/// Tuned with `gripd reproduce`, thesis 8.2.
+struct Tuning {
+    /// Start of σ₀ (1/m) and μ, with standard deviations: of the order of Fig. 8.3.
+    start: [(f64, f64); 2],
+    /// Process noises of z (m/√s), v (m/s/√s), ω (rad/s/√s), σ₀ and μ (1/√s).
+    walk: [f64; 5],
+    /// σ₀ and μ stay within these.
+    limits: [(f64, f64); 2],
+}
+
+const TUNING: Tuning = Tuning {
+    start: [(50.0, 30.0), (0.5, 0.3)],
+    walk: [1e-4, 0.05, 0.5, 1.0, 0.02],
+    limits: [(1.0, 1e3), (0.01, 2.0)],
+};
+
 /// z, v, ω, σ₀, μ.
 type State = SVector<f64, 5>;
 type Jacobian = SMatrix<f64, 5, 5>;
@@ -148,13 +164,6 @@ pub struct DahlEkf {
 }
 
 impl DahlEkf {
-    /// Start of σ₀ (1/m) and μ, with standard deviations: of the order of Fig. 8.3.
-    const START: [(f64, f64); 2] = [(50.0, 30.0), (0.5, 0.3)];
-    /// Process noises of z (m/√s), v (m/s/√s), ω (rad/s/√s), σ₀ and μ (1/√s).
-    const WALK: [f64; 5] = [1e-4, 0.05, 0.5, 1.0, 0.02];
-    /// σ₀ and μ stay within these.
-    const LIMITS: [(f64, f64); 2] = [(1.0, 1e3), (0.01, 2.0)];
-
     /// For this car and these sensors.
     pub fn new(car: &Car, sensors: &Sensors, minimum_speed: f64) -> Self {
         let omega = sensors.noise_std(Quantity::WheelSpeedFl);
@@ -170,7 +179,7 @@ impl DahlEkf {
         Self {
             wheel,
             filter,
-            start: Self::START.map(|(value, _)| value),
+            start: TUNING.start.map(|(value, _)| value),
             started: false,
             minimum_speed,
             noise,
@@ -203,7 +212,7 @@ impl DahlEkf {
     /// Takes the torque of one wheel (N m), the speed (m/s) and the wheel's (rad/s), `elapsed_s` after the
     /// last ones.
     pub fn observe(&mut self, torque: f64, speed: f64, omega: f64, elapsed_s: f64) {
-        let [sigma_std, mu_std] = Self::START.map(|(_, std)| std);
+        let [sigma_std, mu_std] = TUNING.start.map(|(_, std)| std);
         let [sigma, mu] = self.start;
         if !self.started || elapsed_s > 0.5 || !self.filter.is_sound() {
             let std = [1e-3, self.noise[0].sqrt(), self.noise[1].sqrt(), sigma_std, mu_std];
@@ -215,7 +224,7 @@ impl DahlEkf {
         for (state, measured, noise) in [(V, speed, self.noise[0]), (OMEGA, omega, self.noise[1])] {
             self.filter.update_component(state, measured - self.filter.mean[state], noise);
         }
-        for (state, (low, high)) in [SIGMA, MU].into_iter().zip(Self::LIMITS) {
+        for (state, (low, high)) in [SIGMA, MU].into_iter().zip(TUNING.limits) {
             self.filter.mean[state] = self.filter.mean[state].clamp(low, high);
         }
     }
@@ -240,7 +249,7 @@ impl DahlEkf {
         for (mean, moved) in self.filter.mean.iter_mut().zip(&moved) {
             *mean += moved;
         }
-        let noise = Self::WALK.map(|walk| walk * walk * elapsed_s);
+        let noise = TUNING.walk.map(|walk| walk * walk * elapsed_s);
         self.filter.predict_covariance_of_moving(&transition, &noise);
     }
 

@@ -18,9 +18,10 @@ pub struct KinematicObserver {
 }
 
 impl KinematicObserver {
-    /// Noise of the speed from the wheels, m/s.
+    /// Noise of the speed from the wheels, m/s. Tuned with the test `thesis_lateral`.
     const SPEED_NOISE: f64 = 0.02;
-    /// What is known at the first sample, m/s: v_x as measured, v_y near zero.
+    /// What is known at the first sample, m/s: v_x as measured, v_y near zero. Tuned with the test
+    /// `thesis_lateral`.
     const INITIAL_STD: [f64; 2] = [0.1, 0.5];
 
     /// The lateral accelerometer's noise counts for both accelerations.

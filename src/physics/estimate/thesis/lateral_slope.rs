@@ -10,6 +10,34 @@ use crate::estimates::Estimate;
 use crate::filter::{Cusum, Gaussian, LearnedNoise};
 use crate::model::GRAVITY;
 
+/// Tuned: windows and noise with the test `thesis_lateral`, the rest with no test on record.
+struct Tuning {
+    /// Samples are put together over this time, s.
+    window_s: f64,
+    /// Noise of a window's slip angle, rad: wheel alignment, steering resolution, v_y.
+    angle_std: f64,
+    /// It is learned, up to this, rad: what is more is no noise, but another slope or a wrong v_y.
+    worst_angle_std: f64,
+    /// Less normalized force than this says nothing.
+    informative: f64,
+    /// Random walk of 1/k relative to its value, 1/√s.
+    walk: f64,
+    /// On a change 1/k may be off by this share of itself.
+    change_std: f64,
+    /// Windows that the learned noise remembers.
+    noise_memory: f64,
+}
+
+const TUNING: Tuning = Tuning {
+    window_s: 0.5,
+    angle_std: 0.003,
+    worst_angle_std: 0.01,
+    informative: 0.03,
+    walk: 0.01,
+    change_std: 0.5,
+    noise_memory: 50.0,
+};
+
 /// One axle's regression of slip angle on normalized lateral force.
 #[derive(Clone, Debug)]
 struct AxleSlope {
@@ -42,27 +70,12 @@ pub struct LateralSlopeEstimator {
 }
 
 impl LateralSlopeEstimator {
-    /// Samples are put together over this time, s.
-    const WINDOW_S: f64 = 0.5;
-    /// Noise of a window's slip angle, rad: wheel alignment, steering resolution, v_y.
-    const ANGLE_STD: f64 = 0.003;
-    /// It is learned, up to this, rad: what is more is no noise, but another slope or a wrong v_y.
-    const WORST_ANGLE_STD: f64 = 0.01;
-    /// Less normalized force than this says nothing.
-    const INFORMATIVE: f64 = 0.03;
-    /// Random walk of 1/k relative to its value, 1/√s.
-    const WALK: f64 = 0.01;
-    /// On a change 1/k may be off by this share of itself.
-    const CHANGE_STD: f64 = 0.5;
-    /// Windows that the learned noise remembers.
-    const NOISE_MEMORY: f64 = 50.0;
-
     /// Starts from the vehicle's priors.
     pub fn new(car: &Car, minimum_speed: f64) -> Self {
         let axles = car.cornering_prior.map(|(value, std)| AxleSlope {
             filter: Gaussian::new([1.0 / value], [std.max(0.3 * value) / (value * value)]),
             cusum: Cusum::new(1.0, 8.0),
-            noise: LearnedNoise::new(Self::NOISE_MEMORY),
+            noise: LearnedNoise::new(TUNING.noise_memory),
             window: Window::default(),
             age_s: 0.0,
             informed: false,
@@ -78,7 +91,7 @@ impl LateralSlopeEstimator {
         let Some((cornering, vy)) = now.cornering(self.minimum_speed).zip(lateral_velocity) else { return };
         let Cornering { speed, yaw_rate: r, lateral_acceleration: ay, road_angle: angle } = cornering;
         let mu = ay / GRAVITY;
-        if mu.abs() < Self::INFORMATIVE {
+        if mu.abs() < TUNING.informative {
             return;
         }
         let alpha = self.car.slip_angles(speed, vy, r, angle);
@@ -99,7 +112,7 @@ impl AxleSlope {
         window.time_s += elapsed_s;
         window.square += mu * mu * elapsed_s;
         window.product += mu * alpha * elapsed_s;
-        if window.time_s >= LateralSlopeEstimator::WINDOW_S {
+        if window.time_s >= TUNING.window_s {
             let window = std::mem::take(window);
             self.update(&window);
         }
@@ -107,11 +120,11 @@ impl AxleSlope {
 
     /// The window's own least-squares compliance is a measurement of the compliance.
     fn update(&mut self, window: &Window) {
-        let walk = LateralSlopeEstimator::WALK * self.filter.mean[0];
+        let walk = TUNING.walk * self.filter.mean[0];
         self.filter.inflate(0, walk * walk * window.time_s);
         let mean_square = window.square / window.time_s;
-        let promised = LateralSlopeEstimator::ANGLE_STD.powi(2) / mean_square;
-        let worst = LateralSlopeEstimator::WORST_ANGLE_STD.powi(2) / mean_square;
+        let promised = TUNING.angle_std.powi(2) / mean_square;
+        let worst = TUNING.worst_angle_std.powi(2) / mean_square;
         let noise = self.noise.variance(promised).min(worst);
         let residual = window.product / window.square - self.filter.mean[0];
         let h = vector![1.0];
@@ -122,7 +135,7 @@ impl AxleSlope {
         self.informed = true;
         let evidence = expected.normalized() / self.noise.redundancy().sqrt();
         if self.cusum.step(evidence.clamp(-4.0, 4.0)).is_some() {
-            let std = LateralSlopeEstimator::CHANGE_STD * self.filter.mean[0];
+            let std = TUNING.change_std * self.filter.mean[0];
             self.filter.inflate(0, std * std);
         }
     }

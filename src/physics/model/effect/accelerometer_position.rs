@@ -1,6 +1,6 @@
 //! The accelerometer does not sit at the centre of gravity.
 
-use super::{Effect, Felt, Kind, Now, Readings, Scale, Setting, Spec};
+use super::{Effect, Felt, Kind, Now, Readings, Scale, Search, Setting, Spec};
 use crate::Quantity;
 
 /// A point `forward` m before the centre of gravity is accelerated by ṙ and r², too.
@@ -12,6 +12,7 @@ struct AccelerometerPosition {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "accelerometer_position",
+    words: "place of the accelerometer",
     about: "the accelerometer sits ahead of (or behind) the centre of gravity and feels the car's turning",
     equation: "a_y = a_y,cg + d ṙ,  a_x = a_x,cg − d r²",
     source: "rigid-body kinematics",
@@ -21,15 +22,18 @@ pub static KIND: Kind = Kind {
     channels: &[],
     parameters: &[Spec {
         name: "forward_of_cg_m",
+        words: "position ahead of the centre of gravity",
         unit: "m",
         scale: Scale::Linear,
         mean: 0.0,
         std: 0.5,
         bounds: (-4.0, 4.0),
         step: 0.1,
+        model_error: Spec::MODEL_ERROR,
         is_main: true,
     }],
     course: None,
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| Box::new(AccelerometerPosition { forward: setting.values[0] }),
 };
 

@@ -1,6 +1,6 @@
 //! Air drag beyond what the vehicle table has.
 
-use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec};
+use super::{Acting, Effect, Kind, Needs, Now, Scale, Search, Setting, Spec};
 
 /// A force against the motion with the square of the speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +11,7 @@ struct AirDrag {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "air_drag",
+    words: "air drag",
     about: "air drag beyond what the vehicle table has",
     equation: "F_x = − c v_x |v_x|",
     source: "thesis 4.4, C_AIR",
@@ -21,15 +22,18 @@ pub static KIND: Kind = Kind {
     channels: &[],
     parameters: &[Spec {
         name: "drag_coefficient_kg_per_m",
+        words: "drag coefficient",
         unit: "kg/m",
         scale: Scale::Linear,
         mean: 0.0,
         std: 0.35,
         bounds: (-0.5, 3.0),
         step: 0.05,
+        model_error: Spec::MODEL_ERROR,
         is_main: true,
     }],
     course: None,
+    search: Search { needs: Needs::KnownTorque, ..Search::USUAL },
     make: |setting: &Setting<'_>| Box::new(AirDrag { coefficient: setting.values[0] }),
 };
 

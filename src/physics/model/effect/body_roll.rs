@@ -1,7 +1,7 @@
 //! Leaning, the accelerometer feels gravity.
 
 use super::roll::{self, Roll};
-use super::{Effect, Felt, Kind, Now, Readings, Scale, Setting, Spec};
+use super::{Effect, Felt, Kind, Now, Readings, Scale, Search, Setting, Spec};
 use crate::Quantity;
 use crate::model::GRAVITY;
 
@@ -14,6 +14,7 @@ struct BodyRoll {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "body_roll",
+    words: "body roll at the accelerometer",
     about: "leaning out of a turn, the body tilts the accelerometer, which then feels gravity, too",
     equation: "a_y,read = a_y + g φ,  φ̈ = ω² (k a_y − φ) − 2 ζ ω φ̇",
     source: "rigid-body kinematics; roll as a mass on springs",
@@ -24,18 +25,21 @@ pub static KIND: Kind = Kind {
     parameters: &[
         Spec {
             name: "roll_gain_rad_per_mps2",
+            words: "roll per lateral acceleration",
             unit: "rad/(m/s²)",
             scale: Scale::Linear,
             mean: 0.0,
             std: 0.006,
             bounds: (-0.005, 0.03),
             step: 0.0005,
+            model_error: Spec::MODEL_ERROR,
             is_main: true,
         },
         roll::FREQUENCY,
         roll::DAMPING,
     ],
     course: None,
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| {
         let [gain, frequency, damping] = std::array::from_fn(|i| setting.values[i]);
         Box::new(BodyRoll { roll: Roll { gain, frequency, damping } })

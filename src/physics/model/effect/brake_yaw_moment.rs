@@ -1,6 +1,6 @@
 //! Something turns the car: ESP, torque vectoring.
 
-use super::{Acting, Course, Effect, Kind, Now, Scale, Setting, Spec, Surroundings};
+use super::{Acting, Course, Effect, Kind, Now, Scale, Search, Setting, Spec, Surroundings};
 
 /// A course of the moment, N m, to the left. The wheels of that side are braked for it; where torque is
 /// vectored, half of it drives the other side.
@@ -17,6 +17,7 @@ const HARDLY: f64 = 40.0;
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "brake_yaw_moment",
+    words: "yaw moment of single brakes or torque vectoring",
     about: "something turns the car for a moment: single brakes (ESP) or torque vectoring",
     equation: "J_z ṙ = … + (t/2) F_x of the braked (and driven) wheels",
     source: "rigid-body dynamics",
@@ -27,32 +28,40 @@ pub static KIND: Kind = Kind {
     parameters: &[
         Spec {
             name: "front_share",
+            words: "front share",
             unit: "1",
             scale: Scale::Linear,
             mean: 0.8,
             std: 0.2,
             bounds: (0.0, 1.0),
             step: 0.05,
+            model_error: Spec::MODEL_ERROR,
             is_main: false,
         },
         Spec {
             name: "vectoring",
+            words: "vectoring",
             unit: "1",
             scale: Scale::Linear,
             mean: 0.1,
             std: 0.3,
             bounds: (0.0, 1.0),
             step: 0.05,
+            model_error: Spec::MODEL_ERROR,
             is_main: false,
         },
     ],
     course: Some(Surroundings {
         unit: "N m",
         rms_name: "moment_peak_nm",
+        words: "peak moment",
         size: 300.0,
         length_s: 0.5,
         sign: 0.0,
+        is_told_by_its_peak: true,
+        ..Surroundings::USUAL
     }),
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| {
         let [front_share, vectoring] = std::array::from_fn(|i| setting.values[i]);
         Box::new(BrakeYawMoment { moment: setting.course.clone(), front_share, vectoring })

@@ -1,6 +1,6 @@
 //! The centre of gravity moves while one drives.
 
-use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec, load};
+use super::{Acting, Effect, Kind, Now, Scale, Search, Setting, Spec, load};
 
 /// From a moment on the centre of gravity is elsewhere: something slid, someone moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,6 +13,7 @@ struct CgShift {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "cg_shift",
+    words: "shifted centre of gravity",
     about: "from a moment on the centre of gravity lies further back (or ahead)",
     equation: "a → a + s, b → b − s from t ≥ at;  F_z front ∝ b − s, rear ∝ a + s;  C ∝ F_z^(1 − e)",
     source: "rigid-body statics",
@@ -23,18 +24,21 @@ pub static KIND: Kind = Kind {
     parameters: &[
         Spec {
             name: "shift_m",
+            words: "shift to the rear",
             unit: "m",
             scale: Scale::Linear,
             mean: 0.0,
             std: 0.08,
             bounds: (-0.8, 0.8),
             step: 0.01,
+            model_error: Spec::MODEL_ERROR,
             is_main: true,
         },
         Spec::AT_S,
         load::SENSITIVITY,
     ],
     course: None,
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| {
         Box::new(CgShift {
             shift: setting.values[0],

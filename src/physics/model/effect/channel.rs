@@ -28,6 +28,13 @@ pub(super) const MEASURED: &[Channel] = &[
     Channel::One(Quantity::BrakePressure),
 ];
 
+/// The four wheels.
+pub(super) const WHEELS: &[Quantity] =
+    &[Quantity::WheelSpeedFl, Quantity::WheelSpeedFr, Quantity::WheelSpeedRl, Quantity::WheelSpeedRr];
+
+/// What is measured of drive and brake torque.
+pub(super) const TORQUES: &[Quantity] = &[Quantity::DriveTorque, Quantity::BrakePressure];
+
 impl Channel {
     /// The quantity, if it is one.
     pub const fn quantity(self) -> Option<Quantity> {

@@ -1,6 +1,6 @@
 //! Two channels are taken for each other.
 
-use super::{Channel, Effect, Felt, Kind, Now, Readings, Setting};
+use super::{Channel, Effect, Felt, Kind, Now, Readings, Search, Setting};
 use crate::Quantity::{
     LateralAcceleration, LongitudinalAcceleration, WheelSpeedFl, WheelSpeedFr, WheelSpeedRl, WheelSpeedRr,
 };
@@ -25,6 +25,7 @@ const PAIRS: &[Channel] = &[
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "channel_swap",
+    words: "{two channels} swapped",
     about: "two channels are taken for each other",
     equation: "y_1 = x_2, y_2 = x_1",
     source: "signal chain",
@@ -34,6 +35,7 @@ pub static KIND: Kind = Kind {
     channels: PAIRS,
     parameters: &[],
     course: None,
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| Box::new(ChannelSwap { channel: setting.channel }),
 };
 

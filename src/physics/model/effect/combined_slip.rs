@@ -1,6 +1,6 @@
 //! Force along a tire takes force across away.
 
-use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec};
+use super::{Acting, Effect, Kind, Now, Scale, Search, Setting, Spec};
 
 /// How much of the friction ellipse holds below the limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +11,7 @@ struct CombinedSlip {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "combined_slip",
+    words: "combined slip",
     about: "driving and braking take lateral force away, long before the limit",
     equation: "F_y = F_y,pure √(1 − (e F_x/(μ F_z))²);  μ = 1 for linear tires",
     source: "friction ellipse (thesis 4.15)",
@@ -20,15 +21,18 @@ pub static KIND: Kind = Kind {
     channels: &[],
     parameters: &[Spec {
         name: "ellipse_factor",
+        words: "factor of the ellipse",
         unit: "1",
         scale: Scale::Linear,
         mean: 0.0,
         std: 0.5,
         bounds: (0.0, 1.5),
         step: 0.1,
+        model_error: Spec::MODEL_ERROR,
         is_main: true,
     }],
     course: None,
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| Box::new(CombinedSlip { factor: setting.values[0] }),
 };
 

@@ -1,6 +1,6 @@
 //! Wind from the side.
 
-use super::{Acting, Course, Effect, Kind, Now, Scale, Setting, Spec, Surroundings};
+use super::{Acting, Course, Effect, Kind, Now, Scale, Search, Setting, Spec, Surroundings};
 
 /// A course of the force, N, to the left.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +12,7 @@ struct Crosswind {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "crosswind",
+    words: "crosswind",
     about: "wind pushes the car sideways, and turns it as far as it does not push at the centre of gravity",
     equation: "m a_y = … + u,  J_z ṙ = … + x_p u",
     source: "aerodynamic side force and yaw moment",
@@ -21,15 +22,26 @@ pub static KIND: Kind = Kind {
     channels: &[],
     parameters: &[Spec {
         name: "centre_of_pressure_m",
+        words: "centre of pressure ahead of the centre of gravity",
         unit: "m",
         scale: Scale::Linear,
         mean: 0.3,
         std: 0.5,
         bounds: (-3.0, 3.0),
         step: 0.1,
+        model_error: Spec::MODEL_ERROR,
         is_main: false,
     }],
-    course: Some(Surroundings { unit: "N", rms_name: "force_rms_n", size: 300.0, length_s: 1.5, sign: 0.0 }),
+    course: Some(Surroundings {
+        unit: "N",
+        rms_name: "force_rms_n",
+        words: "force, rms",
+        size: 300.0,
+        length_s: 1.5,
+        sign: 0.0,
+        ..Surroundings::USUAL
+    }),
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| {
         Box::new(Crosswind { lever: setting.values[0], force: setting.course.clone() })
     },

@@ -1,6 +1,6 @@
 //! Patches of another friction.
 
-use super::{Acting, Course, Effect, Kind, Now, Setting, grip};
+use super::{Acting, Course, Effect, Kind, Now, Search, Setting, Surroundings, grip};
 
 /// The share of the contact that lies on the other surface varies, the same at all wheels.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +12,7 @@ struct FrictionChange {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "friction_change",
+    words: "change of friction",
     about: "for a while the road has another friction",
     equation: "1/μ = (1 − s)/μ_plain + s/friction at all wheels; a linear tire becomes a magic formula (C \
                = 1.35, E = −0.3)",
@@ -20,8 +21,9 @@ pub static KIND: Kind = Kind {
     to_tell_apart: "braking and turning on the patch with at least half of its friction, both ways round: \
                     below that the two surfaces feel alike",
     channels: &[],
-    parameters: &[grip::friction("friction")],
-    course: Some(grip::PATCH),
+    parameters: &[grip::friction("friction", "friction")],
+    course: Some(Surroundings { settings: &[&[2.0], &[5.0]], is_slippery: true, ..grip::PATCH }),
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| {
         Box::new(FrictionChange { inverse: setting.values[0].recip(), share: setting.course.clone() })
     },

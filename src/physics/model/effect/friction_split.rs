@@ -1,6 +1,6 @@
 //! Patches of another friction, not the same left and right.
 
-use super::{Acting, Course, Effect, Kind, Now, Setting, grip};
+use super::{Acting, Course, Effect, Kind, Now, Search, Setting, Surroundings, grip};
 
 /// The same share of all contacts lies on another surface, which differs from side to side.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +13,7 @@ struct FrictionSplit {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "friction_split",
+    words: "friction unequal left and right",
     about: "for a while the road has another friction, and not the same left and right",
     equation: "1/μ = (1 − s)/μ_plain + s/friction_left (right) at the left (right) wheels; a linear tire \
                becomes a magic formula (C = 1.35, E = −0.3)",
@@ -21,8 +22,16 @@ pub static KIND: Kind = Kind {
     to_tell_apart: "braking straight ahead on the patch: unequal friction turns the car, equal friction \
                     does not",
     channels: &[],
-    parameters: &[grip::friction("friction_left"), grip::friction("friction_right")],
-    course: Some(grip::PATCH),
+    parameters: &[
+        grip::friction("friction_left", "friction at the left"),
+        grip::friction("friction_right", "friction at the right"),
+    ],
+    course: Some(Surroundings {
+        settings: &[&[2.0, 0.0], &[0.0, 2.0], &[5.0, 0.0], &[0.0, 5.0]],
+        is_slippery: true,
+        ..grip::PATCH
+    }),
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| {
         let inverse = std::array::from_fn(|side| setting.values[side].recip());
         Box::new(FrictionSplit { inverse, share: setting.course.clone() })

@@ -7,22 +7,29 @@ use crate::model::tire::{MagicFormula, Tire};
 const USUAL: MagicFormula = MagicFormula { shape: 1.35, curvature: -0.3 };
 
 /// A friction of the road under this name: searched by one over it, without limit at 0.
-pub(super) const fn friction(name: &'static str) -> Spec {
+pub(super) const fn friction(name: &'static str, words: &'static str) -> Spec {
     Spec {
         name,
+        words,
         unit: "1",
         scale: Scale::Inverse,
         mean: 0.0,
         std: 1.5,
         bounds: (0.0, 33.0),
         step: 0.5,
+        model_error: Spec::MODEL_ERROR,
         is_main: true,
     }
 }
 
 /// How much of the road is another one, as a share.
-pub(super) const PATCH: Surroundings =
-    Surroundings { unit: "1", rms_name: "share_rms", size: 1.0, length_s: 3.0, sign: 1.0 };
+pub(super) const PATCH: Surroundings = Surroundings {
+    rms_name: "share_rms",
+    words: "share rms",
+    length_s: 3.0,
+    sign: 1.0,
+    ..Surroundings::USUAL
+};
 
 /// Below this a tire counts as unlimited.
 const UNLIMITED: f64 = 1e-6;

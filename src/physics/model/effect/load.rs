@@ -11,12 +11,14 @@ const SMALLEST_LEVER_M: f64 = 0.05;
 /// Of the tires' stiffness to what the wheels carry, where load is moved or added.
 pub(super) const SENSITIVITY: Spec = Spec {
     name: "load_sensitivity",
+    words: "load sensitivity of the tires",
     unit: "1",
     scale: Scale::Linear,
     mean: 0.6,
     std: 0.25,
     bounds: (0.0, 1.0),
     step: 0.1,
+    model_error: 0.2,
     is_main: false,
 };
 

@@ -1,7 +1,7 @@
 //! Accelerating moves load between the wheels.
 
 use super::load::{self, Sensitivity};
-use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec};
+use super::{Acting, Effect, Growth, Kind, Now, Scale, Search, Setting, Spec};
 
 /// The height of the centre of gravity moves load in proportion to the accelerations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,8 +13,12 @@ struct LoadTransfer {
 }
 
 /// See [`super::KINDS`].
+///
+/// To first order only the product of the height and of the stiffness that comes with load shows. What tells them
+/// apart is the curve of stiffness over load far from the usual one: so their model error is large.
 pub static KIND: Kind = Kind {
     name: "load_transfer",
+    words: "load transfer",
     about: "accelerating, braking and turning move load between the wheels, and tires grow less stiff than \
             their load",
     equation: "F_z = static ∓ m h a_x/(2 L) ± (front share) m h a_y/t;  C ∝ x^(1 − e − g/2 ln x), x = F_z/static;  \
@@ -28,66 +32,80 @@ pub static KIND: Kind = Kind {
     parameters: &[
         Spec {
             name: "cg_height_m",
+            words: "height of the centre of gravity",
             unit: "m",
             scale: Scale::Linear,
             mean: 0.0,
             std: 0.5,
             bounds: (0.0, 1.5),
             step: 0.1,
+            model_error: 0.2,
             is_main: true,
         },
         Spec {
             name: "load_sensitivity",
+            words: "load sensitivity of the tires",
             unit: "1",
             scale: Scale::Linear,
             mean: 0.45,
             std: 0.2,
             bounds: (0.0, 1.0),
             step: 0.05,
+            model_error: 0.2,
             is_main: false,
         },
         Spec {
             name: "load_sensitivity_along",
+            words: "load sensitivity along the wheel",
             unit: "1",
             scale: Scale::Linear,
             mean: 0.4,
             std: 0.4,
             bounds: (0.0, 1.0),
             step: 0.05,
+            model_error: 0.2,
             is_main: false,
         },
         Spec {
             name: "front_roll_share",
+            words: "front share of the roll moment",
             unit: "1",
             scale: Scale::Linear,
             mean: 0.55,
             std: 0.08,
             bounds: (0.2, 0.9),
             step: 0.02,
+            model_error: Spec::MODEL_ERROR,
             is_main: false,
         },
         Spec {
             name: "radius_loss_m_per_n",
+            words: "loss of rolling radius per load",
             unit: "m/N",
             scale: Scale::Linear,
             mean: 0.5e-6,
             std: 1e-6,
             bounds: (0.0, 1e-5),
             step: 1e-7,
+            model_error: Spec::MODEL_ERROR,
             is_main: false,
         },
         Spec {
             name: "load_sensitivity_growth",
+            words: "growth of the load sensitivity with load",
             unit: "1",
             scale: Scale::Linear,
             mean: 0.0,
             std: 0.6,
             bounds: (0.0, 2.0),
             step: 0.1,
+            model_error: Spec::MODEL_ERROR,
             is_main: false,
         },
     ],
     course: None,
+    // The change of stiffness grows with the square of the moved load.
+    search: Search { growth: Growth::Quadratic, ..Search::USUAL },
     make: |setting: &Setting<'_>| {
         let [height, across, along, front_roll_share, radius_loss, growth] =
             std::array::from_fn(|i| setting.values[i]);

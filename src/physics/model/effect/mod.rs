@@ -54,7 +54,7 @@ mod wheel_alignment;
 pub use channel::Channel;
 pub use config::{EffectConfig, EffectError, column_names};
 pub use course::{Course, Series};
-pub use kind::{Kind, OF_CHANNEL, Scale, Setting, Spec, Surroundings};
+pub use kind::{Growth, Kind, Needs, OF_CHANNEL, Scale, Search, Setting, Spec, Surroundings};
 pub use surroundings::{Acting, Felt, Now, Readings, Recorded};
 
 use crate::Quantity;
@@ -167,9 +167,13 @@ mod tests {
     #[test]
     fn what_is_known_of_each_makes_sense() {
         for kind in KINDS {
-            let is_discrete = matches!(kind.name, "sensor_sign" | "channel_swap");
             let has_main = kind.parameters.iter().any(|spec| spec.is_main);
-            assert!(has_main || kind.course.is_some() || is_discrete, "{}", kind.name);
+            assert!(has_main || kind.course.is_some() || kind.is_all_or_nothing(), "{}", kind.name);
+            let patch = kind.course.filter(|course| course.sign != 0.0);
+            assert_eq!(patch.is_some(), kind.course.is_some_and(|course| !course.settings.is_empty()));
+            for setting in patch.map_or(&[][..], |patch| patch.settings) {
+                assert_eq!(setting.len(), kind.parameters.len(), "{}", kind.name);
+            }
             for spec in kind.parameters {
                 let (low, high) = spec.bounds;
                 assert!(low <= spec.mean && spec.mean <= high, "{} {}", kind.name, spec.name);
@@ -183,7 +187,7 @@ mod tests {
     /// whatever way it drives.
     #[test]
     fn at_its_mean_every_effect_vanishes() {
-        for kind in KINDS.iter().filter(|kind| !matches!(kind.name, "sensor_sign" | "channel_swap")) {
+        for kind in KINDS.iter().filter(|kind| !kind.is_all_or_nothing()) {
             let mut bench = Bench::driving(23.0);
             bench.now.t = 12.0;
             (bench.now.ax, bench.now.ay, bench.now.front_force) = (-2.0, 4.0, 3000.0);

@@ -1,6 +1,6 @@
 //! Mass that the vehicle table does not know.
 
-use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec, load};
+use super::{Acting, Effect, Kind, Now, Scale, Search, Setting, Spec, load};
 
 /// Further mass at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +14,7 @@ struct Payload {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "payload",
+    words: "payload",
     about: "passengers or load that the vehicle table does not know of",
     equation: "m → m + p at d behind the centre of gravity;  J_z → J_z + p m d²/(m + p);  C ∝ F_z^(1 − e)",
     source: "rigid-body dynamics",
@@ -24,28 +25,33 @@ pub static KIND: Kind = Kind {
     parameters: &[
         Spec {
             name: "mass_kg",
+            words: "mass",
             unit: "kg",
             scale: Scale::Linear,
             mean: 0.0,
             std: 150.0,
             bounds: (-500.0, 3000.0),
             step: 20.0,
+            model_error: Spec::MODEL_ERROR,
             is_main: true,
         },
         Spec {
             name: "position_behind_cg_m",
+            words: "position behind the centre of gravity",
             unit: "m",
             scale: Scale::Linear,
             mean: 0.0,
             std: 0.5,
             bounds: (-3.0, 3.0),
             step: 0.1,
+            model_error: Spec::MODEL_ERROR,
             is_main: false,
         },
         Spec::AT_S,
         load::SENSITIVITY,
     ],
     course: None,
+    search: Search { from_start: true, ..Search::USUAL },
     make: |setting: &Setting<'_>| {
         let [mass, behind, at, load_sensitivity] = std::array::from_fn(|i| setting.values[i]);
         Box::new(Payload { mass, behind, at, load_sensitivity })

@@ -1,6 +1,6 @@
 //! Tires grow with the speed of their turning.
 
-use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec};
+use super::{Acting, Effect, Kind, Now, Scale, Search, Setting, Spec};
 
 /// Centrifugal force makes the rolling radius grow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +11,7 @@ struct RadiusGrowth {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "radius_growth",
+    words: "tire radii that grow with speed",
     about: "the tires' rolling radius grows with the square of the speed",
     equation: "r = r0 (1 + c (r0 ω)²)",
     source: "centrifugal force on the belt",
@@ -20,15 +21,18 @@ pub static KIND: Kind = Kind {
     channels: &[],
     parameters: &[Spec {
         name: "relative_per_mps_squared",
+        words: "relative growth per speed squared",
         unit: "1/(m/s)²",
         scale: Scale::Linear,
         mean: 0.0,
         std: 1e-05,
         bounds: (-0.0001, 0.0001),
         step: 2e-06,
+        model_error: Spec::MODEL_ERROR,
         is_main: true,
     }],
     course: None,
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| Box::new(RadiusGrowth { relative_per_square: setting.values[0] }),
 };
 

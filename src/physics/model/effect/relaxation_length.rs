@@ -1,6 +1,6 @@
 //! Lateral force needs some way to build up.
 
-use super::{Effect, Felt, Kind, Now, Scale, Setting, Spec, lag};
+use super::{Effect, Felt, Kind, Now, Scale, Search, Setting, Spec, lag};
 use crate::model::body::Steer;
 use crate::model::wheel;
 
@@ -14,6 +14,7 @@ struct RelaxationLength {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "relaxation_length",
+    words: "tire relaxation length",
     about: "the tires need some way, about a wheel radius, to build up lateral force",
     equation: "σ α̇' = |v_x| (α − α'),  F_y = F_y(α')",
     source: "Pacejka, Tire and Vehicle Dynamics, ch. 5.4",
@@ -23,15 +24,18 @@ pub static KIND: Kind = Kind {
     channels: &[],
     parameters: &[Spec {
         name: "length_m",
+        words: "relaxation length",
         unit: "m",
         scale: Scale::Linear,
         mean: 0.0,
         std: 0.4,
         bounds: (0.0, 2.0),
         step: 0.05,
+        model_error: Spec::MODEL_ERROR,
         is_main: true,
     }],
     course: None,
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| Box::new(RelaxationLength { length: setting.values[0] }),
 };
 

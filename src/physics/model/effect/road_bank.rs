@@ -1,6 +1,6 @@
 //! The road leans.
 
-use super::{Acting, Course, Effect, Kind, Now, Setting, Surroundings};
+use super::{Acting, Course, Effect, Kind, Now, Search, Setting, Surroundings};
 use crate::model::GRAVITY;
 
 /// A course of the road's bank, rad, positive where gravity pulls to the left.
@@ -12,6 +12,7 @@ struct RoadBank {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "road_bank",
+    words: "road bank",
     about: "the road is banked: gravity pulls the car sideways and no accelerometer feels it",
     equation: "v̇_y = F_y/m − v_x r + g sin u",
     source: "rigid-body dynamics on an inclined plane",
@@ -24,10 +25,13 @@ pub static KIND: Kind = Kind {
     course: Some(Surroundings {
         unit: "rad",
         rms_name: "bank_rms_rad",
+        words: "bank, rms",
         size: 0.03,
         length_s: 3.0,
         sign: 0.0,
+        ..Surroundings::USUAL
     }),
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| Box::new(RoadBank { angle: setting.course.clone() }),
 };
 

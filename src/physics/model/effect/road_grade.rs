@@ -1,6 +1,6 @@
 //! The road climbs.
 
-use super::{Acting, Course, Effect, Kind, Now, Setting, Surroundings};
+use super::{Acting, Course, Effect, Kind, Needs, Now, Search, Setting, Surroundings};
 use crate::model::GRAVITY;
 
 /// A course of the road's grade, rad, positive uphill.
@@ -12,6 +12,7 @@ struct RoadGrade {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "road_grade",
+    words: "road grade",
     about: "the road climbs or falls: gravity pulls the car along and no accelerometer feels it",
     equation: "v̇_x = F_x/m + v_y r − g sin u",
     source: "rigid-body dynamics on an inclined plane",
@@ -23,10 +24,13 @@ pub static KIND: Kind = Kind {
     course: Some(Surroundings {
         unit: "rad",
         rms_name: "grade_rms_rad",
+        words: "grade, rms",
         size: 0.03,
         length_s: 5.0,
         sign: 0.0,
+        ..Surroundings::USUAL
     }),
+    search: Search { needs: Needs::KnownTorque, ..Search::USUAL },
     make: |setting: &Setting<'_>| Box::new(RoadGrade { angle: setting.course.clone() }),
 };
 

@@ -5,24 +5,28 @@ use super::{Scale, Spec};
 /// Natural frequency of the roll.
 pub(super) const FREQUENCY: Spec = Spec {
     name: "roll_frequency_rad_per_s",
+    words: "roll frequency",
     unit: "rad/s",
     scale: Scale::Linear,
     mean: 9.0,
     std: 2.5,
     bounds: (3.0, 25.0),
     step: 0.5,
+    model_error: Spec::MODEL_ERROR,
     is_main: false,
 };
 
 /// Damping of the roll, as a share of the critical one.
 pub(super) const DAMPING: Spec = Spec {
     name: "roll_damping",
+    words: "roll damping",
     unit: "1",
     scale: Scale::Linear,
     mean: 0.3,
     std: 0.1,
     bounds: (0.05, 1.5),
     step: 0.03,
+    model_error: Spec::MODEL_ERROR,
     is_main: false,
 };
 

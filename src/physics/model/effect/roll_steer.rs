@@ -2,7 +2,7 @@
 //! (Gillespie 1992, ch. 6).
 
 use super::roll::{self, Roll};
-use super::{Acting, Effect, Felt, Kind, Now, Scale, Setting, Spec};
+use super::{Acting, Effect, Felt, Kind, Now, Scale, Search, Setting, Spec};
 
 /// The suspension turns the front wheels with the roll angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +14,7 @@ struct RollSteer {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "roll_steer",
+    words: "roll steer",
     about: "leaning in a turn, the suspension steers the front wheels (positive: out of it, understeer)",
     equation: "δ = δ_sw / i − c φ,  φ̈ = ω² (k a_y − φ) − 2 ζ ω φ̇",
     source: "Gillespie 1992, ch. 6 (roll steer); roll as a mass on springs",
@@ -24,28 +25,33 @@ pub static KIND: Kind = Kind {
     parameters: &[
         Spec {
             name: "roll_steer_rad_per_rad",
+            words: "steer angle per roll angle",
             unit: "rad/rad",
             scale: Scale::Linear,
             mean: 0.0,
             std: 0.1,
             bounds: (-1.0, 1.0),
             step: 0.02,
+            model_error: Spec::MODEL_ERROR,
             is_main: true,
         },
         Spec {
             name: "roll_gain_rad_per_mps2",
+            words: "roll per lateral acceleration",
             unit: "rad/(m/s²)",
             scale: Scale::Linear,
             mean: 0.006,
             std: 0.001,
             bounds: (0.001, 0.02),
             step: 0.0003,
+            model_error: Spec::MODEL_ERROR,
             is_main: false,
         },
         roll::FREQUENCY,
         roll::DAMPING,
     ],
     course: None,
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| {
         let roll = Roll { gain: setting.values[1], frequency: setting.values[2], damping: setting.values[3] };
         Box::new(RollSteer { roll_steer: setting.values[0], roll })

@@ -1,6 +1,6 @@
 //! Rolling resistance beyond what the vehicle table has: at each wheel, so that free ones slip for it, too.
 
-use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec};
+use super::{Acting, Effect, Kind, Needs, Now, Scale, Search, Setting, Spec};
 use crate::model::wheel::reference_speed;
 
 /// A moment against each wheel's rolling in proportion to its load.
@@ -12,6 +12,7 @@ struct RollingResistance {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "rolling_resistance",
+    words: "rolling resistance",
     about: "rolling resistance beyond what the vehicle table has",
     equation: "M_i = − c F_z,i r sgn v_x",
     source: "ISO 28580; Coulomb friction (thesis 3.2)",
@@ -21,15 +22,18 @@ pub static KIND: Kind = Kind {
     channels: &[],
     parameters: &[Spec {
         name: "coefficient",
+        words: "coefficient",
         unit: "1",
         scale: Scale::Linear,
         mean: 0.0,
         std: 0.012,
         bounds: (-0.02, 0.1),
         step: 0.002,
+        model_error: Spec::MODEL_ERROR,
         is_main: true,
     }],
     course: None,
+    search: Search { needs: Needs::KnownTorque, ..Search::USUAL },
     make: |setting: &Setting<'_>| Box::new(RollingResistance { coefficient: setting.values[0] }),
 };
 

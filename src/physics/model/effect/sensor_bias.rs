@@ -1,6 +1,9 @@
 //! A sensor that jumps.
 
-use super::{Effect, Felt, Kind, Now, Readings, Recorded, Scale, Setting, Spec, channel, kind::OF_CHANNEL};
+use super::{
+    Effect, Felt, Growth, Kind, Now, Readings, Recorded, Scale, Search, Setting, Spec, channel,
+    kind::OF_CHANNEL,
+};
 use crate::Quantity;
 
 /// From a moment on a sensor reads too much by a constant.
@@ -20,6 +23,7 @@ impl SensorBias {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "sensor_bias",
+    words: "jump in the zero of {a sensor}",
     about: "from a moment on a sensor reads too much (or too little) by a constant",
     equation: "y = x + b from t ≥ at",
     source: "signal chain",
@@ -30,17 +34,21 @@ pub static KIND: Kind = Kind {
     parameters: &[
         Spec {
             name: "bias",
+            words: "jump",
             unit: OF_CHANNEL,
             scale: Scale::Linear,
             mean: 0.0,
             std: 1.0,
             bounds: (-20.0, 20.0),
             step: 0.1,
+            model_error: Spec::MODEL_ERROR,
             is_main: true,
         },
         Spec::AT_S,
     ],
     course: None,
+    // A wheel whose speed steps has another radius.
+    search: Search { not_of: channel::WHEELS, growth: Growth::Proportional, ..Search::USUAL },
     make: |setting: &Setting<'_>| {
         Box::new(SensorBias { quantity: setting.quantity(), bias: setting.values[0], at: setting.values[1] })
     },

@@ -1,6 +1,6 @@
 //! A late sensor.
 
-use super::{Effect, Kind, Scale, Setting, Spec, channel};
+use super::{Effect, Kind, Scale, Search, Setting, Spec, channel};
 use crate::Quantity;
 
 /// What a sensor says was true a while ago.
@@ -13,6 +13,7 @@ struct SensorDelay {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "sensor_delay",
+    words: "late {sensor}",
     about: "a sensor is later than the others: filtering, or waiting for the bus",
     equation: "y(t) = x(t − T)",
     source: "signal chain",
@@ -22,15 +23,19 @@ pub static KIND: Kind = Kind {
     channels: channel::MEASURED,
     parameters: &[Spec {
         name: "delay_s",
+        words: "delay",
         unit: "s",
         scale: Scale::Linear,
         mean: 0.0,
         std: 0.04,
         bounds: (-0.1, 0.5),
         step: 0.005,
+        model_error: Spec::MODEL_ERROR,
         is_main: true,
     }],
     course: None,
+    // How late an axle's wheels are is an ordinary number.
+    search: Search { not_of: channel::WHEELS, ..Search::USUAL },
     make: |setting: &Setting<'_>| {
         Box::new(SensorDelay { quantity: setting.quantity(), delay: setting.values[0] })
     },

@@ -1,7 +1,7 @@
 //! A sensor whose zero drifts.
 
 use super::{
-    Acting, Course, Effect, Felt, Kind, Now, Readings, Recorded, Setting, Surroundings, channel,
+    Acting, Course, Effect, Felt, Kind, Now, Readings, Recorded, Search, Setting, Surroundings, channel,
     kind::OF_CHANNEL,
 };
 use crate::Quantity;
@@ -16,6 +16,7 @@ struct SensorDrift {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "sensor_drift",
+    words: "drifting zero of {a sensor}",
     about: "a sensor's zero drifts: temperature, a slow reset",
     equation: "y = x + u(t)",
     source: "signal chain",
@@ -27,10 +28,16 @@ pub static KIND: Kind = Kind {
     course: Some(Surroundings {
         unit: OF_CHANNEL,
         rms_name: "drift_rms",
+        words: "drift, rms",
         size: 1.0,
         length_s: 20.0,
         sign: 0.0,
+        shortest_s: 8.0,
+        has_its_mean_in_an_offset: true,
+        ..Surroundings::USUAL
     }),
+    // A torque that drifts is a road grade.
+    search: Search { not_of: channel::TORQUES, ..Search::USUAL },
     make: |setting: &Setting<'_>| {
         Box::new(SensorDrift { quantity: setting.quantity(), drift: setting.course.clone() })
     },

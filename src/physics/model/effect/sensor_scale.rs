@@ -1,6 +1,6 @@
 //! A sensor with a wrong scale.
 
-use super::{Effect, Felt, Kind, Now, Readings, Recorded, Scale, Setting, Spec, channel};
+use super::{Effect, Felt, Kind, Now, Readings, Recorded, Scale, Search, Setting, Spec, channel};
 use crate::Quantity;
 
 /// A sensor reads too much in proportion.
@@ -10,9 +10,19 @@ struct SensorScale {
     relative_error: f64,
 }
 
+/// The scale of the steering wheel's angle is the steering ratio, that of wheel speeds the tires' radii.
+const STEERING_AND_WHEELS: &[Quantity] = &[
+    Quantity::SteeringWheelAngle,
+    Quantity::WheelSpeedFl,
+    Quantity::WheelSpeedFr,
+    Quantity::WheelSpeedRl,
+    Quantity::WheelSpeedRr,
+];
+
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "sensor_scale",
+    words: "wrong scale of {a sensor}",
     about: "a sensor reads too much (or too little) in proportion",
     equation: "y = x (1 + e)",
     source: "signal chain",
@@ -22,15 +32,19 @@ pub static KIND: Kind = Kind {
     channels: channel::MEASURED,
     parameters: &[Spec {
         name: "relative_error",
+        words: "error of the scale",
         unit: "1",
         scale: Scale::Linear,
         mean: 0.0,
         std: 0.05,
         bounds: (-0.9, 4.0),
         step: 0.01,
+        model_error: Spec::MODEL_ERROR,
         is_main: true,
     }],
     course: None,
+    // Maps tell torques, and pads change: a scale of theirs that is off by less is nobody's mistake.
+    search: Search { not_of: STEERING_AND_WHEELS, least_of_torque: Some(0.01), ..Search::USUAL },
     make: |setting: &Setting<'_>| {
         Box::new(SensorScale { quantity: setting.quantity(), relative_error: setting.values[0] })
     },

@@ -1,6 +1,6 @@
 //! A sensor with the wrong sign.
 
-use super::{Channel, Effect, Felt, Kind, Now, Readings, Recorded, Setting};
+use super::{Channel, Effect, Felt, Kind, Now, Readings, Recorded, Search, Setting};
 use crate::Quantity;
 
 /// A sensor that is mounted, wired or described the wrong way round.
@@ -21,6 +21,7 @@ const SIGNED: &[Channel] = &[
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "sensor_sign",
+    words: "wrong sign of {a sensor}",
     about: "a sensor has the wrong sign",
     equation: "y = − x",
     source: "signal chain",
@@ -29,6 +30,7 @@ pub static KIND: Kind = Kind {
     channels: SIGNED,
     parameters: &[],
     course: None,
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| Box::new(SensorSign { quantity: setting.quantity() }),
 };
 

@@ -1,6 +1,6 @@
 //! The front tires turn the steering back.
 
-use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec};
+use super::{Acting, Effect, Kind, Now, Scale, Search, Setting, Spec};
 use crate::model::tire::Shape;
 
 /// Aligning moment = front lateral force × pneumatic trail; it turns the wheels back against the
@@ -19,6 +19,7 @@ const STEPS: usize = 3;
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "steering_compliance",
+    words: "steering compliance",
     about: "the steering is elastic: the front tires' aligning moment turns the wheels back",
     equation: "δ = δ_sw / i − c t F_y,front,  t = 0.05 m",
     source: "Pacejka, Tire and Vehicle Dynamics, ch. 1.3 (steering compliance)",
@@ -28,15 +29,18 @@ pub static KIND: Kind = Kind {
     channels: &[],
     parameters: &[Spec {
         name: "compliance_rad_per_nm",
+        words: "steer angle per aligning moment",
         unit: "rad/(N m)",
         scale: Scale::Linear,
         mean: 0.0,
         std: 7e-05,
         bounds: (0.0, 0.001),
         step: 1e-05,
+        model_error: Spec::MODEL_ERROR,
         is_main: true,
     }],
     course: None,
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| Box::new(SteeringCompliance { compliance: setting.values[0] }),
 };
 

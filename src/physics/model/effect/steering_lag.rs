@@ -1,6 +1,6 @@
 //! The road wheels follow the steering wheel late.
 
-use super::{Acting, Effect, Felt, Kind, Now, Scale, Setting, Spec, lag};
+use super::{Acting, Effect, Felt, Kind, Now, Scale, Search, Setting, Spec, lag};
 
 /// A first-order lag between steering wheel and road wheels; its state is what has arrived.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +11,7 @@ struct SteeringLag {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "steering_lag",
+    words: "steering lag",
     about: "the road wheels follow the steering wheel late (elastic shaft, servo, play of the gear)",
     equation: "T δ̇_s = δ_sw − δ_s,  δ = δ_s / i",
     source: "first-order lag",
@@ -21,15 +22,18 @@ pub static KIND: Kind = Kind {
     channels: &[],
     parameters: &[Spec {
         name: "time_constant_s",
+        words: "time constant",
         unit: "s",
         scale: Scale::Linear,
         mean: 0.0,
         std: 0.06,
         bounds: (0.0, 0.5),
         step: 0.01,
+        model_error: Spec::MODEL_ERROR,
         is_main: true,
     }],
     course: None,
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| Box::new(SteeringLag { time_constant: setting.values[0] }),
 };
 

@@ -1,6 +1,6 @@
 //! The steering gear does not turn the road wheels in proportion.
 
-use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec};
+use super::{Acting, Effect, Kind, Now, Scale, Search, Setting, Spec};
 
 /// A ratio that varies with the steering wheel's angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +14,7 @@ const SMALLEST_SHARE: f64 = 0.2;
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "steering_ratio",
+    words: "varying steering ratio",
     about: "the steering ratio varies with the steering wheel angle",
     equation: "i = i0 (1 − c δ_sw²)",
     source: "progressive steering gear",
@@ -23,15 +24,18 @@ pub static KIND: Kind = Kind {
     channels: &[],
     parameters: &[Spec {
         name: "curvature_per_rad2",
+        words: "curvature of the ratio",
         unit: "1/rad²",
         scale: Scale::Linear,
         mean: 0.0,
         std: 0.15,
         bounds: (-1.0, 1.0),
         step: 0.02,
+        model_error: Spec::MODEL_ERROR,
         is_main: true,
     }],
     course: None,
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| Box::new(SteeringRatio { curvature: setting.values[0] }),
 };
 

@@ -1,6 +1,6 @@
 //! Patches on which the tires are less stiff.
 
-use super::{Acting, Course, Effect, Kind, Now, Scale, Setting, Spec, grip};
+use super::{Acting, Course, Effect, Kind, Now, Scale, Search, Setting, Spec, Surroundings, grip};
 
 /// The share of the contact that lies on a softer (or harder) surface varies.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +12,7 @@ struct SurfaceStiffness {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "surface_stiffness",
+    words: "surface that softens the tires",
     about: "for a while the road makes the tires less stiff, as gravel does, below any limit",
     equation: "C = C_plain (1 + s (f − 1)), along and across",
     source: "thesis 7.1: tire and road as springs in series",
@@ -21,15 +22,18 @@ pub static KIND: Kind = Kind {
     channels: &[],
     parameters: &[Spec {
         name: "stiffness_factor",
+        words: "stiffness factor",
         unit: "1",
         scale: Scale::Logarithmic,
         mean: 0.0,
         std: 0.5,
         bounds: (-3.0, 1.6),
         step: 0.05,
+        model_error: Spec::MODEL_ERROR,
         is_main: true,
     }],
-    course: Some(grip::PATCH),
+    course: Some(Surroundings { settings: &[&[-0.7], &[-1.6]], ..grip::PATCH }),
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| {
         Box::new(SurfaceStiffness { factor: setting.values[0], share: setting.course.clone() })
     },

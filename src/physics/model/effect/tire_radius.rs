@@ -1,6 +1,6 @@
 //! Tires of unequal radius.
 
-use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec};
+use super::{Acting, Effect, Kind, Now, Scale, Search, Setting, Spec};
 
 /// Each wheel's rolling radius, relative to the one of the vehicle table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,15 +9,17 @@ struct TireRadius {
 }
 
 /// Of one wheel.
-const fn difference(name: &'static str) -> Spec {
+const fn difference(name: &'static str, words: &'static str) -> Spec {
     Spec {
         name,
+        words,
         unit: "1",
         scale: Scale::Linear,
         mean: 0.0,
         std: 0.01,
         bounds: (-0.2, 0.2),
         step: 0.001,
+        model_error: Spec::MODEL_ERROR,
         is_main: true,
     }
 }
@@ -25,6 +27,7 @@ const fn difference(name: &'static str) -> Spec {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "tire_radius",
+    words: "unequal tire radii",
     about: "the tires' rolling radii differ: pressure, wear, a spare wheel",
     equation: "r_i = r (1 + e_i)",
     source: "v = r ω",
@@ -33,12 +36,13 @@ pub static KIND: Kind = Kind {
                     the same ratio at every speed and torque",
     channels: &[],
     parameters: &[
-        difference("relative_difference_fl"),
-        difference("relative_difference_fr"),
-        difference("relative_difference_rl"),
-        difference("relative_difference_rr"),
+        difference("relative_difference_fl", "radius, front left wheel"),
+        difference("relative_difference_fr", "radius, front right wheel"),
+        difference("relative_difference_rl", "radius, rear left wheel"),
+        difference("relative_difference_rr", "radius, rear right wheel"),
     ],
     course: None,
+    search: Search { each_number_alone: true, ..Search::USUAL },
     make: |setting: &Setting<'_>| {
         Box::new(TireRadius { relative_difference: std::array::from_fn(|i| setting.values[i]) })
     },

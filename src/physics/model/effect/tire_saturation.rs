@@ -1,6 +1,6 @@
 //! The tires' force has a limit.
 
-use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec, grip};
+use super::{Acting, Effect, Kind, Needs, Now, Scale, Search, Setting, Spec, grip};
 
 /// One friction at all wheels, all the time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +11,7 @@ struct TireSaturation {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "tire_saturation",
+    words: "tire saturation",
     about: "the tires saturate: their force has a limit that the plain model's tires do not have",
     equation: "1/μ = max(1/μ_plain, 1/friction) at all wheels; a linear tire becomes a magic formula (C = \
                1.35, E = −0.3)",
@@ -21,15 +22,18 @@ pub static KIND: Kind = Kind {
     channels: &[],
     parameters: &[Spec {
         name: "friction",
+        words: "friction",
         unit: "1",
         scale: Scale::Inverse,
         mean: 0.0,
         std: 1.0,
         bounds: (0.0, 33.0),
         step: 0.3,
+        model_error: Spec::MODEL_ERROR,
         is_main: true,
     }],
     course: None,
+    search: Search { needs: Needs::LinearTire, ..Search::USUAL },
     make: |setting: &Setting<'_>| Box::new(TireSaturation { inverse: setting.values[0].recip() }),
 };
 

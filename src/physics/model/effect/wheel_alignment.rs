@@ -1,6 +1,6 @@
 //! The front wheels toe in.
 
-use super::{Acting, Effect, Kind, Now, Scale, Setting, Spec};
+use super::{Acting, Effect, Kind, Now, Scale, Search, Setting, Spec};
 
 /// Each front wheel is turned inwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +11,7 @@ struct WheelAlignment {
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "wheel_alignment",
+    words: "wheel alignment",
     about: "the front wheels are not parallel: each is turned inwards (or outwards)",
     equation: "δ_left = δ − toe, δ_right = δ + toe, forces turned with the wheels",
     source: "suspension geometry",
@@ -21,15 +22,18 @@ pub static KIND: Kind = Kind {
     channels: &[],
     parameters: &[Spec {
         name: "toe_rad",
+        words: "toe",
         unit: "rad",
         scale: Scale::Linear,
         mean: 0.0,
         std: 0.005,
         bounds: (-0.05, 0.05),
         step: 0.0005,
+        model_error: Spec::MODEL_ERROR,
         is_main: true,
     }],
     course: None,
+    search: Search::USUAL,
     make: |setting: &Setting<'_>| Box::new(WheelAlignment { toe: setting.values[0] }),
 };
 

@@ -6,7 +6,7 @@ use crate::{Quantity, Sample, Sensors};
 
 /// A drive: samples, and what was true at each of them.
 #[derive(Clone, Debug)]
-pub struct Drive {
+pub struct SimulatedDrive {
     /// The car as it truly is.
     pub vehicle: Vehicle,
     /// What is measured, and how noisy.
@@ -17,7 +17,7 @@ pub struct Drive {
     pub truth: Vec<Truth>,
 }
 
-impl Drive {
+impl SimulatedDrive {
     /// Simulates a scenario whose sensors all read at the truth's period, undelayed: the readings of
     /// one instant are a sample. There is no bus between, and so nothing is rounded to a DBC's steps.
     ///

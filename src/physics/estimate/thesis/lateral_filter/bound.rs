@@ -42,9 +42,11 @@ pub struct Bound {
     pub friction: f64,
 }
 
-/// Spectral density of a steering of which nothing is known, rad²/s³.
+/// Spectral density of a steering of which nothing is known, rad²/s³. Statistical: so much that nothing is assumed
+/// of it.
 const ANY_STEERING: f64 = 1e4;
-/// Motion before the first reading: m/s, rad/s, rad, rad/s.
+/// Motion before the first reading: m/s, rad/s, rad, rad/s. Statistical: wider than any motion the drives begin
+/// with.
 const UNKNOWN_MOTION: [f64; 4] = [0.5, 0.1, 0.1, 1.0];
 
 /// The bound at each row of `truth` (all `step_s` apart). `changed(i)` tells whether the surface is another one

@@ -11,6 +11,22 @@ use crate::estimate::kinematics::Car;
 use crate::filter::{Gaussian, Innovation};
 use crate::{Quantity, Sensors};
 
+/// Tuned with the test `sim2_joint`.
+struct Tuning {
+    /// Widths of the kink, in units of normalized force. Not wider: what is not known of the friction is the same
+    /// at each sample and no noise; far from the kink it must not look like softness.
+    blur: (f64, f64),
+    /// Logarithms this uncertain are not known at all; more is no more.
+    unknown: f64,
+    /// Logarithms of the stiffnesses (0.3 to 100 per rad) stay within these, …
+    stiffness_limits: (f64, f64),
+    /// … and that of the friction (0.02 to 2) within these.
+    friction_limits: (f64, f64),
+}
+
+const TUNING: Tuning =
+    Tuning { blur: (1e-3, 0.03), unknown: 0.5, stiffness_limits: (-1.2, 4.6), friction_limits: (-3.9, 0.7) };
+
 /// Noise of single samples and of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
@@ -68,15 +84,6 @@ pub struct Hypothesis {
 }
 
 impl Hypothesis {
-    /// Widths of the kink, in units of normalized force. Not wider: what is not known of the friction is the
-    /// same at each sample and no noise; far from the kink it must not look like softness.
-    const BLUR: (f64, f64) = (1e-3, 0.03);
-    /// Logarithms this uncertain are not known at all; more is no more.
-    const UNKNOWN: f64 = 0.5;
-    /// Logarithms of the stiffnesses (0.3 to 100 per rad) and of the friction (0.02 to 2) stay within these.
-    const STIFFNESS_LIMITS: (f64, f64) = (-1.2, 4.6);
-    const FRICTION_LIMITS: (f64, f64) = (-3.9, 0.7);
-
     /// Width of the kink by what is not known, front and rear.
     fn blur(&self, model: &Model, inputs: &Inputs, angle: f64) -> [f64; 2] {
         if !model.has_kink() {
@@ -91,7 +98,7 @@ impl Hypothesis {
                     variance += row[i] * p[(i, j)] * row[j];
                 }
             }
-            variance.sqrt().clamp(Self::BLUR.0, Self::BLUR.1)
+            variance.sqrt().clamp(TUNING.blur.0, TUNING.blur.1)
         })
     }
 
@@ -155,7 +162,7 @@ impl Hypothesis {
 
     /// Surface and tires change on their own.
     pub fn walk(&mut self, walk: &Walk, elapsed_s: f64) {
-        let unknown = Self::UNKNOWN * Self::UNKNOWN;
+        let unknown = TUNING.unknown * TUNING.unknown;
         let p = &self.state.covariance;
         let common =
             p[(FRONT, FRONT)] < unknown && p[(REAR, REAR)] < unknown && p[(FRICTION, FRICTION)] < unknown;
@@ -247,9 +254,9 @@ impl Hypothesis {
     fn keep_within_limits(&mut self) {
         let x = &mut self.state.mean;
         for (i, (low, high)) in [
-            (FRONT, Self::STIFFNESS_LIMITS),
-            (REAR, Self::STIFFNESS_LIMITS),
-            (FRICTION, Self::FRICTION_LIMITS),
+            (FRONT, TUNING.stiffness_limits),
+            (REAR, TUNING.stiffness_limits),
+            (FRICTION, TUNING.friction_limits),
         ] {
             x[i] = x[i].clamp(low, high);
         }

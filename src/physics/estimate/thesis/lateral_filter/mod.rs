@@ -40,6 +40,40 @@ use crate::filter::{Gaussian, Innovation, LearnedNoise};
 use crate::model::tire::Tire;
 use crate::model::{DrivenAxle, GRAVITY};
 
+/// Tuned with the test `sim2_joint`.
+struct Tuning {
+    /// One sample counts as evidence up to this: a single outlier is no change of surface.
+    evidence_clip: f64,
+    /// When the agile hypothesis has explained so much less (ln), it starts again from the steady one.
+    trailing: f64,
+    /// Motion of which nothing is known yet: lateral velocity m/s, yaw rate rad/s, angle rad, its rate rad/s.
+    unknown_motion: [f64; 4],
+    /// Without a sample for this long the motion is unknown, s.
+    gap_s: f64,
+    /// Relative standard deviation of a stiffness that starts as known: tires wear.
+    least_prior_std: f64,
+    /// Lateral acceleration from which a sample tells something of the stiffness, m/s².
+    informative: f64,
+    /// Redundancy of readings up to which they count as independent.
+    by_chance: f64,
+    /// A stiffness this uncertain (relative) is not given out.
+    unknown: f64,
+    /// Learned noise this many times (variance) the promised one is no longer a sensor's.
+    noise_limit: f64,
+}
+
+const TUNING: Tuning = Tuning {
+    evidence_clip: 4.0,
+    trailing: 10.0,
+    unknown_motion: [0.5, 0.1, 0.1, 0.5],
+    gap_s: 0.1,
+    least_prior_std: 0.05,
+    informative: 0.3,
+    by_chance: 1.15,
+    unknown: 0.25,
+    noise_limit: 100.0,
+};
+
 /// The filter.
 #[derive(Clone, Debug)]
 pub struct LateralFilter {
@@ -66,25 +100,6 @@ pub struct LateralFilter {
 }
 
 impl LateralFilter {
-    /// One sample counts as evidence up to this: a single outlier is no change of surface.
-    const EVIDENCE_CLIP: f64 = 4.0;
-    /// When the agile hypothesis has explained so much less (ln), it starts again from the steady one.
-    const TRAILING: f64 = 10.0;
-    /// Motion of which nothing is known yet: lateral velocity m/s, yaw rate rad/s, angle rad, its rate rad/s.
-    const UNKNOWN_MOTION: [f64; 4] = [0.5, 0.1, 0.1, 0.5];
-    /// Without a sample for this long the motion is unknown, s.
-    const GAP_S: f64 = 0.1;
-    /// Relative standard deviation of a stiffness that starts as known: tires wear.
-    const LEAST_PRIOR_STD: f64 = 0.05;
-    /// Lateral acceleration from which a sample tells something of the stiffness, m/s².
-    const INFORMATIVE: f64 = 0.3;
-    /// Redundancy of readings up to which they count as independent.
-    const BY_CHANCE: f64 = 1.15;
-    /// A stiffness this uncertain (relative) is not given out.
-    const UNKNOWN: f64 = 0.25;
-    /// Learned noise this many times (variance) the promised one is no longer a sensor's.
-    const NOISE_LIMIT: f64 = 100.0;
-
     /// Starts from the vehicle's priors, on tires of this kind.
     pub fn new(
         car: &Car,
@@ -121,7 +136,7 @@ impl LateralFilter {
         let mut mean = [0.0; STATES];
         let mut std = [0.0; STATES];
         for (i, (value, deviation)) in [FRONT, REAR].into_iter().zip(car.cornering_prior) {
-            (mean[i], std[i]) = (value.ln(), (deviation / value).max(Self::LEAST_PRIOR_STD));
+            (mean[i], std[i]) = (value.ln(), (deviation / value).max(TUNING.least_prior_std));
         }
         (mean[FRICTION], std[FRICTION]) = (config.initial_friction.ln(), config.initial_friction_std);
         std[AY_OFFSET] = config.acceleration_offset_std;
@@ -143,7 +158,7 @@ impl LateralFilter {
         let elapsed_s = now.elapsed_s;
         let inputs = self.inputs(now, &cornering);
         let density = self.activity.step(cornering.road_angle, elapsed_s) * self.config.steering_margin;
-        let before = self.before.replace(inputs).filter(|_| elapsed_s <= Self::GAP_S);
+        let before = self.before.replace(inputs).filter(|_| elapsed_s <= TUNING.gap_s);
         let noise = self.noise();
         let walks = [self.config.steady(), self.config.agile()];
         for (hypothesis, walk) in [&mut self.steady, &mut self.agile].into_iter().zip(walks) {
@@ -168,7 +183,7 @@ impl LateralFilter {
         }
         self.verdict = Some(steady);
         self.idle_s = 0.0;
-        if cornering.lateral_acceleration.abs() > Self::INFORMATIVE {
+        if cornering.lateral_acceleration.abs() > TUNING.informative {
             self.age_s = 0.0;
             self.informed = true;
         }
@@ -190,7 +205,7 @@ impl LateralFilter {
     pub fn stiffness(&self) -> [Option<Estimate>; 2] {
         [FRONT, REAR].map(|i| {
             let relative = self.steady.state.std(i).hypot(self.car.cornering_scale_std[i - FRONT]);
-            (self.informed && relative < Self::UNKNOWN).then(|| self.estimate(i, relative))
+            (self.informed && relative < TUNING.unknown).then(|| self.estimate(i, relative))
         })
     }
 
@@ -234,7 +249,7 @@ impl LateralFilter {
     pub fn is_consistent(&self) -> bool {
         self.learned
             .iter()
-            .all(|noise| noise.nis() < self.config.inconsistent_nis && noise.scale() < Self::NOISE_LIMIT)
+            .all(|noise| noise.nis() < self.config.inconsistent_nis && noise.scale() < TUNING.noise_limit)
     }
 
     /// The surface changed, as another filter noticed.
@@ -256,7 +271,7 @@ impl LateralFilter {
     /// How many readings are worth one. A correlation that white noise shows by chance is none.
     fn repeated(noise: &LearnedNoise) -> f64 {
         let redundancy = noise.redundancy();
-        if redundancy < Self::BY_CHANCE { 1.0 } else { redundancy }
+        if redundancy < TUNING.by_chance { 1.0 } else { redundancy }
     }
 
     /// Speed, and the longitudinal forces from the torque; where that is not on the bus, and in braking,
@@ -283,7 +298,7 @@ impl LateralFilter {
 
     /// The motion is not known yet, tires and sensors are.
     fn start_motion(car: &Car, hypothesis: &mut Hypothesis, now: &Cornering) {
-        let [vy_std, yaw_std, angle_std, rate_std] = Self::UNKNOWN_MOTION;
+        let [vy_std, yaw_std, angle_std, rate_std] = TUNING.unknown_motion;
         let vy = car.steady_lateral_velocity(now.speed, now.yaw_rate, now.lateral_acceleration);
         hypothesis.state.forget(VY, vy, vy_std);
         hypothesis.state.forget(YAW, now.yaw_rate, yaw_std);
@@ -297,10 +312,10 @@ impl LateralFilter {
             self.start_again();
             return false;
         }
-        let gain = gain.clamp(-Self::EVIDENCE_CLIP, Self::EVIDENCE_CLIP);
+        let gain = gain.clamp(-TUNING.evidence_clip, TUNING.evidence_clip);
         self.evidence = (self.evidence + gain).max(0.0);
         self.trailing = (self.trailing - gain).max(0.0);
-        if self.trailing > Self::TRAILING {
+        if self.trailing > TUNING.trailing {
             self.trailing = 0.0;
             self.agile = self.steady.clone();
         }

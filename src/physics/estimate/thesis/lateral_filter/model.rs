@@ -117,7 +117,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// Friction left across the car when all is used along it, of what there is.
+    /// Friction left across the car when all is used along it, of what there is. Tuned with the test `sim2_joint`.
     const LEAST_SHARE: f64 = 0.05;
 
     /// For a car on tires of this kind.

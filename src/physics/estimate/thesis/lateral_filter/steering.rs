@@ -1,5 +1,19 @@
 //! How lively the driver's hands are.
 
+/// Tuned with the test `sim2_joint`.
+struct Tuning {
+    /// How fast the density follows: ln per unit of excess NIS and sample.
+    gain: f64,
+    /// NIS counts up to this.
+    clip: f64,
+    /// Limits of the density, rad²/s³.
+    limits: (f64, f64),
+    /// The density to begin with, rad²/s³.
+    start: f64,
+}
+
+const TUNING: Tuning = Tuning { gain: 0.02, clip: 9.0, limits: (1e-6, 1e3), start: 0.1 };
+
 /// Learns the spectral density of the steering's angular acceleration from the steering readings alone, so
 /// that a filter of them neither lags behind the hands nor follows the sensor's noise.
 ///
@@ -16,17 +30,9 @@ pub struct SteeringActivity {
 }
 
 impl SteeringActivity {
-    /// How fast the density follows: ln per unit of excess NIS and sample.
-    const GAIN: f64 = 0.02;
-    /// NIS counts up to this.
-    const CLIP: f64 = 9.0;
-    /// Limits of the density, rad²/s³.
-    const LIMITS: (f64, f64) = (1e-6, 1e3);
-    const START: f64 = 0.1;
-
     /// `variance`: of a reading, rad².
     pub fn new(variance: f64) -> Self {
-        Self { angle: 0.0, rate: 0.0, covariance: [1.0, 0.0, 1.0], density: Self::START, variance }
+        Self { angle: 0.0, rate: 0.0, covariance: [1.0, 0.0, 1.0], density: TUNING.start, variance }
     }
 
     /// Takes a reading, rad; returns the density, rad²/s³.
@@ -44,11 +50,11 @@ impl SteeringActivity {
         self.angle += gains[0] * residual;
         self.rate += gains[1] * residual;
         self.covariance = [aa - gains[0] * aa, ar - gains[0] * ar, rr - gains[1] * ar];
-        let surprise = (residual * residual / total).min(Self::CLIP) - 1.0;
+        let surprise = (residual * residual / total).min(TUNING.clip) - 1.0;
         if surprise.is_finite() {
-            self.density *= 1.0 + Self::GAIN * surprise;
+            self.density *= 1.0 + TUNING.gain * surprise;
         }
-        self.density = self.density.clamp(Self::LIMITS.0, Self::LIMITS.1);
+        self.density = self.density.clamp(TUNING.limits.0, TUNING.limits.1);
         self.density
     }
 }

@@ -1,0 +1,36 @@
+//! The question and its answer.
+
+use super::chain::ChainReport;
+use super::model::Model;
+use super::predict::Recording;
+use super::result::Explanation;
+use physics::model::Vehicle;
+use physics::model::effect::{EffectConfig, Kind};
+
+/// What there is to explain.
+#[derive(Debug)]
+pub struct Case<'a> {
+    /// The car, with what is uncertain of it.
+    pub vehicle: &'a Vehicle,
+    /// Effects that the configuration switches on: they belong to the plain model here.
+    pub effects: &'a [EffectConfig],
+    /// Recordings, the held-out ones last.
+    pub recordings: &'a [Recording],
+    /// How many of them the user has set apart.
+    pub held_out: usize,
+    /// What the audit of the measurement chain says of each.
+    pub chain: &'a [ChainReport],
+    /// What could be missing: [`KINDS`](physics::model::effect::KINDS), or some of them.
+    pub library: &'a [&'static Kind],
+    /// For what is drawn at random.
+    pub seed: u64,
+}
+
+/// An answer with the model it speaks of.
+#[derive(Debug)]
+pub struct Answer<'a> {
+    /// The answer.
+    pub explanation: Explanation,
+    /// The extended model, with its courses smoothed over all readings of the first recording.
+    pub model: Model<'a>,
+}

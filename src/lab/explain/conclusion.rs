@@ -1,0 +1,23 @@
+//! What the search and the verdict came to.
+
+use super::case::Case;
+use super::fit::{Data, Fit};
+use super::predict::Drive;
+use super::result::Verdict;
+use super::select::Selection;
+
+/// Everything that an answer is made of.
+pub struct Conclusion<'c, 'a> {
+    /// What there was to explain.
+    pub case: &'c Case<'a>,
+    /// Its recordings on the filter's grid.
+    pub drives: &'c [Drive],
+    /// The same with their split.
+    pub data: &'c Data<'c>,
+    /// The plain model with unknown forces.
+    pub corrected: &'c Fit<'a>,
+    /// What was chosen.
+    pub selection: &'c Selection<'a>,
+    /// What it came to.
+    pub verdict: Verdict,
+}

@@ -1,4 +1,4 @@
-//! `gripd identify` as its users meet it: the worked example of the README, what it says and what it does not.
+//! `gripd identify` as its users meet it: the worked example of the guide, what it says and what it does not.
 
 use std::fs;
 use std::path::PathBuf;

@@ -174,7 +174,7 @@ fn tables_are_the_same_in_parquet_as_in_csv() {
     assert!(lines[1].starts_with("samples ") && lines[1].ends_with(" Float64"), "{told}");
 }
 
-/// A hundredth of a fleet, as the README's example has it.
+/// A hundredth of a fleet, as the guide's example has it.
 #[test]
 fn a_fleet_is_worked_through_by_polars() {
     let Some(python) = testing::peers() else { return };

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cornering::CorneringConfig;
 use super::mapping::MappingConfig;
-use super::thesis::{JointEkfConfig, LateralVelocitySource};
+use super::thesis::config::{JointEkfConfig, LateralVelocitySource};
 
 /// `[estimators]`. Everything has a default that suits a passenger car with ESP-grade sensors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -7,9 +7,10 @@
 
 use nalgebra::vector;
 
+use super::config::SlopeConfig;
+use super::kinematics::Car;
 use super::learned::{Known, Learned, Trial};
 use super::traction::TractionPoint;
-use super::{Car, SlopeConfig};
 use crate::estimates::Estimate;
 use crate::filter::{Cusum, Gaussian, Innovation, InnovationMonitor, LearnedNoise};
 use crate::{Quantity, Sensors, Wheel};

@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::Pair;
 use crate::estimate::abs_braking::{AbsBraking, AbsProblem, AbsRecord};
-use crate::estimate::{Car, Kinematics};
+use crate::estimate::kinematics::{Car, Kinematics};
 use crate::estimates::Estimate;
 use crate::model::{DrivenAxle, GRAVITY, Vehicle};
 use crate::{Estimates, Micros, Quantity, Sample, Sensors, Wheel};

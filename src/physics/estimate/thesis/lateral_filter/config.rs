@@ -47,6 +47,7 @@ pub struct LateralFilterConfig {
 }
 
 impl Default for LateralFilterConfig {
+    /// Tuned with the test `sim2_joint`.
     fn default() -> Self {
         Self {
             steady_walk: 0.002,

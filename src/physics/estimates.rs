@@ -34,6 +34,26 @@ pub enum State {
     NoInput,
 }
 
+impl State {
+    /// All, each in the place of its number on the bus.
+    pub const ALL: [Self; 4] = [Self::Starting, Self::Running, Self::Degraded, Self::NoInput];
+
+    /// As in the DBC's value table.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Starting => "starting",
+            Self::Running => "running",
+            Self::Degraded => "degraded",
+            Self::NoInput => "no_input",
+        }
+    }
+
+    /// The one that the value table calls so.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|state| state.name() == name)
+    }
+}
+
 /// Where the published friction comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MuSource {
@@ -55,6 +75,15 @@ pub enum MuSource {
 }
 
 impl MuSource {
+    /// All, each in the place of its number on the bus.
+    pub const ALL: [Self; 7] =
+        [Self::None, Self::LowerBound, Self::SlopeMap, Self::Brush, Self::Joint, Self::Abs, Self::Limit];
+
+    /// The one that the value table calls so.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|source| source.name() == name)
+    }
+
     /// As in the CSV and in the DBC's value table.
     pub const fn name(self) -> &'static str {
         match self {
@@ -191,4 +220,20 @@ pub struct Estimates {
     pub faults: Faults,
     /// Frames lost before gripd could see them, since start.
     pub dropped_frames: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_names_on_the_bus_are_the_places_and_their_own() {
+        for (place, source) in MuSource::ALL.into_iter().enumerate() {
+            assert_eq!((source as usize, MuSource::named(source.name())), (place, Some(source)));
+        }
+        for (place, state) in State::ALL.into_iter().enumerate() {
+            assert_eq!((state as usize, State::named(state.name())), (place, Some(state)));
+        }
+        assert_eq!((MuSource::named(""), State::named("")), (None, None));
+    }
 }

@@ -6,7 +6,7 @@
 
 use thiserror::Error;
 
-use super::{Car, Kinematics};
+use super::kinematics::{Car, Kinematics};
 use crate::model::GRAVITY;
 
 /// Tuned: the deviations and the pause with the test `calibrate`, the rest with no test on record.

@@ -5,7 +5,7 @@
 //! seconds, and tells a wheel near its limit, which slips much further than its stiffness has it, from one that is
 //! braked less. Where the ABS works, one wheel is at its limit; here is whether the others are.
 
-use super::{Car, Kinematics};
+use super::kinematics::{Car, Kinematics};
 use crate::Wheel;
 use crate::estimates::Estimate;
 use crate::model::GRAVITY;

@@ -11,7 +11,7 @@
 
 use nalgebra::{Matrix3, Vector3, vector};
 
-use super::BrushConfig;
+use super::config::BrushConfig;
 use crate::filter::{Cusum, Gaussian, LearnedNoise};
 
 /// Tuned: the uncertainties with the tests `calibrate` and `sim3`, the rest with `campaign`.

@@ -3,8 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::cornering::CorneringConfig;
+use super::learned::Known;
 use super::mapping::MappingConfig;
-use super::thesis::{JointEkfConfig, LateralVelocitySource};
+use super::thesis::config::{JointEkfConfig, LateralVelocitySource};
+use crate::estimates::Estimate;
 
 /// `[estimators]`. Everything has a default that suits a passenger car with ESP-grade sensors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,6 +35,7 @@ pub struct EstimatorsConfig {
 impl Default for EstimatorsConfig {
     fn default() -> Self {
         Self {
+            // Physical: below, wheel speeds are too coarse and may have lost their sign.
             minimum_speed_mps: 4.0,
             slope: SlopeConfig::default(),
             cornering: CorneringConfig::default(),
@@ -112,6 +115,9 @@ pub struct SlopeConfig {
 }
 
 impl Default for SlopeConfig {
+    /// Tuned with the tests `accuracy` and `sim3`, `feigned_slip` and what is unseen with `long_drives`. Statistical
+    /// are drift and threshold of the CUSUM: with innovations that are white and normal one false alarm in 10⁸
+    /// blocks, a year of driving (Siegmund's formula, see [`Cusum`](crate::filter::Cusum)).
     fn default() -> Self {
         Self {
             block_s: 0.25,
@@ -135,6 +141,31 @@ impl Default for SlopeConfig {
     }
 }
 
+/// What holds for a slope by whatever means it was found.
+impl SlopeConfig {
+    /// A compliance is at first uncertain by this share of itself at least, however sure the data sheet or an
+    /// earlier drive: the surface is the road's. Tuned with the test `learned`.
+    pub(super) const SURFACE_STD: f64 = 0.3;
+    /// A slope this uncertain (relative) is not given out at all. Tuned, no test on record.
+    pub(super) const UNKNOWN_STD: f64 = 0.5;
+
+    /// How uncertain, relative, what an earlier drive knew is now: half of what makes it valid has to be news.
+    pub(super) fn earlier_std(&self, slope: Known) -> f64 {
+        let news = std::f64::consts::SQRT_2 * self.valid_relative_std;
+        Self::SURFACE_STD.max(news).max(slope.std / slope.value)
+    }
+
+    /// Sure enough to be worth keeping, and, as long as it is fresh, to be acted upon.
+    pub(super) fn is_known_well(&self, slope: &Estimate) -> bool {
+        slope.std <= self.valid_relative_std * slope.value
+    }
+
+    /// Known well, and lately.
+    pub(super) fn is_valid(&self, slope: &Estimate) -> bool {
+        self.is_known_well(slope) && slope.age_s <= self.valid_age_s
+    }
+}
+
 /// `[estimators.brush]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -154,6 +185,7 @@ pub struct BrushConfig {
 }
 
 impl Default for BrushConfig {
+    /// Tuned: `friction_walk` with the test `campaign`, the rest with no test on record.
     fn default() -> Self {
         Self { initial_mu: 0.9, walk: 0.01, friction_walk: 0.03, compensate: true, calibrate: true }
     }
@@ -178,6 +210,7 @@ pub struct FrictionConfig {
 }
 
 impl Default for FrictionConfig {
+    /// Tuned with the test `campaign`: what is valid may be wrong in so few drives.
     fn default() -> Self {
         Self {
             surface_lasts_s: 10.0,

@@ -10,10 +10,11 @@
 use super::abs_braking::AbsFriction;
 use super::belief::{Belief, HIGHEST, Use};
 use super::brush::BrushFriction;
+use super::config::FrictionConfig;
 use super::cornering::LateralLimit;
+use super::kinematics::{Car, Kinematics};
 use super::mapping::MappedFriction;
 use super::saturation::LimitFriction;
-use super::{Car, FrictionConfig, Kinematics};
 use crate::estimates::{Friction, MuSource};
 use crate::filter::Fading;
 use crate::model::GRAVITY;

@@ -20,8 +20,9 @@
 
 use nalgebra::{SMatrix, SVector, vector};
 
+use super::config::SlopeConfig;
+use super::kinematics::{Car, Kinematics};
 use super::learned::{Known, Learned};
-use super::{Car, Kinematics, SlopeConfig};
 use crate::estimates::Estimate;
 use crate::filter::{Gaussian, LearnedNoise};
 use crate::model::GRAVITY;

@@ -14,8 +14,9 @@
 //! driven wheels.
 
 use super::block::BlockBuilder;
+use super::config::SlopeConfig;
+use super::kinematics::{Car, Kinematics};
 use super::traction::Traction;
-use super::{Car, Kinematics, SlopeConfig};
 use crate::estimates::Estimate;
 use crate::model::GRAVITY;
 use crate::{Quantity, Sensors, Wheel};

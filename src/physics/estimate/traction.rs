@@ -1,7 +1,8 @@
 //! Slip and normalized traction force of the driven wheels, from a block of samples.
 
 use super::block::Block;
-use super::{Car, SlopeConfig};
+use super::config::SlopeConfig;
+use super::kinematics::Car;
 use crate::model::{DrivenAxle, GRAVITY};
 use crate::{Quantity, Sensors, Wheel};
 

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::findings::Findings;
 use bus::watch::Round;
 use lab::report::number;
+use physics::estimates::{MuSource, State};
 
 /// Above the lines. Brackets: published, but not valid yet.
 pub const HEADER: &str = "\
@@ -31,8 +32,8 @@ pub fn line(round: &Round, changes_before: u32) -> String {
         number(round.mu_used, 2),
         number(round.mu_low, 2),
         bracketed(round.mu_max, 2, 6, round.mu_valid),
-        round.mu_source.replace('_', " "),
-        round.state
+        round.mu_source.map_or("", MuSource::name).replace('_', " "),
+        round.state.map_or("", State::name)
     );
     if round.surface_changes > changes_before {
         line += "  << surface change";

@@ -9,6 +9,7 @@ use bus::watch::{
     source_words, state_words,
 };
 use lab::report::number;
+use physics::estimates::State;
 use physics::{Micros, Wheel};
 
 /// A heading and lines.
@@ -57,7 +58,7 @@ impl Teller<'_> {
             self.look.text(tone, format!("{:>5}", number(round.mu_max, 2))),
             self.look.text(Tone::Plain, format!("  {interval}")),
         ]);
-        let source = if round.mu_source.is_empty() { "–" } else { source_words(&round.mu_source) };
+        let source = round.mu_source.map_or("–", |source| source_words(Some(source)));
         let from =
             Line::from(vec![self.look.text(Tone::Quiet, "known from "), self.look.text(Tone::Plain, source)]);
         let used = Line::from(vec![
@@ -127,15 +128,17 @@ impl Teller<'_> {
     /// State and faults in words.
     pub fn state(&self) -> Section {
         let (round, word) = self.round_of("GRIP_STATUS");
-        let mark = match (word, round.state.as_str()) {
+        let mark = match (word, round.state) {
             (Word::Never, _) => None,
             (Word::Stale(age), _) => Some((Tone::Bad, format!("stale, {}", age_words(age)))),
-            (_, "running") => Some((Tone::Good, "running".into())),
-            (_, other) => Some((Tone::Doubtful, other.replace('_', " "))),
+            (_, Some(State::Running)) => Some((Tone::Good, "running".into())),
+            (_, other) => {
+                Some((Tone::Doubtful, other.map_or_else(String::new, |s| s.name().replace('_', " "))))
+            }
         };
         let mut lines = Vec::new();
-        if !matches!(word, Word::Never) && round.state != "running" {
-            lines.push(Line::from(self.look.text(Tone::Plain, state_words(&round.state))));
+        if !matches!(word, Word::Never) && round.state != Some(State::Running) {
+            lines.push(Line::from(self.look.text(Tone::Plain, state_words(round.state))));
         }
         let faults = self.watch.faults();
         for fault in faults.iter() {

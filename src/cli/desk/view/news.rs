@@ -11,6 +11,7 @@ use bus::watch::{
     Column, Heard, InputNow, Link, Row, Told, Traffic as Counted, Watch, Word, fault_words, quantity_label,
     quantity_shown, source_words, state_words,
 };
+use physics::estimates::{MuSource, State};
 use physics::{Faults, Micros};
 
 /// What does not change.
@@ -24,8 +25,8 @@ pub fn meta(subject: &Subject) -> String {
         "columns": Column::all().map(Column::name).collect::<Vec<_>>(),
         "inputs": inputs,
         "driven": driven,
-        "states": Row::STATES,
-        "sources": Row::SOURCES,
+        "states": State::ALL.map(State::name),
+        "sources": MuSource::ALL.map(MuSource::name),
         "faults": faults,
     })
     .to_string()
@@ -123,7 +124,7 @@ pub fn now(watch: &Watch, remark: &str) -> String {
         warn,
         remark: remark.to_owned(),
         own: watch.told() == Told::ByOwn,
-        source: source_words(&watch.last_round().mu_source),
+        source: source_words(watch.last_round().mu_source),
         estimates: Column::all().filter_map(estimate).collect(),
         words: watch.messages().map(|(heard, word)| (heard.name(), word_of(word).0)).collect(),
         faults: faults(watch),
@@ -156,10 +157,10 @@ fn told(watch: &Watch, remark: &str) -> (String, bool) {
     if !remark.is_empty() {
         // What it did then it does no more.
         text += &format!("; {remark}.");
-    } else if round.state.is_empty() {
+    } else if round.state.is_none() {
         text += ".";
     } else {
-        text += &format!("; {}.", state_words(&round.state));
+        text += &format!("; {}.", state_words(round.state));
     }
     if let Some(silence) = watch.silence().filter(|silence| *silence > Micros(1_000_000)) {
         text += &format!(" Nothing has come for {:.0} s.", silence.seconds());

@@ -46,6 +46,7 @@ pub struct JointEkfConfig {
 }
 
 impl Default for JointEkfConfig {
+    /// Tuned with the test `thesis_lateral`: the thesis does not tell its own.
     fn default() -> Self {
         Self { stiffness_walk: 0.01, lateral_noise: 0.1, yaw_noise: 0.05 }
     }

@@ -11,7 +11,7 @@
 //! * [`lateral_filter`]: our own filter on a tire that saturates, for the experiments beside the thesis.
 
 mod bicycle_filter;
-mod config;
+pub(super) mod config;
 mod dahl_ekf;
 mod joint_ekf;
 mod kinematic_observer;

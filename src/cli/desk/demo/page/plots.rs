@@ -6,6 +6,7 @@ use super::super::findings::{Surface, driven};
 use super::super::row::Row;
 use super::{Story, side};
 use lab::report::{Color, Mark, Page, Plot, PlotError, Segment, Span, Stroke};
+use physics::estimates::MuSource;
 use physics::model::Truth;
 
 impl Story<'_> {
@@ -129,9 +130,11 @@ impl Story<'_> {
         // A bar for each, named beside it: colours enough are taken above.
         let mut told = Vec::new();
         for (source, name, text) in SOURCES {
-            if self.rows.iter().any(|row| row.round.mu_source == *source) {
-                plot = plot
-                    .bar(name, self.segments(|row| (row.round.mu_source == *source).then_some(Color::Muted)));
+            if self.rows.iter().any(|row| row.round.mu_source == Some(*source)) {
+                plot = plot.bar(
+                    name,
+                    self.segments(|row| (row.round.mu_source == Some(*source)).then_some(Color::Muted)),
+                );
                 told.push(format!("{name}: {text}"));
             }
         }
@@ -301,11 +304,11 @@ impl Story<'_> {
 }
 
 /// Where the friction comes from: as published, beside its bar, and in words.
-const SOURCES: &[(&str, &str, &str)] = &[
-    ("lower_bound", "bound", "a lower bound only"),
-    ("slope_map", "slope", "the slip slope"),
-    ("brush", "brush", "the curvature, by the brush model"),
-    ("joint", "joint", "the joint lateral filter"),
-    ("abs", "ABS", "an ABS braking"),
-    ("limit", "spinning", "spinning wheels"),
+const SOURCES: &[(MuSource, &str, &str)] = &[
+    (MuSource::LowerBound, "bound", "a lower bound only"),
+    (MuSource::SlopeMap, "slope", "the slip slope"),
+    (MuSource::Brush, "brush", "the curvature, by the brush model"),
+    (MuSource::Joint, "joint", "the joint lateral filter"),
+    (MuSource::Abs, "ABS", "an ABS braking"),
+    (MuSource::Limit, "spinning", "spinning wheels"),
 ];

@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::hypothesis::Walk;
-
 /// `[estimators.lateral_filter]`. Walks are relative to the value, 1/√s; standard deviations of stiffness
 /// and friction are those of their logarithm.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,6 +47,7 @@ pub struct LateralFilterConfig {
 }
 
 impl Default for LateralFilterConfig {
+    /// Tuned with the test `sim2_joint`.
     fn default() -> Self {
         Self {
             steady_walk: 0.002,
@@ -71,6 +70,17 @@ impl Default for LateralFilterConfig {
             inconsistent_nis: 4.0,
         }
     }
+}
+
+/// Relative walks of the tires' parameters, variance per second.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Walk {
+    /// Common to both stiffnesses and the friction: the surface.
+    pub common: f64,
+    /// Of each stiffness on its own.
+    pub stiffness: f64,
+    /// Of the friction on its own.
+    pub friction: f64,
 }
 
 impl LateralFilterConfig {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
-use super::config::LateralFilterConfig;
+use super::config::{LateralFilterConfig, Walk};
 use super::model::{
     ANGLE, ANGLE_OFFSET, ANGLE_RATE, AY_OFFSET, BANK, Covariance, FRICTION, FRONT, Inputs, Model, REAR,
     Rates, Row, STATES, VY, YAW, YAW_OFFSET,
@@ -54,17 +54,6 @@ impl Noise {
             moment: config.yaw_noise.powi(2),
         }
     }
-}
-
-/// Relative walks of the tires' parameters, variance per second.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Walk {
-    /// Common to both stiffnesses and the friction: the surface.
-    pub common: f64,
-    /// Of each stiffness on its own.
-    pub stiffness: f64,
-    /// Of the friction on its own.
-    pub friction: f64,
 }
 
 /// What a sample said to a hypothesis.

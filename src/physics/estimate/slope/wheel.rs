@@ -1,26 +1,16 @@
-//! Longitudinal slip slope and slip offset of each driven wheel (thesis 5.2.1, eqs. 5.3–5.5).
-//!
-//! s = μ/k + δ₀ + e: a Kalman filter on (1/k, δ₀), and a CUSUM detector that multiplies the process
-//! noise of 1/k for one block when the surface changes. Beyond the thesis the noise of e is learned
-//! from the innovations (size and correlation), so that the interval is as wide as the car's wheel
-//! speeds deserve, and noise in μ is accounted for.
+//! One wheel's slip curve near its origin: slip = μ/k + δ₀.
 
 use nalgebra::vector;
 
-use super::learned::{Known, Learned, Trial};
-use super::traction::TractionPoint;
-use super::{Car, SlopeConfig};
+use crate::estimate::config::SlopeConfig;
+use crate::estimate::learned::{Known, Trial};
+use crate::estimate::traction::TractionPoint;
 use crate::estimates::Estimate;
-use crate::filter::{Cusum, Gaussian, Innovation, InnovationMonitor, LearnedNoise};
-use crate::{Quantity, Sensors, Wheel};
+use crate::filter::{Gaussian, LearnedNoise};
 
 /// Tuned with the tests `accuracy`, `sim3` (changes, force beyond the known), `learned` (between drives) and
 /// `long_drives` (dwelling).
 struct Tuning {
-    /// Evidence teaches what is usual while the change detector is calmer than this, …
-    suspicious: f64,
-    /// … and the evidence itself is below this many standard deviations.
-    unusual: f64,
     /// Blocks that the learned noise remembers.
     noise_memory: f64,
     /// Normalized innovations count up to this, so that one bad block is no change of surface.
@@ -48,8 +38,6 @@ struct Tuning {
 }
 
 const TUNING: Tuning = Tuning {
-    suspicious: 0.3,
-    unusual: 3.0,
     noise_memory: 120.0,
     clip: 4.0,
     changes: (0.6, 1.5),
@@ -63,153 +51,11 @@ const TUNING: Tuning = Tuning {
     known_s: (4.0, 120.0),
 };
 
-/// What holds for a slope by whatever means it was found.
-impl SlopeConfig {
-    /// A compliance is at first uncertain by this share of itself at least, however sure the data sheet or an
-    /// earlier drive: the surface is the road's. Tuned with the test `learned`.
-    pub(super) const SURFACE_STD: f64 = 0.3;
-    /// A slope this uncertain (relative) is not given out at all. Tuned, no test on record.
-    pub(super) const UNKNOWN_STD: f64 = 0.5;
-
-    /// How uncertain, relative, what an earlier drive knew is now: half of what makes it valid has to be news.
-    pub(super) fn earlier_std(&self, slope: Known) -> f64 {
-        let news = std::f64::consts::SQRT_2 * self.valid_relative_std;
-        Self::SURFACE_STD.max(news).max(slope.std / slope.value)
-    }
-
-    /// Sure enough to be worth keeping, and, as long as it is fresh, to be acted upon.
-    pub(super) fn is_known_well(&self, slope: &Estimate) -> bool {
-        slope.std <= self.valid_relative_std * slope.value
-    }
-
-    /// Known well, and lately.
-    pub(super) fn is_valid(&self, slope: &Estimate) -> bool {
-        self.is_known_well(slope) && slope.age_s <= self.valid_age_s
-    }
-}
-
-/// The slope filters of all driven wheels.
+/// The filter of a driven wheel.
 #[derive(Clone, Debug)]
-pub struct SlopeEstimator {
-    wheels: [Option<WheelSlope>; 4],
-    /// Watches all driven wheels together: a surface changes under both, and two tell sooner than one.
-    cusum: Cusum,
-    /// How the evidence of an unchanged surface scatters.
-    usual: InnovationMonitor,
-    config: SlopeConfig,
-    /// Relative standard deviation of all forces together: the data sheet's, not a noise.
-    force_scale_std: f64,
-}
-
-impl SlopeEstimator {
-    /// Starts from the vehicle's prior.
-    pub fn new(car: &Car, sensors: &Sensors, config: &SlopeConfig) -> Self {
-        let wheels = Wheel::ALL.map(|wheel| {
-            let prior = car.slope_prior[usize::from(!wheel.is_front())];
-            car.driven_axle.drives(wheel).then(|| WheelSlope::new(prior, config))
-        });
-        let cusum = Cusum::new(config.cusum_drift, config.cusum_threshold);
-        let usual = InnovationMonitor::new(TUNING.noise_memory);
-        let force_scale_std = if sensors.has(Quantity::DriveTorque) {
-            car.torque_scale_std
-        } else {
-            car.acceleration_scale_std
-        };
-        Self { wheels, cusum, usual, config: config.clone(), force_scale_std }
-    }
-
-    /// Starts from what an earlier drive learned, less sure of it. Before the first sample only.
-    pub fn restore(&mut self, learned: &Learned) {
-        for (place, wheel) in Wheel::ALL.into_iter().zip(&mut self.wheels) {
-            if let Some(wheel) = wheel {
-                let (slope, offset) = learned.of_wheel(place);
-                wheel.restore(slope, offset, &self.config);
-            }
-        }
-    }
-
-    /// Puts into `learned` what outlives the drive.
-    pub fn learn(&self, learned: &mut Learned) {
-        for (place, wheel) in self.wheels.iter().enumerate() {
-            let Some(wheel) = wheel else { continue };
-            learned.slope[place] = wheel.settled;
-            learned.slip_offset[place] = wheel.learned_offset(&self.config);
-        }
-    }
-
-    /// Time passes; nothing was measured.
-    pub fn age(&mut self, elapsed_s: f64) {
-        for wheel in self.wheels.iter_mut().flatten() {
-            wheel.age(elapsed_s, &self.config);
-        }
-    }
-
-    /// Takes a block's points of the slip curve; returns whether the surface seems to have changed.
-    pub fn step(&mut self, points: &[Option<TractionPoint>; 4], duration_s: f64) -> bool {
-        let mut evidence = 0.0;
-        let mut count = 0.0_f64;
-        for (wheel, point) in self.wheels.iter_mut().zip(points) {
-            if let (Some(wheel), Some(point)) = (wheel, point)
-                && let Some(of_wheel) = wheel.step(point, duration_s, &self.config)
-            {
-                evidence += of_wheel;
-                count += 1.0;
-            }
-        }
-        if count == 0.0 {
-            return false;
-        }
-        let evidence = self.calibrated(evidence / count.sqrt());
-        let alarm = self.cusum.step(evidence).is_some();
-        if alarm {
-            self.surface_changed();
-        }
-        alarm
-    }
-
-    /// Evidence in standard deviations of what the evidence usually is: the wheels share the noise of
-    /// the force, and blocks follow each other. What already looks like a change is not usual.
-    fn calibrated(&mut self, evidence: f64) -> f64 {
-        let calibrated = evidence / (self.usual.nis().max(1.0) * self.usual.redundancy()).sqrt();
-        if self.cusum.suspicion() < TUNING.suspicious && calibrated.abs() < TUNING.unusual {
-            self.usual.step(&Innovation { residual: evidence, variance: 1.0 });
-        }
-        calibrated
-    }
-
-    /// The surface changed: the slopes may be anything near.
-    fn surface_changed(&mut self) {
-        for wheel in self.wheels.iter_mut().flatten() {
-            wheel.boost(&self.config);
-        }
-    }
-
-    /// Slope per wheel, normalized by the static wheel load.
-    pub fn slopes(&self) -> [Option<Estimate>; 4] {
-        self.wheels.each_ref().map(|wheel| {
-            let slope = wheel.as_ref().and_then(WheelSlope::slope)?;
-            let of_force = self.force_scale_std * slope.value;
-            Some(Estimate { std: (slope.std * slope.std + of_force * of_force).sqrt(), ..slope })
-        })
-    }
-
-    /// Slip offset per wheel.
-    pub fn offsets(&self) -> [Option<Estimate>; 4] {
-        self.wheels.each_ref().map(|wheel| wheel.as_ref().and_then(WheelSlope::offset))
-    }
-
-    /// Every driven wheel's slope, of these that it has ([`slopes`](Self::slopes)), is known well, and lately.
-    pub fn are_valid(&self, slopes: &[Option<Estimate>; 4]) -> bool {
-        let mut driven = self.wheels.iter().zip(slopes).filter(|(wheel, _)| wheel.is_some()).peekable();
-        driven.peek().is_some()
-            && driven.all(|(_, slope)| slope.is_some_and(|slope| self.config.is_valid(&slope)))
-    }
-}
-
-#[derive(Clone, Debug)]
-struct WheelSlope {
+pub(super) struct WheelSlope {
     /// Compliance 1/k and slip offset δ₀.
-    filter: Gaussian<2>,
+    pub(super) filter: Gaussian<2>,
     /// Noise of the slip.
     noise: LearnedNoise,
     /// Seconds since a block told something of the slope.
@@ -219,7 +65,7 @@ struct WheelSlope {
     /// Up to this normalized force the slip curve is known.
     known_up_to: f64,
     /// The slope when it was last known well. The surface may have changed since, unseen.
-    settled: Option<Known>,
+    pub(super) settled: Option<Known>,
     /// What was taken up from an earlier drive is on trial.
     trial: Option<Trial<2>>,
     /// Rolling speeds of the last blocks, m/s.
@@ -227,7 +73,7 @@ struct WheelSlope {
 }
 
 impl WheelSlope {
-    fn new((slope, slope_std): (f64, f64), config: &SlopeConfig) -> Self {
+    pub(super) fn new((slope, slope_std): (f64, f64), config: &SlopeConfig) -> Self {
         let compliance_std = (slope_std / (slope * slope)).max(SlopeConfig::SURFACE_STD / slope);
         Self {
             filter: Gaussian::new([1.0 / slope, 0.0], [compliance_std, config.initial_offset_std]),
@@ -243,7 +89,7 @@ impl WheelSlope {
 
     /// Takes up an earlier drive's numbers, where they are surer than the start. What it learned of the
     /// slope counts as `settled` still: a drive that tells nothing loses nothing.
-    fn restore(&mut self, slope: Option<Known>, offset: Option<Known>, config: &SlopeConfig) {
+    pub(super) fn restore(&mut self, slope: Option<Known>, offset: Option<Known>, config: &SlopeConfig) {
         let trial = Trial::new(self.filter, TUNING.trial);
         let [mut mean, mut std] = [self.filter.mean.into(), [self.filter.std(0), self.filter.std(1)]];
         if let Some(offset) = offset {
@@ -263,7 +109,7 @@ impl WheelSlope {
     }
 
     /// The offset, if enough is known of it to be worth keeping.
-    fn learned_offset(&self, config: &SlopeConfig) -> Option<Known> {
+    pub(super) fn learned_offset(&self, config: &SlopeConfig) -> Option<Known> {
         let std = self.filter.alone_std(1, &[0, 1]);
         (std < TUNING.worth_keeping * config.initial_offset_std)
             .then(|| Known { value: self.filter.mean[1], std })
@@ -284,7 +130,7 @@ impl WheelSlope {
     }
 
     /// After some seconds without information the surface may have become another one, unseen.
-    fn age(&mut self, elapsed_s: f64, config: &SlopeConfig) {
+    pub(super) fn age(&mut self, elapsed_s: f64, config: &SlopeConfig) {
         self.age_s += elapsed_s;
         if self.age_s > config.unseen_after_s && elapsed_s.is_finite() {
             let walk = config.unseen_walk * self.filter.mean[0];
@@ -297,7 +143,12 @@ impl WheelSlope {
 
     /// Returns the evidence of a softer (positive) or stiffer surface, in standard deviations, if the
     /// block says anything of it.
-    fn step(&mut self, point: &TractionPoint, duration_s: f64, config: &SlopeConfig) -> Option<f64> {
+    pub(super) fn step(
+        &mut self,
+        point: &TractionPoint,
+        duration_s: f64,
+        config: &SlopeConfig,
+    ) -> Option<f64> {
         self.filter.inflate(0, config.compliance_walk * config.compliance_walk * duration_s);
         self.filter.inflate(1, config.offset_walk * config.offset_walk * duration_s);
         let regressor = vector![point.mu, 1.0];
@@ -370,12 +221,12 @@ impl WheelSlope {
         }
     }
 
-    fn boost(&mut self, config: &SlopeConfig) {
+    pub(super) fn boost(&mut self, config: &SlopeConfig) {
         let walk = config.compliance_walk * config.compliance_walk * config.block_s;
         self.filter.inflate(0, walk * config.change_boost);
     }
 
-    fn slope(&self) -> Option<Estimate> {
+    pub(super) fn slope(&self) -> Option<Estimate> {
         let compliance = self.filter.mean[0];
         let relative = self.filter.std(0) / compliance;
         // Slip is measured against a reference that the offset scales, too.
@@ -387,7 +238,7 @@ impl WheelSlope {
         })
     }
 
-    fn offset(&self) -> Option<Estimate> {
+    pub(super) fn offset(&self) -> Option<Estimate> {
         self.informed.then(|| Estimate {
             value: self.filter.mean[1],
             std: self.filter.std(1),
@@ -395,6 +246,3 @@ impl WheelSlope {
         })
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 use std::sync::OnceLock;
 
-use gripd::explain::chain::{ChainReport, Confidence, Finding, audit};
+use gripd::explain::chain::{AuditFinding, ChainReport, Confidence, audit};
 use gripd::model::{Scenario, Simulation, Vehicle};
 use gripd::{Config, Micros, Quantity, Sample, Sensors};
 use testing::program;
@@ -102,7 +102,7 @@ fn delayed(quantities: &[Quantity], rows: usize) -> Vec<Sample> {
 }
 
 fn summary(report: &ChainReport) -> String {
-    let line = |f: &Finding| {
+    let line = |f: &AuditFinding| {
         format!(
             "{:?} {} {} {:?} ± {:?}: {}; or {:?}",
             f.confidence, f.effect, f.channel, f.value, f.std, f.evidence, f.or
@@ -113,7 +113,7 @@ fn summary(report: &ChainReport) -> String {
 
 /// The one finding that is expected, surest of all, and at least so sure.
 #[track_caller]
-fn expect<'a>(report: &'a ChainReport, effect: &str, channel: &str, least: Confidence) -> &'a Finding {
+fn expect<'a>(report: &'a ChainReport, effect: &str, channel: &str, least: Confidence) -> &'a AuditFinding {
     let Some(first) = report.findings.first() else { panic!("{effect} of {channel}: nothing found") };
     assert_eq!((first.effect, first.channel.as_str()), (effect, channel), "{}", summary(report));
     assert!(first.confidence >= least, "{}", summary(report));

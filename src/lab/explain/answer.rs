@@ -11,7 +11,7 @@ use super::fit::Fit;
 use super::locate::{EQUATIONS, Gains, gains, innovations, regimes};
 use super::model::{Free, Place};
 use super::predict::sums::{Comparison, Innovation};
-use super::predict::{Drive, grid::COMPARED};
+use super::predict::{GriddedDrive, grid::COMPARED};
 use super::proof::{self, Comparisons};
 use super::result::{Block, Estimate, Explanation, Finding, Missing, Models, Parts, Trace, Verdict, Where};
 use super::split::Part;
@@ -95,7 +95,7 @@ impl<'a> Conclusion<'_, 'a> {
         let keeps = usize::from(!extended.model.knows_torque);
         let model = self.drives.first().map_or_else(
             || extended.model.clone(),
-            |drive| proof::told(drive, &extended.model, extended, keeps, Default::default()),
+            |drive| proof::with_courses(drive, &extended.model, extended, keeps, Default::default()),
         );
         Answer { explanation, model }
     }
@@ -138,8 +138,9 @@ impl<'a> Conclusion<'_, 'a> {
 
     /// Where one model predicts better than another, in the recording with most of it.
     fn place(&self, before: &Innovations, after: &Innovations) -> Where {
-        let of =
-            |(drive, (before, after)): (&Drive, (&Vec<_>, &Vec<_>))| gains(drive.seconds(), before, after);
+        let of = |(drive, (before, after)): (&GriddedDrive, (&Vec<_>, &Vec<_>))| {
+            gains(drive.seconds(), before, after)
+        };
         let all: Vec<Gains> = self.drives.iter().zip(before.iter().zip(after)).map(of).collect();
         let total = |gains: &Gains| gains.bins.iter().sum::<f64>();
         let most = all.iter().zip(self.drives).max_by(|a, b| total(a.0).total_cmp(&total(b.0)));
@@ -191,7 +192,7 @@ impl<'a> Conclusion<'_, 'a> {
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let of = |(number, drive): (usize, &Drive)| {
+        let of = |(number, drive): (usize, &GriddedDrive)| {
             let blocks = self.data.split.blocks(number, drive.seconds()).into_iter();
             let name = drive.name.clone();
             blocks
@@ -247,7 +248,7 @@ fn compared(steps: &Innovations) -> Comparisons {
 
 /// What an audit found, a line each.
 fn chain_words(report: &ChainReport) -> Vec<String> {
-    let line = |finding: &chain::Finding| {
+    let line = |finding: &chain::AuditFinding| {
         let confidence = format!("{:?}", finding.confidence).to_lowercase();
         let value = finding.amount().map_or(String::new(), |amount| format!(" {amount}"));
         format!("{} of {}{value}, {confidence}: {}", finding.effect, finding.channel, finding.evidence)

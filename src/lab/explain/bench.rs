@@ -3,7 +3,7 @@
 use super::fit::{Data, Fit};
 use super::model::Model;
 use super::predict::noise::Noise;
-use super::predict::{Drive, Recording};
+use super::predict::{GriddedDrive, Recording};
 use super::split::{Part, Split};
 use physics::model::{Scenario, Uncertain, Vehicle};
 
@@ -24,7 +24,7 @@ pub fn recorded(effects: &str) -> (Vehicle, Recording) {
 }
 
 /// The training part of drives.
-pub fn training(drives: &[Drive]) -> Data<'_> {
+pub fn training(drives: &[GriddedDrive]) -> Data<'_> {
     Data {
         drives,
         split: Split::new(drives, 0),

@@ -1,9 +1,10 @@
 //! What could be missing: every effect of the library that this bus and this drive could show.
 
 use super::model::{Chosen, Model};
-use super::predict::Drive;
+use super::predict::GriddedDrive;
 use super::predict::grid::STEP_S;
 use super::predict::noise::Live;
+use super::tuning::TUNING;
 use physics::Quantity;
 use physics::model::TireKind;
 use physics::model::effect::{Channel, Course, Kind, Needs};
@@ -50,20 +51,15 @@ impl Candidate {
     }
 }
 
-/// Onsets that are tried are so far apart at least, s.
-const ONSETS_S: f64 = 5.0;
-/// And so many at most.
-const MOST_ONSETS: usize = 20;
-
 /// When something could have begun, s, in a recording of so many seconds.
 pub fn onsets(seconds: f64) -> Vec<f64> {
-    let step = (seconds / (MOST_ONSETS + 1) as f64).max(ONSETS_S);
+    let step = (seconds / (TUNING.selection.most_onsets + 1) as f64).max(TUNING.selection.between_onsets_s);
     (1..).map(|i| f64::from(i) * step).take_while(|t| *t < seconds - 0.5 * step).collect()
 }
 
 /// The same in the longest of some drives of which only an excerpt is gone over: between its runs any moment is
 /// as good as another, which the next run's beginning stands for.
-pub fn onsets_within(drives: &[Drive]) -> Vec<f64> {
+pub fn onsets_within(drives: &[GriddedDrive]) -> Vec<f64> {
     let Some(longest) = drives.iter().max_by(|a, b| a.used_seconds().total_cmp(&b.used_seconds())) else {
         return Vec::new();
     };
@@ -108,7 +104,7 @@ pub fn library(
                 live: None,
                 stretches: Vec::new(),
             };
-            if let Some(course) = kind.surroundings(channel) {
+            if let Some(course) = kind.disturbance(channel) {
                 let live = Live {
                     size: course.size,
                     length_s: course.length_s,

@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::fit::{Data, Fit};
-use super::predict::Drive;
+use super::predict::GriddedDrive;
 use super::result::Verdict;
 use super::select::Selection;
 
@@ -11,7 +11,7 @@ pub struct Conclusion<'c, 'a> {
     /// What there was to explain.
     pub case: &'c Case<'a>,
     /// Its recordings on the filter's grid.
-    pub drives: &'c [Drive],
+    pub drives: &'c [GriddedDrive],
     /// The same with their split.
     pub data: &'c Data<'c>,
     /// The plain model with unknown forces.

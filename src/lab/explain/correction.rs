@@ -6,7 +6,7 @@
 use super::fit::{Data, Fit};
 use super::model::Chosen;
 use super::predict::noise::Live;
-use physics::model::effect::{Acting, Course, Effect, Kind, Now, Search, Setting};
+use physics::model::effect::{Acting, Course, Effect, Kind, Now, SearchHints, Setting};
 
 /// An unknown force or moment.
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ const fn kind(name: &'static str, place: &'static str, make: fn(&Setting<'_>) ->
         channels: &[],
         parameters: &[],
         course: None,
-        search: Search::USUAL,
+        search: SearchHints::USUAL,
         make,
     }
 }

@@ -5,28 +5,25 @@ use std::collections::BTreeMap;
 use super::candidates::Candidate;
 use super::fit::Fit;
 use super::predict::noise::{Live, Noise};
-use super::predict::{Drive, grid::points};
+use super::predict::{GriddedDrive, grid::points};
 use super::result::{self, Estimate, Finding};
 use super::smooth::{Smoothed, courses};
+use super::tuning::TUNING;
 use physics::model::effect;
-
-/// A peak is so many standard deviations of its course: where most of a drive is quiet, a smoother that knows
-/// the course's size over all of it takes a peak for noise, and lowers it.
-const PEAK_IN_STDS: f64 = 2.0;
 
 /// A course over the recording in which it is clearest.
 #[derive(Clone, Debug)]
-pub struct Course<'d> {
+pub struct SmoothedCourse<'d> {
     /// That recording.
-    pub drive: &'d Drive,
+    pub drive: &'d GriddedDrive,
     smoothed: Smoothed,
     live: Live,
 }
 
-impl<'d> Course<'d> {
+impl<'d> SmoothedCourse<'d> {
     /// Of one of a fit's effects, if it has one.
     pub fn new(
-        drives: &'d [Drive],
+        drives: &'d [GriddedDrive],
         (fit, effect): (&Fit<'_>, usize),
         candidate: &Candidate,
         recording: &str,
@@ -39,7 +36,7 @@ impl<'d> Course<'d> {
         let mut course = smoothed(&noise)?;
         let live = *noise.live.get(slot)?;
         if tells_its_peak(candidate) {
-            noise.live[slot].size = live.size.max(course.peak() / PEAK_IN_STDS);
+            noise.live[slot].size = live.size.max(course.peak() / TUNING.selection.peak_in_stds);
             course = smoothed(&noise)?;
         }
         Some(Self { drive, smoothed: course, live })
@@ -58,11 +55,11 @@ impl<'d> Course<'d> {
         (fit, effect): (&Fit<'_>, usize),
         parameters: &mut BTreeMap<String, Estimate>,
     ) {
-        let Some(surroundings) = candidate.kind.surroundings(candidate.channel) else { return };
+        let Some(disturbance) = candidate.kind.disturbance(candidate.channel) else { return };
         let Smoothed { value, std, t } = &self.smoothed;
         let place_of_peak = value.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
         let Some((peak_at, peak)) = place_of_peak.map(|(at, value)| (at, *value)) else { return };
-        if surroundings.sign != 0.0 {
+        if disturbance.sign != 0.0 {
             // A share of a surface: what the surface is where there is most of it.
             let Some(chosen) = fit.model.effects.get(effect) else { return };
             for (place, spec) in chosen.specs().enumerate() {
@@ -86,15 +83,15 @@ impl<'d> Course<'d> {
             let independent = (seconds / (2.0 * self.live.length_s)).max(1.0);
             Estimate { value: (mean_square(value) + variance).sqrt(), std: (variance / independent).sqrt() }
         };
-        parameters.insert(surroundings.rms_name.into(), estimate);
+        parameters.insert(disturbance.rms_name.into(), estimate);
     }
 
     /// Ten points a second, for the answer.
-    pub fn decimated(&self, candidate: &Candidate) -> result::Course {
-        let unit = candidate.kind.surroundings(candidate.channel).map_or("", |course| course.unit);
+    pub fn decimated(&self, candidate: &Candidate) -> result::CourseEstimate {
+        let unit = candidate.kind.disturbance(candidate.channel).map_or("", |course| course.unit);
         let some = |values: &[f64]| values.iter().step_by(points(0.1)).copied().collect();
         let Smoothed { t, value, std } = &self.smoothed;
-        result::Course { t: some(t), value: some(value), std: some(std), unit: unit.into() }
+        result::CourseEstimate { t: some(t), value: some(value), std: some(std), unit: unit.into() }
     }
 }
 
@@ -131,7 +128,7 @@ mod tests {
         finding.parameters.insert("drift_rms".into(), Estimate { value: rms, std: 0.001 });
         let value = vec![0.03, -0.01, 0.03, -0.01];
         finding.series =
-            Some(result::Course { t: vec![0.0; 4], std: vec![0.0; 4], value, unit: "rad/s".into() });
+            Some(result::CourseEstimate { t: vec![0.0; 4], std: vec![0.0; 4], value, unit: "rad/s".into() });
         let mut findings = [finding];
         let mut numbers = BTreeMap::from([("yaw_rate_offset".to_owned(), Estimate { value: 0.1, std: 1.0 })]);
         give_means_to_zeros(&mut findings, &mut numbers);

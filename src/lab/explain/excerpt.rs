@@ -1,28 +1,17 @@
 //! What of a long recording is searched for causes: minutes that between them hold every kind of driving, and those in
 //! which the plain model errs more than elsewhere, wherever they are. An hour of driving says a hundred times what
-//! a cause is; so it is found in minutes, and then fitted to, and proved by, all of it ([`super::whole`]).
+//! a cause is; so it is found in minutes, and then fitted to, and proved by, all of it ([`super::long_recording`]).
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::fit::{Data, Fit};
 use super::locate::{rate, steering_rate, turn};
-use super::predict::Drive;
+use super::predict::GriddedDrive;
 use super::predict::grid::{STEP_S, points};
-use super::predict::sums::Sums;
+use super::predict::sums::BlockSums;
 use super::split::BLOCK_S;
+use super::tuning::TUNING;
 use physics::Quantity;
-
-/// Recordings with no more than this to use, s, are searched as they are.
-const LONGEST_S: f64 = 300.0;
-
-/// So much, s, is chosen by what is driven…
-const VARIED_S: f64 = 200.0;
-
-/// …and so many units at most by where the model errs, each time that it is asked.
-const MOST_LOCATED: usize = 2;
-
-/// How much more than usual a model must err within a unit to be worth a look, 2 ln likelihood.
-const LEAST_EXCESS: f64 = 150.0;
 
 /// A unit, s: two blocks that are fitted to and one that is held out ([`super::split`]).
 const UNIT_S: f64 = 3.0 * BLOCK_S;
@@ -39,8 +28,8 @@ pub struct Excerpt {
 impl Excerpt {
     /// Of recordings that are worth it, by what is driven; none of shorter ones.
     pub fn of(data: &Data<'_>) -> Option<Self> {
-        let all: f64 = data.drives.iter().map(Drive::used_seconds).sum();
-        if all <= LONGEST_S {
+        let all: f64 = data.drives.iter().map(GriddedDrive::used_seconds).sum();
+        if all <= TUNING.long.longest_s {
             return None;
         }
         let kinds = Kinds::of(data.drives);
@@ -48,14 +37,14 @@ impl Excerpt {
             let middle = |third: usize| unit.1 as f64 * UNIT_S + (third as f64 + 0.5) * BLOCK_S;
             (0..3).all(|third| data.split.is_held_out(unit.0, middle(third)))
         });
-        let mut units = kinds.most_varied(&fitted, VARIED_S);
-        units.extend(kinds.most_varied(&held, VARIED_S / 3.0));
+        let mut units = kinds.most_varied(&fitted, TUNING.long.varied_s);
+        units.extend(kinds.most_varied(&held, TUNING.long.varied_s / 3.0));
         Some(Self { units })
     }
 
     /// The drives, gone over only within it.
-    pub fn drives(&self, drives: &[Drive]) -> Vec<Drive> {
-        let of = |(number, drive): (usize, &Drive)| {
+    pub fn drives(&self, drives: &[GriddedDrive]) -> Vec<GriddedDrive> {
+        let of = |(number, drive): (usize, &GriddedDrive)| {
             let mut stretches: Vec<(usize, usize)> = Vec::new();
             for (_, unit) in self.units.iter().filter(|unit| unit.0 == number) {
                 let (from, to) = (points(*unit as f64 * UNIT_S), points((unit + 1) as f64 * UNIT_S));
@@ -82,20 +71,21 @@ impl Excerpt {
         order.sort_by(|a, b| b.1.total_cmp(&a.1));
         let worst: Vec<_> = order.iter().take(5).collect();
         tracing::debug!(?worst, units = ?self.units, "where the model errs most");
-        let worth =
-            order.into_iter().filter(|(unit, excess)| *excess > LEAST_EXCESS && !self.units.contains(unit));
-        let found: Vec<Unit> = worth.take(MOST_LOCATED).map(|(unit, _)| unit).collect();
+        let worth = order
+            .into_iter()
+            .filter(|(unit, excess)| *excess > TUNING.long.least_excess && !self.units.contains(unit));
+        let found: Vec<Unit> = worth.take(TUNING.long.most_located).map(|(unit, _)| unit).collect();
         self.units.extend(&found);
         !found.is_empty()
     }
 }
 
 /// How much more than in the median block each sensor errs in a block, 2 ln likelihood.
-fn excesses<'s>(sums: impl Iterator<Item = &'s Sums>) -> Vec<(&'s Sums, f64)> {
-    let mut all: Vec<(&Sums, f64)> = sums.map(|sum| (sum, 0.0)).collect();
+fn excesses<'s>(sums: impl Iterator<Item = &'s BlockSums>) -> Vec<(&'s BlockSums, f64)> {
+    let mut all: Vec<(&BlockSums, f64)> = sums.map(|sum| (sum, 0.0)).collect();
     for channel in Quantity::ALL {
         let place = channel as usize;
-        let share = |sum: &Sums| (sum.of[place] > 20).then(|| sum.square[place] / sum.of[place] as f64);
+        let share = |sum: &BlockSums| (sum.of[place] > 20).then(|| sum.square[place] / sum.of[place] as f64);
         let mut sorted: Vec<f64> = all.iter().filter_map(|(sum, _)| share(sum)).collect();
         sorted.sort_by(f64::total_cmp);
         let Some(median) = sorted.get(sorted.len() / 2).copied() else { continue };
@@ -111,7 +101,7 @@ fn excesses<'s>(sums: impl Iterator<Item = &'s Sums>) -> Vec<(&'s Sums, f64)> {
 const LEVELS: [f64; 7] = [0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.98];
 
 /// Features of driving, of an instant.
-const FEATURES: [fn(&Drive, usize) -> f64; 5] =
+const FEATURES: [fn(&GriddedDrive, usize) -> f64; 5] =
     [|d, k| d.speed[k], turn, steering_rate, rate, |d, k| d.inputs[k].brake_pressure];
 
 /// Parts of the recordings: what drifts shows in early and late ones.
@@ -130,8 +120,8 @@ struct Kinds {
 }
 
 impl Kinds {
-    fn of(drives: &[Drive]) -> Self {
-        let of = |(number, drive): (usize, &Drive)| {
+    fn of(drives: &[GriddedDrive]) -> Self {
+        let of = |(number, drive): (usize, &GriddedDrive)| {
             let instants = drive.runs.iter().flat_map(|(from, to)| (*from..*to).step_by(EVERY));
             let unit = |k: usize| (number, (k as f64 * STEP_S / UNIT_S) as usize);
             instants.map(|k| (unit(k), FEATURES.map(|feature| feature(drive, k)))).collect::<Vec<_>>()

@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use super::predict::Drive;
+use super::predict::GriddedDrive;
 use super::predict::grid::{STEP_S, points};
 use super::smooth::Smoothed;
 
@@ -19,7 +19,7 @@ const NEAR: usize = points(0.1);
 /// Share of a course's variance that follows from the driver's inputs and the speed, beyond what would by chance
 /// of a course of its correlation length, s: 0 none, 1 all. Of the road the drive torque is no witness: the
 /// driver answers a grade with it.
-pub fn follows_motion(drive: &Drive, course: &Smoothed, length_s: f64, is_of_the_road: bool) -> f64 {
+pub fn follows_motion(drive: &GriddedDrive, course: &Smoothed, length_s: f64, is_of_the_road: bool) -> f64 {
     let compared: Vec<(usize, f64)> = course
         .t
         .iter()
@@ -127,7 +127,7 @@ const LAGS: [usize; 6] = [0, points(0.15), points(0.3), points(0.6), points(1.0)
 const PLAYS: [f64; 3] = [0.01, 0.03, 0.1];
 
 /// What a play of this width takes away, as a share of it: the sign of the last steering, softened.
-fn play(drive: &Drive, width: f64) -> Vec<f64> {
+fn play(drive: &GriddedDrive, width: f64) -> Vec<f64> {
     let mut behind = f64::NAN;
     let step = |input: &physics::model::effect::Recorded| {
         let angle = input.steering_wheel;
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn what_the_steering_tells_follows_and_what_is_only_slow_does_not() {
         let (vehicle, recording) = recorded("");
-        let drive = Drive::new(&recording, &vehicle);
+        let drive = GriddedDrive::new(&recording, &vehicle);
         let course = |value: &dyn Fn(usize) -> f64| {
             let points = 0..drive.inputs.len();
             let t: Vec<f64> = points.clone().map(|k| k as f64 * STEP_S).collect();

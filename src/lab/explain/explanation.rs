@@ -6,15 +6,15 @@ use super::conclusion::Conclusion;
 use super::correction::correct;
 use super::excerpt::Excerpt;
 use super::fit::Data;
-use super::gross;
+use super::long_recording::LongSearch;
 use super::model::Model;
 use super::predict::noise::{Live, Noise};
-use super::predict::{Drive, grid::STEP_S};
+use super::predict::{GriddedDrive, grid::STEP_S};
 use super::result::{Explanation, Verdict};
 use super::select::select;
+use super::signs_and_swaps;
 use super::split::{Part, Split};
 use super::verdict::Gains;
-use super::whole::Search;
 use physics::Quantity;
 
 /// Seconds that must be usable.
@@ -27,8 +27,8 @@ const CORRECTION_AGAIN: usize = 1;
 impl<'a> Case<'a> {
     /// Explains. `progress` is told the stage and how far it is.
     pub fn explain(&self, progress: &(dyn Fn(&str, f64) + Sync)) -> Answer<'a> {
-        let drives: Vec<Drive> =
-            self.recordings.iter().map(|recording| Drive::new(recording, self.vehicle)).collect();
+        let drives: Vec<GriddedDrive> =
+            self.recordings.iter().map(|recording| GriddedDrive::new(recording, self.vehicle)).collect();
         let has = |quantity: Quantity| self.recordings.iter().any(|recording| recording.has(quantity));
         let knows_torque = drives.iter().all(|drive| drive.knows_torque);
         let split = Split::new(&drives, self.held_out);
@@ -43,23 +43,24 @@ impl<'a> Case<'a> {
         }
         progress("fitting the plain model", 0.0);
         let free = plain.ordinary(has);
-        let suggested = gross::suggested(self.chain);
+        let suggested = signs_and_swaps::suggested(self.chain);
         let library = |model: &Model<'_>, onsets: &[f64]| library(self.library, model, has, onsets);
         let excerpt = Excerpt::of(&data);
         let selection = match excerpt.clone() {
             Some(excerpt) => {
-                let search = Search { data: &data, plain: (&plain, &free, &noise), suggested: &suggested };
+                let search =
+                    LongSearch { data: &data, plain: (&plain, &free, &noise), suggested: &suggested };
                 search.select(excerpt, &library, progress)
             }
             None => {
                 let baseline = data.fit_thoroughly(&plain, &free, &noise);
-                let before = gross::taken(&data, &plain, &baseline, (&free, &noise), &suggested);
+                let before = signs_and_swaps::taken(&data, &plain, &baseline, (&free, &noise), &suggested);
                 select(&data, (baseline, before), &library, progress)
             }
         };
         data.split = selection.split.clone();
         progress("what could be explained", 0.0);
-        let sound = selection.chosen.iter().rfind(|taken| gross::is_gross(&taken.candidate));
+        let sound = selection.chosen.iter().rfind(|taken| taken.candidate.kind.is_all_or_nothing());
         let sound = sound.map_or(&selection.baseline, |taken| &taken.fit);
         let corrected = match excerpt {
             Some(excerpt) => {
@@ -88,7 +89,7 @@ impl<'a> Case<'a> {
 }
 
 /// Noise to begin with; where nobody knows what drives the car, that is a course of its own.
-fn first_noise(drives: &[Drive], knows_torque: bool) -> Noise {
+fn first_noise(drives: &[GriddedDrive], knows_torque: bool) -> Noise {
     let noise = Noise::first(drives);
     if knows_torque {
         return noise;
@@ -109,7 +110,7 @@ fn too_little(usable: f64) -> Explanation {
 /// Root mean square of the yaw rate above which a drive turns at all, rad/s.
 const LEAST_TURNING: f64 = 0.01;
 
-fn turns(drive: &Drive) -> bool {
+fn turns(drive: &GriddedDrive) -> bool {
     let rates = drive.measured.iter().filter(|m| m.channel == Quantity::YawRate as u8);
     let (count, square) = rates.fold((0.0, 0.0), |(n, square), m| (n + 1.0, square + m.value * m.value));
     square > LEAST_TURNING * LEAST_TURNING * count

@@ -4,11 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::candidates::Candidate;
 use super::conclusion::Conclusion;
-use super::course::Course;
+use super::course::SmoothedCourse;
 use super::fit::Fit;
 use super::model::Place;
 use super::naming::{Refitted, onset_std};
-use super::predict::Drive;
+use super::predict::GriddedDrive;
 use super::result::{Estimate, Finding, Ranked, Where};
 use super::select::{Round, Selection};
 use physics::model::effect::Spec;
@@ -38,7 +38,8 @@ pub fn finding(
     }
     let mut series = None;
     if candidate.live.is_some() {
-        if let Some(course) = Course::new(conclusion.drives, (extended, effect), candidate, &place.recording)
+        if let Some(course) =
+            SmoothedCourse::new(conclusion.drives, (extended, effect), candidate, &place.recording)
         {
             place.intervals = course.clear_stretches();
             place.recording.clone_from(&course.drive.name);
@@ -48,7 +49,7 @@ pub fn finding(
     } else if !candidate.stretches.is_empty() {
         place.intervals.clone_from(&candidate.stretches);
     } else if let Some(at) = taken.onset() {
-        place.intervals = vec![[at, conclusion.drives.first().map_or(at, Drive::seconds)]];
+        place.intervals = vec![[at, conclusion.drives.first().map_or(at, GriddedDrive::seconds)]];
     }
     for (name, estimate) in &mut parameters {
         let place = candidate.kind.place_of(name);

@@ -4,18 +4,18 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::model::{Free, Model};
-use super::predict::Drive;
+use super::predict::GriddedDrive;
 use super::predict::car::BODY_STATES;
 use super::predict::noise::Noise;
 use super::predict::pass::{Beside, Other, pass_run};
-use super::predict::sums::{Ask, Sums};
+use super::predict::sums::{BlockSums, PassOptions};
 use super::split::{Part, Split};
 
 /// The drives and which of their blocks may be looked at.
 #[derive(Clone, Debug)]
 pub struct Data<'a> {
     /// All drives.
-    pub drives: &'a [Drive],
+    pub drives: &'a [GriddedDrive],
     /// Their blocks.
     pub split: Split,
     /// Which of them count.
@@ -41,8 +41,8 @@ pub struct Fit<'a> {
     pub prior: f64,
     /// Covariance of the free numbers, in their coordinates.
     pub covariance: DMatrix<f64>,
-    /// Sums of the last pass.
-    pub sums: Vec<Sums>,
+    /// Sums of the last pass, block by block.
+    pub sums: Vec<BlockSums>,
 }
 
 /// A model with one number changed, and by how much.
@@ -62,7 +62,7 @@ pub enum Learn {
 /// A step that helps.
 struct Stepped<'a> {
     model: Model<'a>,
-    sums: Vec<Sums>,
+    sums: Vec<BlockSums>,
     /// By so much the cost fell.
     gained: f64,
 }
@@ -76,8 +76,8 @@ impl Fit<'_> {
 
 impl<'d> Data<'d> {
     /// An excerpt of the same drives.
-    pub fn over<'e>(&self, excerpt: &'e [Drive]) -> Data<'e> {
-        let seconds = |drives: &[Drive]| drives.iter().map(Drive::used_seconds).sum::<f64>();
+    pub fn over<'e>(&self, excerpt: &'e [GriddedDrive]) -> Data<'e> {
+        let seconds = |drives: &[GriddedDrive]| drives.iter().map(GriddedDrive::used_seconds).sum::<f64>();
         Data {
             drives: excerpt,
             split: self.split.clone(),
@@ -93,7 +93,7 @@ impl<'d> Data<'d> {
     }
 
     /// One pass over all drives.
-    pub fn pass(&self, model: &Model<'_>, varied: &[Varied<'_>], noise: &Noise) -> Vec<Sums> {
+    pub fn pass(&self, model: &Model<'_>, varied: &[Varied<'_>], noise: &Noise) -> Vec<BlockSums> {
         self.pass_beside(model, varied, &[], noise)
     }
 
@@ -104,7 +104,7 @@ impl<'d> Data<'d> {
         varied: &[Varied<'_>],
         alone: &[Varied<'_>],
         noise: &Noise,
-    ) -> Vec<Sums> {
+    ) -> Vec<BlockSums> {
         let car = model.car();
         let other = |(other, by): &Varied<'_>| Other {
             car: other.car(),
@@ -117,17 +117,20 @@ impl<'d> Data<'d> {
         let drives = self.drives.iter().enumerate();
         let runs: Vec<_> =
             drives.flat_map(|drive| drive.1.runs.iter().map(move |run| (drive, *run))).collect();
-        let one = |(drive, run)| pass_run(drive, run, &car, beside, noise, &mut Ask::default());
+        let one = |(drive, run)| pass_run(drive, run, &car, beside, noise, &mut PassOptions::default());
         runs.into_par_iter().flat_map_iter(one).collect()
     }
 
     /// The sums that count.
-    pub fn counted<'s>(&self, sums: &'s [Sums]) -> impl Iterator<Item = &'s Sums> + use<'_, 's, 'd> {
+    pub fn counted<'s>(
+        &self,
+        sums: &'s [BlockSums],
+    ) -> impl Iterator<Item = &'s BlockSums> + use<'_, 's, 'd> {
         sums.iter().filter(|sum| self.split.counts(self.part, sum.drive, 0.5 * (sum.t.0 + sum.t.1)))
     }
 
     /// −2 ln likelihood of what counts.
-    pub fn minus_two_ln(&self, sums: &[Sums]) -> f64 {
+    pub fn minus_two_ln(&self, sums: &[BlockSums]) -> f64 {
         self.counted(sums).map(|sum| sum.log_s + sum.square.iter().sum::<f64>()).sum()
     }
 
@@ -300,7 +303,12 @@ impl<'d> Data<'d> {
     }
 
     /// The normal equations, prior included.
-    pub fn normal(&self, sums: &[Sums], model: &Model<'_>, free: &[Free]) -> (DMatrix<f64>, DVector<f64>) {
+    pub fn normal(
+        &self,
+        sums: &[BlockSums],
+        model: &Model<'_>,
+        free: &[Free],
+    ) -> (DMatrix<f64>, DVector<f64>) {
         let count = free.len();
         let mut information = DMatrix::zeros(count, count);
         let mut gradient = DVector::zeros(count);
@@ -351,13 +359,13 @@ pub fn prior(model: &Model<'_>, free: &[Free]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::bench::{fitted, recorded, training};
-    use super::super::predict::late::Late;
+    use super::super::predict::delay::Delayed;
     use super::*;
 
     #[test]
     fn a_fit_finds_the_car_and_says_how_sure_it_is() {
         let (vehicle, recording) = recorded("");
-        let drives = [Drive::new(&recording, &vehicle)];
+        let drives = [GriddedDrive::new(&recording, &vehicle)];
         let data = training(&drives);
         let fit = fitted(&data, &vehicle);
         let variances = data.variances(&fit);
@@ -383,20 +391,20 @@ mod tests {
     #[test]
     fn everything_late_together_is_the_same_drive_and_one_thing_late_is_not() {
         let (vehicle, recording) = recorded("");
-        let drives = [Drive::new(&recording, &vehicle)];
+        let drives = [GriddedDrive::new(&recording, &vehicle)];
         let data = training(&drives);
         let fit = fitted(&data, &vehicle);
-        let rise = |late_by: fn(Late) -> f64| {
+        let rise = |late_by: fn(Delayed) -> f64| {
             let mut model = fit.model.clone();
-            for late in Late::ALL {
+            for late in Delayed::ALL {
                 model.delays[late as usize] += late_by(late);
             }
             data.minus_two_ln(&data.pass(&model, &[], &fit.noise)) - fit.minus_two_ln
         };
         // Torques act later than their frames, all others are late: earlier torques make up for it.
-        let all = rise(|late| if late == Late::Torque { -0.01 } else { 0.01 });
-        let steering = rise(|late| if late == Late::Steering { 0.01 } else { 0.0 });
-        let torque = rise(|late| if late == Late::Torque { 0.01 } else { 0.0 });
+        let all = rise(|late| if late == Delayed::Torque { -0.01 } else { 0.01 });
+        let steering = rise(|late| if late == Delayed::Steering { 0.01 } else { 0.0 });
+        let torque = rise(|late| if late == Delayed::Torque { 0.01 } else { 0.0 });
         assert!(all.abs() < 30.0, "{all}");
         assert!(steering > 200.0 && torque > 60.0, "{steering} {torque}");
     }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::fit::Data;
 use super::model::Model;
 use super::predict::noise::{Noise, floor};
-use super::predict::sums::Sums;
+use super::predict::sums::BlockSums;
 use physics::Quantity;
 
 impl Data<'_> {
@@ -14,7 +14,7 @@ impl Data<'_> {
     pub fn with_sensors(
         &self,
         model: &Model<'_>,
-        sums: &[Sums],
+        sums: &[BlockSums],
         (noise, value): (&Noise, f64),
     ) -> (Noise, f64) {
         let looks = Noise { sensor: self.own_noise.sensor, ..noise.clone() };
@@ -30,7 +30,7 @@ impl Data<'_> {
     }
 
     /// Noise of the sensors as the innovations have it.
-    fn sensor_noise(&self, sums: &[Sums], noise: &Noise) -> Noise {
+    fn sensor_noise(&self, sums: &[BlockSums], noise: &Noise) -> Noise {
         let mut new = noise.clone();
         for channel in Quantity::ALL {
             let place = channel as usize;

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use super::model::Model;
-use super::predict::Drive;
+use super::predict::GriddedDrive;
 use super::predict::car::BODY_STATES;
 use super::predict::grid::{STEP_S, points};
 use super::predict::noise::Noise;
 use super::predict::pass::{Beside, pass};
-use super::predict::sums::{Ask, Innovation};
+use super::predict::sums::{Innovation, PassOptions};
 use physics::Quantity;
 
 /// Seconds of one bin.
@@ -24,9 +24,9 @@ pub struct Gains {
 }
 
 /// All innovations of a model over a drive.
-pub fn innovations(drive: &Drive, model: &Model<'_>, noise: &Noise) -> Vec<Innovation> {
+pub fn innovations(drive: &GriddedDrive, model: &Model<'_>, noise: &Noise) -> Vec<Innovation> {
     let mut all = Vec::new();
-    let ask = Ask { innovations: Some(&mut all), ..Ask::default() };
+    let ask = PassOptions { innovations: Some(&mut all), ..PassOptions::default() };
     pass((0, drive), &model.car(), Beside::default(), noise, ask);
     all
 }
@@ -91,10 +91,10 @@ pub fn merged(pieces: impl Iterator<Item = [f64; 2]>, bridged_s: f64) -> Vec<[f6
 }
 
 /// Some kind of driving: its name, and whether an instant belongs to it.
-type Regime = (&'static str, fn(&Drive, usize) -> bool);
+type Regime = (&'static str, fn(&GriddedDrive, usize) -> bool);
 
 /// The driving in which most of the gain lies, in words.
-pub fn regimes(drive: &Drive, gains: &Gains) -> Vec<String> {
+pub fn regimes(drive: &GriddedDrive, gains: &Gains) -> Vec<String> {
     let per_bin = points(BIN_S);
     let total: f64 = gains.bins.iter().map(|gain| gain.max(0.0)).sum();
     let all: [Regime; 9] = [
@@ -136,21 +136,21 @@ pub fn regimes(drive: &Drive, gains: &Gains) -> Vec<String> {
 }
 
 /// Lateral acceleration that steering asks for, roughly, m/s².
-pub fn turn(drive: &Drive, k: usize) -> f64 {
+pub fn turn(drive: &GriddedDrive, k: usize) -> f64 {
     let speed = drive.speed[k];
     // A usual ratio and wheelbase, and some understeer.
     drive.inputs[k].steering_wheel / 15.5 * speed * speed / (2.7 + 0.003 * 2.7 * speed * speed)
 }
 
 /// How fast the steering wheel turns, rad/s.
-pub fn steering_rate(drive: &Drive, k: usize) -> f64 {
+pub fn steering_rate(drive: &GriddedDrive, k: usize) -> f64 {
     let near = points(0.05);
     let (from, to) = (k.saturating_sub(near), (k + near).min(drive.inputs.len() - 1));
     (drive.inputs[to].steering_wheel - drive.inputs[from].steering_wheel) / (2.0 * near as f64 * STEP_S)
 }
 
 /// How fast the speed by the wheels rises, m/s².
-pub fn rate(drive: &Drive, k: usize) -> f64 {
+pub fn rate(drive: &GriddedDrive, k: usize) -> f64 {
     let near = points(0.25);
     let (from, to) = (k.saturating_sub(near), (k + near).min(drive.speed.len() - 1));
     (drive.speed[to] - drive.speed[from]) / (2.0 * near as f64 * STEP_S)

@@ -1,7 +1,7 @@
 //! Where recording and physics disagree, and why.
 //!
 //! ```text
-//! Recording ─► Drive ─┐
+//! Recording ─► GriddedDrive ─┐
 //! [vehicle] ─► Model ─┴─► fit (the plain model) ─► naming (scan, refit) ─► select ─► locate, proof ─► Explanation
 //!                              └ predict: one filter, many cars side by side      └ correction: what nobody named
 //! ```
@@ -27,9 +27,9 @@ mod exogenous;
 mod explanation;
 mod finding;
 mod fit;
-mod gross;
 mod learn;
 mod locate;
+mod long_recording;
 mod model;
 mod naming;
 mod patches;
@@ -37,15 +37,16 @@ mod predict;
 mod proof;
 mod result;
 mod select;
+mod signs_and_swaps;
 mod smooth;
 mod split;
+mod tuning;
 mod verdict;
-mod whole;
 
 pub use case::{Answer, Case};
 pub use model::{Chosen, Model};
 pub use predict::Recording;
 pub use result::{
-    Block, ByChannel, Course, Estimate, Explanation, Finding, Missing, Models, Parts, Ranked, Trace, Verdict,
-    Where,
+    Block, ByChannel, CourseEstimate, Estimate, Explanation, Finding, Missing, Models, Parts, Ranked, Trace,
+    Verdict, Where,
 };

@@ -1,7 +1,8 @@
 //! A model of the car as a search sees it: its numbers, its effects, and which of them are free.
 
-use super::predict::late::{Delays, Late};
-use super::predict::{Car, Settings};
+use super::predict::delay::{Delayed, Delays};
+use super::predict::{ExtendedCar, Settings};
+use super::tuning::TUNING;
 use crate::identify::{Parameter, Values};
 use physics::Quantity;
 use physics::model::effect::{Channel, Course, EffectConfig, KINDS, Kind, Setting, Spec};
@@ -75,7 +76,7 @@ pub enum Place {
     /// Of the vehicle, or a sensor's offset.
     Ordinary(Parameter),
     /// How late something is.
-    Delay(Late),
+    Delay(Delayed),
     /// How much of the lateral curve's bend the longitudinal one has: friction along and across are
     /// seldom the same, and one limit is all that the vehicle's table has.
     BendAlong,
@@ -96,11 +97,6 @@ pub struct Free {
     pub step: f64,
 }
 
-/// So many standard deviations from what its owner says of it a number is ordinary; beyond, something else
-/// is wrong.
-const ORDINARY_STDS: f64 = 5.0;
-const ORDINARY_DELAY_STDS: f64 = 2.5;
-
 /// Mean and standard deviation of what is thought of the longitudinal curve's bend.
 const BEND_ALONG: (f64, f64) = (0.5, 0.5);
 
@@ -111,7 +107,7 @@ impl<'a> Model<'a> {
             vehicle,
             knows_torque,
             values: Values::of(vehicle),
-            delays: Late::usual(),
+            delays: Delayed::usual(),
             bend_along: BEND_ALONG.0,
             effects: Vec::new(),
         }
@@ -131,14 +127,14 @@ impl<'a> Model<'a> {
     }
 
     /// The car it describes.
-    pub fn car(&self) -> Car {
+    pub fn car(&self) -> ExtendedCar {
         let mut effects: Vec<&Chosen> = self.effects.iter().collect();
         effects.sort_by_key(|chosen| chosen.order());
         let effects = effects.into_iter().map(|chosen| {
             let values = chosen.values();
             chosen.kind.effect(&Setting { values: &values, channel: chosen.channel, course: &chosen.course })
         });
-        Car::new(Settings {
+        ExtendedCar::new(Settings {
             vehicle: self.vehicle,
             values: &self.values,
             knows_torque: self.knows_torque,
@@ -173,8 +169,8 @@ impl<'a> Model<'a> {
             parameters.push(Parameter::LongitudinalAccelerationOffset);
         }
         let mut free: Vec<Free> = parameters.into_iter().map(|p| self.free_ordinary(p)).collect();
-        let late = Late::ALL.into_iter().filter(|late| has(late.quantity()));
-        free.extend(late.filter(|late| self.knows_torque || *late != Late::Torque).map(|late| {
+        let late = Delayed::ALL.into_iter().filter(|late| has(late.quantity()));
+        free.extend(late.filter(|late| self.knows_torque || *late != Delayed::Torque).map(|late| {
             let (mean, std) = late.prior();
             Free { place: Place::Delay(late), mean, std, step: 0.001 }
         }));
@@ -238,14 +234,17 @@ impl<'a> Model<'a> {
         match place {
             Place::Ordinary(p) => {
                 let Free { mean, std, .. } = self.free_ordinary(p);
-                let within = coordinate.clamp(mean - ORDINARY_STDS * std, mean + ORDINARY_STDS * std);
+                let within = coordinate.clamp(
+                    mean - TUNING.selection.ordinary_stds * std,
+                    mean + TUNING.selection.ordinary_stds * std,
+                );
                 let value = if is_logarithmic(p) { within.exp() } else { within };
                 let (low, high) = p.bounds();
                 self.values.set(p, value.clamp(low, high));
             }
             Place::Delay(late) => {
                 let (mean, std) = late.prior();
-                let most = ORDINARY_DELAY_STDS * std;
+                let most = TUNING.selection.ordinary_delay_stds * std;
                 self.delays[late as usize] = coordinate.clamp(mean - most, mean + most);
             }
             Place::BendAlong => self.bend_along = coordinate.clamp(0.0, 1.2),

@@ -11,6 +11,7 @@ use super::fit::{Data, Fit, Learn, Varied, within_bounds};
 use super::model::{Free, Model, Place};
 use super::predict::grid::STEP_S;
 use super::predict::noise::{Live, Noise};
+use super::tuning::TUNING;
 use physics::model::effect::Growth;
 
 /// A candidate with its score.
@@ -75,13 +76,13 @@ impl<'a> Refitted<'a> {
 /// Rounds of fitting before any noise is learnt.
 const STRICT_ROUNDS: usize = 3;
 
-/// How far a candidate's numbers are moved to see its influence, in standard deviations of their priors;
-/// first a small step. What grows with the square, or begins at a threshold, shows only in a large one.
-const WAYS: [Option<f64>; 4] = [None, Some(0.7), Some(2.0), Some(-2.0)];
-
 /// The ways for a candidate: of what acts in proportion the small step tells all.
 fn ways(candidate: &Candidate) -> &'static [Option<f64>] {
-    if candidate.kind.search.growth == Growth::Proportional { &WAYS[..1] } else { &WAYS }
+    if candidate.kind.search.growth == Growth::Proportional {
+        &TUNING.selection.steps_in_stds[..1]
+    } else {
+        &TUNING.selection.steps_in_stds
+    }
 }
 
 /// All candidates, best first; of the same effect with different onsets only the best one.
@@ -288,7 +289,7 @@ fn evidence(before: &Fit<'_>, after: &Fit<'_>, new: usize, is_live: bool) -> f64
 struct Normal {
     /// Products of the innovations with the ordinary numbers' derivatives.
     gradient: DVector<f64>,
-    /// [`Sums::alone`](super::predict::sums::Sums::alone).
+    /// [`BlockSums::alone`](super::predict::sums::BlockSums::alone).
     alone: DMatrix<f64>,
     /// Covariance of the ordinary numbers.
     inverse: DMatrix<f64>,
@@ -333,14 +334,14 @@ impl Normal {
 mod tests {
     use super::super::bench::{fitted, recorded, training};
     use super::super::candidates::{library, onsets};
-    use super::super::predict::Drive;
+    use super::super::predict::GriddedDrive;
     use super::*;
     use physics::model::effect::KINDS;
 
     /// Scans a drive with effects concealed, and fits the best candidate.
     fn best(effects: &str) -> (String, f64, Vec<f64>) {
         let (vehicle, recording) = recorded(effects);
-        let drives = [Drive::new(&recording, &vehicle)];
+        let drives = [GriddedDrive::new(&recording, &vehicle)];
         let data = training(&drives);
         let plain = fitted(&data, &vehicle);
         let library = library(KINDS, &plain.model, |_| true, &onsets(drives[0].seconds()));

@@ -12,33 +12,15 @@ use super::model::{Free, Model};
 use super::naming::Refitted;
 use super::smooth::courses;
 use super::split::Part;
+use super::tuning::TUNING;
 use physics::model::effect::Course;
-
-/// Where a course is above this share of its peak there is a patch.
-const EDGE: f64 = 0.35;
-
-/// Shorter gaps are none: a surface shows only where tires slip, and they do not while one steers through
-/// the middle.
-const SHORTEST_GAP_S: f64 = 1.2;
-
-/// Shorter patches are none.
-const SHORTEST_S: f64 = 0.4;
-
-/// A driver whose wheels slide lifts, and tries again: in between it is the same road, as long as this lasts at most.
-const SAME_ROAD_S: f64 = 6.0;
-
-/// More patches are no patches but a course.
-const MOST: usize = 8;
 
 /// What each edge's freedom is worth, twice the logarithm of how many places it could have.
 const OF_AN_EDGE: f64 = 6.0;
 
-/// Steps by which an edge is moved, s.
-const STEPS: [f64; 5] = [2.0, 0.8, 0.4, 0.2, 0.1];
-
 /// Does the effect lie in patches?
 pub fn is_patchy(candidate: &Candidate) -> bool {
-    candidate.kind.surroundings(candidate.channel).is_some_and(|course| course.sign != 0.0)
+    candidate.kind.disturbance(candidate.channel).is_some_and(|course| course.sign != 0.0)
 }
 
 /// Where wheels are seen to slide, the road may be slippery, whatever a filter makes of it: up to the limit of its
@@ -46,8 +28,8 @@ pub fn is_patchy(candidate: &Candidate) -> bool {
 /// there are patches.
 pub fn of_sliding(data: &Data<'_>) -> Option<Vec<[f64; 2]>> {
     let [drive] = data.drives else { return None };
-    let all = merged(drive.slides.iter().map(|slide| [slide.from, slide.to]), SAME_ROAD_S);
-    (1..=MOST).contains(&all.len()).then_some(all)
+    let all = merged(drive.slides.iter().map(|slide| [slide.from, slide.to]), TUNING.patches.same_road_s);
+    (1..=TUNING.patches.most).contains(&all.len()).then_some(all)
 }
 
 /// The candidates that are slippery patches, of each kind and side one: how slippery, a fit searches.
@@ -87,8 +69,12 @@ pub fn intervals(data: &Data<'_>, fit: &Fit<'_>) -> Option<Vec<[f64; 2]>> {
     let [drive] = data.drives else { return None };
     let course = courses(drive, &fit.model, &fit.noise, Default::default()).pop()?;
     let peak = course.peak();
-    let all = course.stretches(|value, _| value.abs() > EDGE * peak, SHORTEST_GAP_S, SHORTEST_S);
-    (1..=MOST).contains(&all.len()).then_some(all)
+    let all = course.stretches(
+        |value, _| value.abs() > TUNING.patches.edge * peak,
+        TUNING.patches.shortest_gap_s,
+        TUNING.patches.shortest_s,
+    );
+    (1..=TUNING.patches.most).contains(&all.len()).then_some(all)
 }
 
 /// The effect of such a candidate within these stretches instead, fitted with everything else: which wheels
@@ -167,7 +153,7 @@ impl<C: Fn(&Model<'_>) -> f64 + Sync> Edges<C> {
                 gap += 1;
             }
         }
-        for step in STEPS {
+        for step in TUNING.patches.edge_steps_s {
             for edge in 0..2 * self.of(&best.1).len() {
                 let tried: Vec<(f64, Model<'a>)> = [-step, step]
                     .into_par_iter()

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use super::fit::Fit;
 use super::model::Model;
 use super::predict::free::run;
-use super::predict::sums::{Comparison, Readers};
-use super::predict::{Drive, grid::COMPARED};
+use super::predict::sums::{Comparison, UsedReadings};
+use super::predict::{GriddedDrive, grid::COMPARED};
 use super::result::{ByChannel, Parts};
 use super::smooth::courses;
 use super::split::Split;
@@ -22,7 +22,7 @@ pub type Comparisons = Vec<Vec<Comparison>>;
 
 /// Simulates all drives freely, each course of the model told by readings of other seconds than those it
 /// is compared with.
-pub fn simulate(drives: &[Drive], fit: &Fit<'_>) -> Comparisons {
+pub fn simulate(drives: &[GriddedDrive], fit: &Fit<'_>) -> Comparisons {
     let model = &fit.model;
     let keeps = usize::from(!model.knows_torque);
     let has_courses = fit.noise.live.len() > keeps;
@@ -34,10 +34,10 @@ pub fn simulate(drives: &[Drive], fit: &Fit<'_>) -> Comparisons {
                 return run(drive, &held, &held, &fit.noise);
             }
             let of = |odd: bool| {
-                let told = told(drive, model, fit, keeps, Readers::EveryOther(odd));
-                let others = Readers::EveryOther(!odd);
-                let mut compared = run(drive, &held, &told.car(), &fit.noise);
-                compared.retain(|compared| others.see(compared.t));
+                let informed = with_courses(drive, model, fit, keeps, UsedReadings::EveryOther(odd));
+                let others = UsedReadings::EveryOther(!odd);
+                let mut compared = run(drive, &held, &informed.car(), &fit.noise);
+                compared.retain(|compared| others.include(compared.t));
                 compared
             };
             let (mut compared, odd) = rayon::join(|| of(false), || of(true));
@@ -49,16 +49,16 @@ pub fn simulate(drives: &[Drive], fit: &Fit<'_>) -> Comparisons {
 }
 
 /// The model with the courses that some of the readings tell.
-pub fn told<'a>(
-    drive: &Drive,
+pub fn with_courses<'a>(
+    drive: &GriddedDrive,
     model: &Model<'a>,
     fit: &Fit<'_>,
     keeps: usize,
-    readers: Readers,
+    readings: UsedReadings,
 ) -> Model<'a> {
-    let courses = courses(drive, model, &fit.noise, readers);
-    let mut told = model.clone();
-    for chosen in &mut told.effects {
+    let courses = courses(drive, model, &fit.noise, readings);
+    let mut informed = model.clone();
+    for chosen in &mut informed.effects {
         if let Course::Live(place) = chosen.course
             && place >= keeps
             && let Some(course) = courses.get(place)
@@ -66,19 +66,19 @@ pub fn told<'a>(
             chosen.course = Course::Series(Series { t: course.t.clone(), value: course.value.clone() });
         }
     }
-    told
+    informed
 }
 
 /// Sums for a fit.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sums {
+struct ErrorSums {
     count: f64,
     value: f64,
     square: f64,
     error: f64,
 }
 
-impl Sums {
+impl ErrorSums {
     fn add(&mut self, compared: &Comparison) {
         self.count += 1.0;
         self.value += compared.measured;
@@ -106,7 +106,7 @@ impl Sums {
 pub fn fits(comparisons: &Comparisons, split: &Split) -> Parts<ByChannel> {
     let mut parts: Parts<ByChannel> = Parts::default();
     for channel in COMPARED {
-        let (mut train, mut holdout) = (Sums::default(), Sums::default());
+        let (mut train, mut holdout) = (ErrorSums::default(), ErrorSums::default());
         for (drive, comparisons) in comparisons.iter().enumerate() {
             for compared in comparisons.iter().filter(|compared| compared.channel == channel as u8) {
                 if split.is_held_out(drive, compared.t) { holdout.add(compared) } else { train.add(compared) }
@@ -143,8 +143,8 @@ pub fn improvement(
 ) -> BTreeMap<String, [f64; 2]> {
     let mut all = BTreeMap::new();
     for channel in COMPARED {
-        let blocks = |comparisons: &Comparisons| -> BTreeMap<(usize, i64), Sums> {
-            let mut blocks: BTreeMap<(usize, i64), Sums> = BTreeMap::new();
+        let blocks = |comparisons: &Comparisons| -> BTreeMap<(usize, i64), ErrorSums> {
+            let mut blocks: BTreeMap<(usize, i64), ErrorSums> = BTreeMap::new();
             for (drive, comparisons) in comparisons.iter().enumerate() {
                 let held = comparisons
                     .iter()
@@ -156,7 +156,7 @@ pub fn improvement(
             blocks
         };
         let (before, after) = (blocks(before), blocks(after));
-        let pairs: Vec<(Sums, Sums)> =
+        let pairs: Vec<(ErrorSums, ErrorSums)> =
             before.iter().filter_map(|(key, sums)| Some((*sums, *after.get(key)?))).collect();
         if pairs.len() < 3 {
             continue;
@@ -165,7 +165,7 @@ pub fn improvement(
         random.set_stream(channel as u64);
         let mut gains: Vec<f64> = (0..DRAWS)
             .filter_map(|_| {
-                let (mut a, mut b) = (Sums::default(), Sums::default());
+                let (mut a, mut b) = (ErrorSums::default(), ErrorSums::default());
                 for _ in 0..pairs.len() {
                     let pair = &pairs[random.random_range(0..pairs.len())];
                     (a, b) = (a.plus(&pair.0), b.plus(&pair.1));
@@ -194,7 +194,7 @@ pub fn unexplained(
     let mut all = ByChannel::new();
     for channel in COMPARED {
         let error = |comparisons: &Comparisons| {
-            let mut sums = Sums::default();
+            let mut sums = ErrorSums::default();
             for (drive, comparisons) in comparisons.iter().enumerate() {
                 for compared in
                     comparisons.iter().filter(|s| s.channel == channel as u8 && split.is_held_out(drive, s.t))

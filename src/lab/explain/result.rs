@@ -59,7 +59,7 @@ pub struct Finding {
     pub parameters: BTreeMap<String, Estimate>,
     /// How it varied, if it did.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub series: Option<Course>,
+    pub series: Option<CourseEstimate>,
     /// Where it shows.
     #[serde(rename = "where")]
     pub place: Where,
@@ -73,7 +73,7 @@ pub struct Finding {
 
 /// How something varied, with what is known of it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Course {
+pub struct CourseEstimate {
     /// Times, s.
     pub t: Vec<f64>,
     /// Values.

@@ -11,35 +11,16 @@ use super::fit::{Data, Fit, Learn};
 use super::model::Model;
 use super::naming::{Refitted, Scored, refine, refit, scan};
 use super::patches;
-use super::predict::Drive;
+use super::predict::GriddedDrive;
 use super::smooth::courses;
 use super::split::{BLOCK_S, Part, Split};
+use super::tuning::TUNING;
 use physics::Quantity;
 use physics::model::effect::{Channel, Growth, Kind};
 
 /// Evidence (twice the logarithm of the odds) that the first finding needs. The odds must beat those of
 /// some fifty candidates, each with a small chance of its own.
 pub const LEAST_EVIDENCE: f64 = 24.0;
-
-/// Further findings need this, and this share of all that has been found.
-const FURTHER_EVIDENCE: f64 = 30.0;
-const FURTHER_SHARE: f64 = 0.015;
-
-/// So many findings at most: what is beyond is noise, or another car.
-const MOST_FINDINGS: usize = 5;
-
-/// Candidates that are fitted together with everything else: so many at most, down to this share of the
-/// best one's first-order gain.
-const MOST_REFITTED: usize = 5;
-const LEAST_SHARE: f64 = 0.08;
-/// …and of the evidence that is needed.
-const LEAST_OF_FIRST_ORDER: f64 = 0.3;
-
-/// A held-out block within so many seconds of where something began is needed to learn when it did.
-pub const ONSET_S: f64 = 3.0;
-
-/// A course of which more than this follows from the driver's own inputs is none of wind and road.
-pub const MOST_FOLLOWING: f64 = 0.4;
 
 /// Rounds of fitting without learning any noise.
 const STRICT_ROUNDS: usize = 4;
@@ -48,10 +29,6 @@ const STRICT_ROUNDS: usize = 4;
 const FIRST_ROUNDS: usize = 2;
 const NEXT_ROUNDS: usize = 3;
 const LAST_ROUNDS: usize = 8;
-
-/// So many after their first fit, and all with this share of the best one's evidence, may win.
-pub const MOST_RIVALS: usize = 3;
-pub const RIVAL_SHARE: f64 = 0.5;
 
 /// One round of choosing.
 #[derive(Clone, Debug)]
@@ -101,7 +78,7 @@ pub fn select<'a>(
     let mut extended = baseline.clone();
     let mut chosen: Vec<Refitted<'a>> = Vec::new();
     let mut rounds = Vec::new();
-    let longest = data.drives.iter().map(Drive::seconds).fold(0.0, f64::max);
+    let longest = data.drives.iter().map(GriddedDrive::seconds).fold(0.0, f64::max);
     let onsets = if data.share < 1.0 { onsets_within(data.drives) } else { onsets(longest) };
     for taken in before {
         extended = taken.fit.clone();
@@ -109,7 +86,7 @@ pub fn select<'a>(
         rounds.push(Round { scanned: Vec::new(), refitted, following: Vec::new() });
         chosen.push(taken);
     }
-    while chosen.len() < MOST_FINDINGS {
+    while chosen.len() < TUNING.selection.most_findings {
         progress(if chosen.is_empty() { "naming" } else { "looking for more" }, chosen.len() as f64 / 5.0);
         let is_new = |candidate: &Candidate| {
             let same = |other: &Refitted<'_>| {
@@ -147,7 +124,7 @@ pub fn select<'a>(
         let best = round.refitted.first().filter(|_| shows(&round)).cloned();
         rounds.push(round);
         let Some(mut first) = best else { break };
-        if let Some(split) = first.onset().and_then(|at| data.split.released(at, ONSET_S)) {
+        if let Some(split) = first.onset().and_then(|at| data.split.released(at, TUNING.selection.onset_s)) {
             data.split = split;
             let again = |fit: &Fit<'a>| data.fit(&fit.model, &fit.free, &fit.noise, NEXT_ROUNDS);
             baseline = again(&baseline);
@@ -185,7 +162,7 @@ pub fn select<'a>(
 /// Evidence that is needed in a share of the recordings, after so much has been found or nothing.
 pub fn least_evidence(share: f64, is_further: bool, found: f64) -> f64 {
     if is_further {
-        f64::max(share * FURTHER_EVIDENCE, FURTHER_SHARE * found)
+        f64::max(share * TUNING.selection.further_evidence, TUNING.selection.further_share * found)
     } else {
         share * LEAST_EVIDENCE
     }
@@ -210,7 +187,7 @@ fn look<'a>(
     let (refitted, refused): (Vec<_>, Vec<_>) =
         fitted(data, before, grounds.iter().zip(&scans), library, least)
             .into_iter()
-            .partition(|refitted| following_share(data, refitted) <= MOST_FOLLOWING);
+            .partition(|refitted| following_share(data, refitted) <= TUNING.selection.most_following);
     let following = refused.into_iter().map(|refused| (refused.candidate, refused.evidence)).collect();
     Round { scanned: scans.into_iter().next().unwrap_or_default(), refitted, following }
 }
@@ -240,9 +217,9 @@ fn fitted<'f, 'a: 'f>(
         );
     }
     let mut all = best_of_each(first);
-    let enough = RIVAL_SHARE * all.first().map_or(0.0, |first| first.evidence);
+    let enough = TUNING.selection.rival_share * all.first().map_or(0.0, |first| first.evidence);
     all.par_iter_mut().enumerate().for_each(|(rank, refitted)| {
-        if rank < MOST_RIVALS || refitted.evidence > enough {
+        if rank < TUNING.selection.most_rivals || refitted.evidence > enough {
             *refitted = refine(data, before, refitted, NEXT_ROUNDS);
         }
     });
@@ -251,7 +228,7 @@ fn fitted<'f, 'a: 'f>(
     best_of_each(all.into_iter().chain(patches).collect())
 }
 
-/// Is the error large enough to be anybody's mistake? See [`Search`](physics::model::effect::Search).
+/// Is the error large enough to be anybody's mistake? See [`SearchHints`](physics::model::effect::SearchHints).
 fn is_noteworthy(refitted: &Refitted<'_>) -> bool {
     let candidate = &refitted.candidate;
     let of_a_torque = matches!(
@@ -299,8 +276,9 @@ fn worth(scanned: &[Scored], least: f64) -> impl Iterator<Item = &Scored> {
     let best = scanned.first().map_or(0.0, |scored| scored.gain);
     let enough = move |(rank, scored): &(usize, &Scored)| {
         let hides = scored.candidate.kind.search.growth == Growth::Quadratic;
-        let is_among_best = *rank < MOST_REFITTED && scored.gain > LEAST_SHARE * best;
-        scored.gain > LEAST_OF_FIRST_ORDER * least && (hides || is_among_best)
+        let is_among_best =
+            *rank < TUNING.selection.most_refitted && scored.gain > TUNING.selection.least_share * best;
+        scored.gain > TUNING.selection.least_of_first_order * least && (hides || is_among_best)
     };
     scanned.iter().enumerate().filter(enough).map(|(_, scored)| scored)
 }

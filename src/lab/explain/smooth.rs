@@ -4,13 +4,13 @@ use nalgebra::{DMatrix, DVector};
 
 use super::locate::merged;
 use super::model::Model;
-use super::predict::Drive;
 use super::predict::FILTERED;
+use super::predict::GriddedDrive;
 use super::predict::car::BODY_STATES;
 use super::predict::grid::STEP_S;
 use super::predict::noise::Noise;
 use super::predict::pass::pass_backwards;
-use super::predict::sums::{Filtered, Readers};
+use super::predict::sums::{Filtered, UsedReadings};
 
 /// A course with its uncertainty, at grid points.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -46,7 +46,12 @@ impl Smoothed {
 }
 
 /// All courses that the model's filter estimates over a drive, by their places.
-pub fn courses(drive: &Drive, model: &Model<'_>, noise: &Noise, readers: Readers) -> Vec<Smoothed> {
+pub fn courses(
+    drive: &GriddedDrive,
+    model: &Model<'_>,
+    noise: &Noise,
+    readings: UsedReadings,
+) -> Vec<Smoothed> {
     let n = BODY_STATES + noise.live.len();
     let mut all = vec![Smoothed::default(); noise.live.len()];
     if all.is_empty() {
@@ -54,7 +59,7 @@ pub fn courses(drive: &Drive, model: &Model<'_>, noise: &Noise, readers: Readers
     }
     // Stretch by stretch, each from its end.
     let mut later = None;
-    pass_backwards(drive, &model.car(), noise, readers, &mut |steps| {
+    pass_backwards(drive, &model.car(), noise, readings, &mut |steps| {
         for (k, state, variance) in backwards(steps, n, &mut later) {
             for (live, course) in all.iter_mut().enumerate() {
                 course.t.push(k as f64 * STEP_S);

@@ -1,6 +1,6 @@
 //! What is fitted to and what is kept for the proof: fixed before anything is looked at.
 
-use super::predict::Drive;
+use super::predict::GriddedDrive;
 
 /// A part of the recordings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,11 +46,11 @@ pub const BLOCK_S: f64 = 20.0;
 impl Split {
     /// Of drives, the last `held_out` of which the user has set apart. Without any, every third block of
     /// each is held out; of drives shorter than two blocks, every third drive.
-    pub fn new(drives: &[Drive], held_out: usize) -> Self {
+    pub fn new(drives: &[GriddedDrive], held_out: usize) -> Self {
         let first_held = drives.len() - held_out.min(drives.len());
-        let is_short = |drive: &Drive| drive.seconds() < 2.0 * BLOCK_S;
+        let is_short = |drive: &GriddedDrive| drive.seconds() < 2.0 * BLOCK_S;
         let all_short = drives.len() > 2 && drives.iter().all(is_short);
-        let of = |(number, drive): (usize, &Drive)| {
+        let of = |(number, drive): (usize, &GriddedDrive)| {
             let length = if drive.seconds() < 3.0 * BLOCK_S { drive.seconds() / 3.0 } else { BLOCK_S };
             let held = match (held_out > 0, all_short) {
                 (true, _) if number >= first_held => Held::Everything,

@@ -4,40 +4,11 @@ use super::fit::{Data, Fit};
 use super::predict::car::BODY_STATES;
 use super::result::Verdict;
 use super::select::Selection;
+use super::tuning::TUNING;
 use physics::Quantity;
 
 /// What the unknown forces' sizes and lengths, which were searched for, are worth.
 const FREEDOM: f64 = 24.0;
-
-/// Gain of the unknown forces below which nothing is missing…
-const LEAST_MISSING: f64 = 45.0;
-
-/// …and per second of long drives: no equation holds to the last digit, and time adds up what that is worth.
-const LEAST_MISSING_PER_S: f64 = 0.15;
-
-/// What an equation misses where nothing is missing, per second of driving: torque and brakes are never
-/// quite those on the bus.
-const USUALLY_MISSING: [f64; BODY_STATES] = [6.0, 1.0, 1.0];
-
-/// So much of what the equations miss may be left; more, and what was named is not all there is.
-const MOST_LEFT: f64 = 0.2;
-
-/// What is left beside a name may be so much at least, per second…
-const ALWAYS_LEFT: f64 = 5.0;
-
-/// …and never more than this.
-const NEVER_LEFT: f64 = 1000.0;
-
-/// Where anything is left, a cause that holds less of all the evidence found is not what is missing: several
-/// together imitate it.
-const LEAST_LEADING: f64 = 0.5;
-
-/// Some restlessness is every sensor's, and so much of it may be left beside a name.
-const USUALLY_RESTLESS: f64 = 600.0;
-const MOST_RESTLESS: f64 = 0.5;
-
-/// …and never more than this: what has a name leaves less than a tenth of it.
-const NEVER_RESTLESS: f64 = 5000.0;
 
 /// By how much −2 ln likelihood falls, the prior counted in.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -86,20 +57,21 @@ impl Gains {
 
     /// What is missing beyond what always is.
     fn beyond_usual(&self, missing: &[f64; BODY_STATES]) -> f64 {
-        let usual = USUALLY_MISSING.map(|usual| usual * self.seconds);
+        let usual = TUNING.verdict.usually_missing_per_s.map(|usual| usual * self.seconds);
         missing.iter().zip(usual).map(|(missing, usual)| (missing - usual).max(0.0)).sum()
     }
 
     /// The verdict; a drive that does not turn cannot clear the car.
     pub fn verdict(&self, turns: bool) -> Verdict {
         let left = self.beyond_usual(&self.left);
-        let most = MOST_LEFT * self.beyond_usual(&self.missing);
-        let always = ALWAYS_LEFT * self.seconds;
-        let is_much = left > most.clamp(always, NEVER_LEFT * self.seconds);
-        let imitates = left > always && self.leading < LEAST_LEADING;
-        let most = (MOST_RESTLESS * self.restless).clamp(USUALLY_RESTLESS, NEVER_RESTLESS);
+        let most = TUNING.verdict.most_left * self.beyond_usual(&self.missing);
+        let always = TUNING.verdict.always_left_per_s * self.seconds;
+        let is_much = left > most.clamp(always, TUNING.verdict.never_left_per_s * self.seconds);
+        let imitates = left > always && self.leading < TUNING.verdict.least_leading;
+        let most = (TUNING.verdict.most_restless * self.restless)
+            .clamp(TUNING.verdict.usually_restless, TUNING.verdict.never_restless);
         let is_restless = self.still_restless > most;
-        let least = LEAST_MISSING.max(LEAST_MISSING_PER_S * self.seconds);
+        let least = TUNING.verdict.least_missing.max(TUNING.verdict.least_missing_per_s * self.seconds);
         match self.named {
             Some(_) if is_much || is_restless || imitates => Verdict::UnknownPhysics,
             Some(_) => Verdict::MissingPhysics,

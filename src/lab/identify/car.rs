@@ -9,7 +9,7 @@ use physics::model::{GRAVITY, Real, TireKind, Vehicle};
 
 /// Body, tires and sensors' offsets, with derivatives by whatever is free.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Car<T> {
+pub(super) struct PlainCar<T> {
     pub(super) body: Body<T>,
     pub(super) tire: Tire<T>,
     /// Front, rear.
@@ -39,7 +39,7 @@ pub(super) struct Car<T> {
     pub(super) steering_offset: T,
 }
 
-impl<T: Real> Car<T> {
+impl<T: Real> PlainCar<T> {
     /// From a number for each parameter; what is no number (driven axle, kind of tire) is the vehicle's.
     pub(super) fn new(vehicle: &Vehicle, drive: LongitudinalInput, number: impl Fn(Parameter) -> T) -> Self {
         let zero = T::constant(0.0);
@@ -123,7 +123,7 @@ impl<T: Real> Car<T> {
     }
 }
 
-impl Car<f64> {
+impl PlainCar<f64> {
     /// Without derivatives.
     pub(super) fn plain(vehicle: &Vehicle, drive: LongitudinalInput, values: &Values) -> Self {
         Self::new(vehicle, drive, |parameter| values.get(parameter))

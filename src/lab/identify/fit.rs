@@ -10,7 +10,7 @@ use nalgebra::{DVector, Vector3};
 
 use super::free::Free;
 use super::longitudinal_input::LongitudinalInput;
-use super::motion::Channel;
+use super::motion::Output;
 use super::normal_equations::{Linearized, Point};
 use super::parameter::Values;
 use super::segment::Segment;
@@ -31,7 +31,7 @@ pub enum Method {
 }
 
 /// Standard deviation of the noise of each channel.
-pub(super) type Noise = [f64; Channel::COUNT];
+pub(super) type Noise = [f64; Output::COUNT];
 
 /// Where a search came to its end.
 #[derive(Clone, Debug)]
@@ -92,7 +92,7 @@ impl<'a> Search<'a> {
         if self.drive == LongitudinalInput::WheelSpeeds {
             // The noise of a driven wheel's speed is at once in the simulated acceleration and in its
             // derivative by the stiffness: fitting it would make every tire too soft.
-            weight[Channel::LongitudinalAcceleration as usize] = 0.0;
+            weight[Output::LongitudinalAcceleration as usize] = 0.0;
         }
         let Search { vehicle, values, free, segments, drive, .. } = *self;
         Problem { vehicle, values, free, segments, drive, weight, tie }
@@ -149,7 +149,7 @@ impl<'a> Search<'a> {
 
     /// The values of all parameters at a point.
     pub(super) fn values_at(&self, theta: &DVector<f64>) -> Values {
-        self.problem(&[1.0; Channel::COUNT], Tie::NONE).values_at(theta)
+        self.problem(&[1.0; Output::COUNT], Tie::NONE).values_at(theta)
     }
 
     /// The lowest cost with another search's noise and tie, and where it is, beginning at `point`.
@@ -162,7 +162,7 @@ impl<'a> Search<'a> {
 
     /// The noise that is left.
     fn noise(&self, all: &Linearized, usual: &Noise) -> Noise {
-        let mut counts = [0.0; Channel::COUNT];
+        let mut counts = [0.0; Output::COUNT];
         for segment in self.segments {
             for row in &segment.measured[..segment.len()] {
                 for (count, value) in counts.iter_mut().zip(row) {

@@ -3,9 +3,9 @@
 //! Driven by the recorded steering wheel, torques or wheel speeds, restarted from the measured state each
 //! 20 s (contract: `fit`), 100 (1 − |y − ŷ| / |y − mean y|) per cent.
 
-use super::car::Car;
+use super::car::PlainCar;
 use super::longitudinal_input::LongitudinalInput;
-use super::motion::Channel;
+use super::motion::Output;
 use super::parameter::Values;
 use super::prepare;
 use super::record::Record;
@@ -32,10 +32,10 @@ pub struct FitRow {
     pub record: usize,
     /// Seconds from its start.
     pub t: f64,
-    /// What was measured, by [`Channel`].
-    pub measured: [f64; Channel::COUNT],
+    /// What was measured, by [`Output`].
+    pub measured: [f64; Output::COUNT],
     /// What was simulated.
-    pub simulated: [f64; Channel::COUNT],
+    pub simulated: [f64; Output::COUNT],
 }
 
 /// Runs freely through all records with the vehicle as its table says, no offsets.
@@ -45,7 +45,7 @@ pub fn free_run(records: &[Record], vehicle: &Vehicle, drive: LongitudinalInput)
 
 /// Runs freely through all records.
 pub(super) fn fits(records: &[Record], vehicle: &Vehicle, values: &Values, drive: LongitudinalInput) -> Fits {
-    let car = Car::plain(vehicle, drive, values);
+    let car = PlainCar::plain(vehicle, drive, values);
     let mut rows = Vec::new();
     for segment in prepare::segments(records, vehicle, values, drive, BLOCK_S, LEAST_S) {
         let outputs = segment.outputs(&car, drive, segment.start);
@@ -54,7 +54,7 @@ pub(super) fn fits(records: &[Record], vehicle: &Vehicle, values: &Values, drive
             rows.push(FitRow { record: segment.record, t, measured: *measured, simulated: *simulated });
         }
     }
-    let percent = Channel::ALL.into_iter().filter_map(|channel| {
+    let percent = Output::ALL.into_iter().filter_map(|channel| {
         let there = || rows.iter().filter(|row| !row.measured[channel as usize].is_nan());
         let count = there().count() as f64;
         let mean = there().map(|row| row.measured[channel as usize]).sum::<f64>() / count;

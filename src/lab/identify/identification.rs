@@ -15,7 +15,7 @@ use super::free::Free;
 use super::free_run;
 use super::input_noise;
 use super::longitudinal_input::LongitudinalInput;
-use super::motion::Channel;
+use super::motion::Output;
 use super::parameter::Values;
 use super::prepare;
 use super::profile;
@@ -208,10 +208,10 @@ impl<'a> Identifier<'a> {
         progress("free run", 0.0);
         let values = self.search_in().values_at(&self.corrected(&fit, &sure));
         let correlation = sure.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
-        let there = Channel::ALL.into_iter().zip(fit.noise).filter(|(channel, _)| self.is_measured(*channel));
+        let there = Output::ALL.into_iter().zip(fit.noise).filter(|(channel, _)| self.is_measured(*channel));
         // A channel that has no say in the search leaves no residuals.
         let is_silent = |channel| {
-            self.drive == LongitudinalInput::WheelSpeeds && channel == Channel::LongitudinalAcceleration
+            self.drive == LongitudinalInput::WheelSpeeds && channel == Output::LongitudinalAcceleration
         };
         let there = there.map(|(channel, std)| (channel, if is_silent(channel) { f64::NAN } else { std }));
         Ok(Identification {
@@ -229,7 +229,7 @@ impl<'a> Identifier<'a> {
         })
     }
 
-    fn is_measured(&self, channel: Channel) -> bool {
+    fn is_measured(&self, channel: Output) -> bool {
         let mut rows = self.segments.iter().flat_map(|segment| &segment.measured);
         rows.any(|row| !row[channel as usize].is_nan())
     }

@@ -40,7 +40,7 @@ pub use fit::Method;
 pub use free_run::{BLOCK_S, FitRow, Fits, free_run};
 pub use identification::Identifier;
 pub use longitudinal_input::LongitudinalInput;
-pub use motion::Channel;
+pub use motion::Output;
 pub use parameter::{Parameter, Values};
 pub use record::{Record, Row};
 pub use result::{Identification, Identified, Path};

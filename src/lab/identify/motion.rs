@@ -5,7 +5,7 @@
 //! (methods.md §2 with r ω̇ the acceleration of its contact point). So it adds to the car's mass, and,
 //! at half a track from the middle, some per cent to its yaw inertia.
 
-use super::car::Car;
+use super::car::PlainCar;
 use super::longitudinal_input::LongitudinalInput;
 use super::record::Row;
 use physics::model::Real;
@@ -15,7 +15,7 @@ use physics::model::wheel;
 
 /// What is measured of the car, in the order of their places in a row of outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Channel {
+pub enum Output {
     /// Front left wheel, rad/s.
     WheelFl,
     /// Front right wheel, rad/s.
@@ -34,7 +34,7 @@ pub enum Channel {
     Speed,
 }
 
-impl Channel {
+impl Output {
     /// How many there are.
     pub const COUNT: usize = 8;
 
@@ -65,8 +65,8 @@ impl Channel {
     }
 }
 
-/// A number for each [`Channel`].
-pub(super) type Outputs<T> = [T; Channel::COUNT];
+/// A number for each [`Output`].
+pub(super) type Outputs<T> = [T; Output::COUNT];
 
 /// What drives the equations between two rows.
 #[derive(Clone, Copy, Debug)]
@@ -129,7 +129,7 @@ pub(super) struct Instant<T> {
     ay: T,
 }
 
-impl<T: Real> Car<T> {
+impl<T: Real> PlainCar<T> {
     /// Forces and accelerations.
     #[inline(always)]
     pub(super) fn instant(&self, state: &State<T>, input: &Input, drive: LongitudinalInput) -> Instant<T> {

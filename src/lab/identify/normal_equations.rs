@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector, Dyn, Matrix3, OMatrix, U3, Vector3};
 
-use super::motion::Channel;
+use super::motion::Output;
 use super::segment_sums::SegmentSums;
 
 /// Three states by the parameters.
@@ -37,7 +37,7 @@ impl Point {
 pub(super) struct Linearized {
     pub(super) cost: f64,
     /// Σ residual² by channel.
-    pub(super) squares: [f64; Channel::COUNT],
+    pub(super) squares: [f64; Output::COUNT],
     pub(super) gradient: DVector<f64>,
     pub(super) information: DMatrix<f64>,
     pub(super) blocks: Vec<Block>,
@@ -208,7 +208,7 @@ mod tests {
         };
         Linearized {
             cost: 0.0,
-            squares: [0.0; Channel::COUNT],
+            squares: [0.0; Output::COUNT],
             gradient: DVector::from_row_slice(&gradient),
             information: DMatrix::from_row_slice(2, 2, &information),
             blocks: vec![block],

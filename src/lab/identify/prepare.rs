@@ -1,6 +1,6 @@
 //! Records to segments.
 
-use super::car::Car;
+use super::car::PlainCar;
 use super::longitudinal_input::LongitudinalInput;
 use super::motion::Input;
 use super::parameter::Values;
@@ -47,7 +47,7 @@ fn cut(
     let wanted = (segment_s / record.period_s).round().max(1.0);
     let pieces = ((steps as f64 / wanted).round() as usize).max(1);
     let radius = vehicle.wheel_radius_m.value;
-    let car = Car::plain(vehicle, drive, values);
+    let car = PlainCar::plain(vehicle, drive, values);
     for piece in 0..pieces {
         let begin = from + steps * piece / pieces;
         let end = from + steps * (piece + 1) / pieces;

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::free_run::Fits;
 use super::longitudinal_input::LongitudinalInput;
-use super::motion::Channel;
+use super::motion::Output;
 use super::parameter::Values;
 
 /// One parameter as it came out.
@@ -61,7 +61,7 @@ pub struct Identification {
     /// Segments.
     pub segments: usize,
     /// Noise that is left, by channel; not-a-number where there is none.
-    pub noise: Vec<(Channel, f64)>,
+    pub noise: Vec<(Output, f64)>,
     /// What comes between two segments beyond the equations: m/s, m/s, rad/s; infinite if not tied.
     pub between: [f64; 3],
     /// Fits of a free run restarted each 20 s, before and after.

@@ -2,7 +2,7 @@
 
 use multiversion::multiversion;
 
-use super::car::Car;
+use super::car::PlainCar;
 use super::longitudinal_input::LongitudinalInput;
 use super::motion::{Input, Outputs, State};
 use super::record::Row;
@@ -12,7 +12,7 @@ use physics::model::{Dual, GRAVITY, Real, TireKind, Vehicle};
 /// Where in a step each stage looks, and how much it counts.
 const STAGES: [(f64, f64); 4] = [(0.0, 1.0 / 6.0), (0.5, 1.0 / 3.0), (0.5, 1.0 / 3.0), (1.0, 1.0 / 6.0)];
 
-/// What was measured in a row, in the order of [`Channel::ALL`]; not-a-number where it does not count.
+/// What was measured in a row, in the order of [`Output::ALL`]; not-a-number where it does not count.
 pub(super) type Measured = Outputs<f64>;
 
 /// A piece of a recording.
@@ -89,7 +89,7 @@ impl Segment {
     #[inline(always)]
     fn simulate<T: Real>(
         &self,
-        car: &Car<T>,
+        car: &PlainCar<T>,
         drive: LongitudinalInput,
         start: State<T>,
         mut take: impl FnMut(usize, &Outputs<T>),
@@ -126,7 +126,7 @@ impl Segment {
     /// The outputs at each row.
     pub(super) fn outputs(
         &self,
-        car: &Car<f64>,
+        car: &PlainCar<f64>,
         drive: LongitudinalInput,
         start: State<f64>,
     ) -> Vec<Outputs<f64>> {
@@ -140,7 +140,7 @@ impl Segment {
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 pub(super) fn trace(
     segment: &Segment,
-    car: &Car<Dual<LANES>>,
+    car: &PlainCar<Dual<LANES>>,
     drive: LongitudinalInput,
     start: State<Dual<LANES>>,
     channels: &[usize],

@@ -14,7 +14,7 @@ pub(super) struct SegmentSums {
     pub(super) end_by: DMatrix<f64>,
 }
 
-/// ChannelSums over the rows of one channel; derivatives by the parameters, then by the start.
+/// Sums over the rows of one channel; derivatives by the parameters, then by the start.
 #[derive(Clone, Debug)]
 pub(super) struct ChannelSums {
     pub(super) channel: usize,

@@ -16,10 +16,10 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use rayon::prelude::*;
 
-use super::car::Car;
+use super::car::PlainCar;
 use super::free::Free;
 use super::longitudinal_input::LongitudinalInput;
-use super::motion::{Channel, State};
+use super::motion::{Output, State};
 use super::normal_equations::{Block, Border, Linearized, Point, Score};
 use super::parameter::Values;
 use super::segment::{LANES, Segment, trace};
@@ -55,7 +55,7 @@ pub(super) struct Problem<'a> {
     pub(super) segments: &'a [Segment],
     pub(super) drive: LongitudinalInput,
     /// 1 / noise² by channel.
-    pub(super) weight: [f64; Channel::COUNT],
+    pub(super) weight: [f64; Output::COUNT],
     pub(super) tie: Tie,
 }
 
@@ -73,7 +73,7 @@ struct Own {
 }
 
 impl Own {
-    fn new(said: &SegmentSums, weight: &[f64; Channel::COUNT], count: usize) -> Self {
+    fn new(said: &SegmentSums, weight: &[f64; Output::COUNT], count: usize) -> Self {
         let mut gradient = DVector::zeros(count + 3);
         let mut information = DMatrix::zeros(count + 3, count + 3);
         for sums in &said.channels {
@@ -135,13 +135,13 @@ impl Problem<'_> {
         let is_measured = |channel: usize| {
             self.segments.iter().any(|segment| segment.measured.iter().any(|row| !row[channel].is_nan()))
         };
-        (0..Channel::COUNT).filter(|channel| self.weight[*channel] > 0.0 && is_measured(*channel)).collect()
+        (0..Output::COUNT).filter(|channel| self.weight[*channel] > 0.0 && is_measured(*channel)).collect()
     }
 
     /// The car with derivatives by the free parameters from `first` on.
-    fn car(&self, theta: &DVector<f64>, first: usize) -> Car<Dual<LANES>> {
+    fn car(&self, theta: &DVector<f64>, first: usize) -> PlainCar<Dual<LANES>> {
         let values = self.values_at(theta);
-        Car::new(self.vehicle, self.drive, |parameter| {
+        PlainCar::new(self.vehicle, self.drive, |parameter| {
             let mut number = Dual::constant(values.get(parameter));
             for (place, free) in self.free.iter().enumerate() {
                 if free.parameters.is(parameter)
@@ -159,7 +159,7 @@ impl Problem<'_> {
         let count = self.free.len();
         let mut all = Linearized {
             cost: 0.0,
-            squares: [0.0; Channel::COUNT],
+            squares: [0.0; Output::COUNT],
             gradient: DVector::zeros(count),
             information: DMatrix::zeros(count, count),
             blocks: Vec::with_capacity(said.len()),

@@ -80,7 +80,7 @@ fn effects_of_any_size_leave_a_car() {
         let mut scenario = scenario(6.0, 25.0, tire, top, "");
         for (kind, high) in KINDS.iter().flat_map(|kind| [(kind, false), (kind, true)]) {
             let channel = kind.channels.first().copied();
-            let course = kind.surroundings(channel).map_or(Course::None, |course| Course::Stretches {
+            let course = kind.disturbance(channel).map_or(Course::None, |course| Course::Stretches {
                 intervals: vec![[1.0, 4.0]],
                 value: if course.sign > 0.0 { 1.0 } else { 3.0 * course.size },
             });

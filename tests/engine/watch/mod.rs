@@ -9,6 +9,7 @@ use std::sync::OnceLock;
 use gripd::can::Frame;
 use gripd::can::candump::Reader;
 use gripd::dbc::Database;
+use gripd::estimates::State;
 use gripd::signals::publish::built_in_database;
 use gripd::watch::{Column, Estimator, Happening, Told, Watch, Word};
 use gripd::{Config, Faults, Micros, Quantity};
@@ -162,7 +163,7 @@ fn what_falls_silent_is_stale_and_no_longer_shown() {
     assert_eq!(watch.told(), Told::Silent);
     let Word::Stale(age) = watch.word("GRIP_MOTION") else { panic!("{:?}", watch.word("GRIP_MOTION")) };
     assert!(age >= Micros::from_millis(890));
-    assert!(watch.round().speed.is_nan() && watch.round().state.is_empty());
+    assert!(watch.round().speed.is_nan() && watch.round().state.is_none());
     assert_eq!(watch.last_round().speed.to_bits(), last.speed.to_bits());
     let row = watch.series().since(rows).last().unwrap();
     assert!(row.get(Column::Estimate("speed")).is_nan());
@@ -236,7 +237,7 @@ fn without_a_gripd_it_says_so_and_still_sees_what_is_wrong_with_the_inputs() {
     // The other estimator is there at once, for it has been listening.
     watch.set_estimator(Estimator::Own);
     assert_eq!(watch.told(), Told::ByOwn);
-    assert_eq!(watch.round().state, "degraded");
+    assert_eq!(watch.round().state, Some(State::Degraded));
 }
 
 #[test]
@@ -245,5 +246,5 @@ fn a_configuration_that_publishes_nothing_still_tells_what_it_would() {
     config.publish.enabled = false;
     let mut watch = Watch::new(&config, Estimator::Own).unwrap();
     show(&mut watch, &frames("drive.log"));
-    assert_eq!(watch.round().state, "running");
+    assert_eq!(watch.round().state, Some(State::Running));
 }

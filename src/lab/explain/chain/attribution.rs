@@ -18,7 +18,7 @@ pub(super) struct Cause<C> {
 
 /// A cause fitted.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Explanation<C> {
+pub(super) struct Attribution<C> {
     pub(super) channel: C,
     pub(super) value: f64,
     pub(super) std: f64,
@@ -30,12 +30,12 @@ pub(super) struct Explanation<C> {
 pub(super) fn attribute<C: Copy>(
     evidence: &Evidence,
     causes: &[Cause<C>],
-) -> Option<(f64, Vec<Explanation<C>>)> {
+) -> Option<(f64, Vec<Attribution<C>>)> {
     let seen = DVector::from_column_slice(&evidence.seen);
     let factor = evidence.covariance.clone().cholesky()?;
     let weighted = factor.solve(&seen);
     let misfit = seen.dot(&weighted);
-    let mut explanations: Vec<Explanation<C>> = causes
+    let mut attributions: Vec<Attribution<C>> = causes
         .iter()
         .filter_map(|cause| {
             let pattern = DVector::from_column_slice(&cause.pattern);
@@ -43,12 +43,12 @@ pub(super) fn attribute<C: Copy>(
             (information > 0.0).then(|| {
                 let value = pattern.dot(&weighted) / information;
                 let gain = value * value * information;
-                Explanation { channel: cause.channel, value, std: information.sqrt().recip(), gain }
+                Attribution { channel: cause.channel, value, std: information.sqrt().recip(), gain }
             })
         })
         .collect();
-    explanations.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    Some((misfit, explanations))
+    attributions.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    Some((misfit, attributions))
 }
 
 #[cfg(test)]

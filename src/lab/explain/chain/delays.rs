@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::attribution::{Cause, Evidence, attribute};
 use super::relations::{Link, Relation, link};
-use super::report::{ChainReport, Confidence, Finding};
+use super::report::{AuditFinding, ChainReport, Confidence};
 use super::sensor_group::SensorGroup;
 use super::series::Series;
 
@@ -123,7 +123,7 @@ fn next_delay(
             -milliseconds
         )
     };
-    report.findings.push(Finding {
+    report.findings.push(AuditFinding {
         effect: "sensor_delay",
         channel: best.channel.name().to_owned(),
         value: Some(best.value),

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::attribution::{Cause, Evidence, attribute};
 use super::relations::{Link, Relation, link};
-use super::report::{ChainReport, Confidence, Finding, RelationReport};
+use super::report::{AuditFinding, ChainReport, Confidence, RelationReport};
 use super::sensor_group::SensorGroup;
 use super::series::Series;
 use super::units;
@@ -139,7 +139,7 @@ fn next_scale(series: &Series, links: &[Link], report: &mut ChainReport) -> Opti
         Some(words) => format!("{words}; or multiply its gain by {:.5}", 1.0 / factor),
         None => correction(series, best.channel, factor),
     };
-    report.findings.push(Finding {
+    report.findings.push(AuditFinding {
         effect: "sensor_scale",
         channel: best.channel.name().to_owned(),
         value: Some(factor - 1.0),

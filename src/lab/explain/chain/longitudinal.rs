@@ -2,7 +2,7 @@
 
 use super::regression::{FREE, fit};
 use super::relations::{Relation, link, rows};
-use super::report::{ChainReport, Confidence, Finding};
+use super::report::{AuditFinding, ChainReport, Confidence};
 use super::series::Series;
 use physics::Quantity;
 use physics::model::GRAVITY;
@@ -41,7 +41,7 @@ pub(super) fn swapped_accelerations(series: &mut Series, report: &mut ChainRepor
     if !(exchanged(curve[0], curve[1]) && exchanged(thrust[0], thrust[1])) {
         return;
     }
-    report.findings.push(Finding {
+    report.findings.push(AuditFinding {
         effect: "channel_swap",
         channel: format!("{lateral}/{longitudinal}"),
         value: None,
@@ -74,8 +74,8 @@ pub(super) fn signs(series: &mut Series, report: &mut ChainReport) {
     series.scale(quantity, -1.0);
 }
 
-fn sign(quantity: Quantity, t: f64, evidence: String) -> Finding {
-    Finding {
+fn sign(quantity: Quantity, t: f64, evidence: String) -> AuditFinding {
+    AuditFinding {
         effect: "sensor_sign",
         channel: quantity.name().to_owned(),
         value: None,
@@ -140,7 +140,7 @@ pub(super) fn torques(series: &Series, report: &mut ChainReport) {
             && (gain - 1.0).abs() > 4.0 * std
             && (quantity != Quantity::BrakePressure || per_bar.is_some())
         {
-            report.findings.push(Finding {
+            report.findings.push(AuditFinding {
                 effect: "sensor_scale",
                 channel: quantity.name().to_owned(),
                 value: Some(1.0 / gain - 1.0),

@@ -37,7 +37,7 @@ mod wheels;
 use physics::model::Vehicle;
 use physics::{Quantity, Sample, Sensors};
 
-pub use report::{ChainReport, Confidence, Finding, Offset, RelationReport, Unclear};
+pub use report::{AuditFinding, ChainReport, Confidence, Offset, RelationReport, Unclear};
 
 use self::series::Series;
 
@@ -60,7 +60,7 @@ pub fn audit(samples: &[Sample], vehicle: &Vehicle, sensors: &Sensors) -> ChainR
         );
     }
     report.seconds = series.seconds();
-    wheels::gross_factors(&mut series, &mut report);
+    wheels::unit_factors(&mut series, &mut report);
     series.refresh();
     report.moving_seconds = series.moving_seconds();
     if report.moving_seconds < series::LEAST_MOVING_S {

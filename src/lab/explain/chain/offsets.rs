@@ -2,7 +2,7 @@
 
 use super::regression::{FREE, Fit, fit, student};
 use super::relations::{Link, Relation, rows};
-use super::report::{ChainReport, Confidence, Finding, Offset};
+use super::report::{AuditFinding, ChainReport, Confidence, Offset};
 use super::series::Series;
 use physics::{Quantity, Wheel};
 
@@ -40,7 +40,7 @@ fn add(
     let t = value / std;
     let known = report.findings.iter().any(|f| f.effect == "sensor_bias" && f.channel == quantity.name());
     if value.abs() > bound && t.abs() > student(blocks) && (value.abs() - bound) > std && !known {
-        report.findings.push(Finding {
+        report.findings.push(AuditFinding {
             effect: "sensor_bias",
             channel: quantity.name().to_owned(),
             value: Some(value),

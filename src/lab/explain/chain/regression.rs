@@ -55,7 +55,7 @@ pub(super) fn student(blocks: usize) -> f64 {
 
 /// Fits; `None` if there is too little.
 pub(super) fn fit<const K: usize>(rows: &[Row<K>], prior: [Prior; K]) -> Option<Fit<K>> {
-    let sums = Sums::of(rows)?;
+    let sums = MomentSums::of(rows)?;
     let weak = prior.map(|(mean, std)| (mean, if std.is_finite() { std } else { 1e6 }));
     // The noise decides what weight the priors have; it is known after the first fit.
     let mut theta = sums.solve(&sums.total, &weak, 1e-9)?.0;
@@ -121,7 +121,7 @@ pub(super) fn inflation(errors: &[(usize, f64)]) -> f64 {
 }
 
 /// Normal equations, by block.
-struct Sums<const K: usize> {
+struct MomentSums<const K: usize> {
     blocks: Vec<Normal<K>>,
     total: Normal<K>,
 }
@@ -143,7 +143,7 @@ impl<const K: usize> Normal<K> {
     }
 }
 
-impl<const K: usize> Sums<K> {
+impl<const K: usize> MomentSums<K> {
     fn of(rows: &[Row<K>]) -> Option<Self> {
         let mut blocks: Vec<Normal<K>> = Vec::new();
         let mut current = None;

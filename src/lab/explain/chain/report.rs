@@ -18,7 +18,7 @@ pub enum Confidence {
 
 /// One thing wrong with the measurement chain.
 #[derive(Clone, Debug, Serialize)]
-pub struct Finding {
+pub struct AuditFinding {
     /// `sensor_sign`, `channel_swap`, `sensor_scale`, `sensor_delay`, `sensor_bias` or `tire_radius`.
     pub effect: &'static str,
     /// The quantity; two with a slash for a swap; `wheel_speed` for all four.
@@ -40,7 +40,7 @@ pub struct Finding {
     pub or: Vec<String>,
 }
 
-impl Finding {
+impl AuditFinding {
     /// How much, as it is read: with its unit, and digits as its standard deviation has them.
     pub fn amount(&self) -> Option<String> {
         let (value, std) = self.value.zip(self.std)?;
@@ -104,7 +104,7 @@ pub struct ChainReport {
     /// Of which the car moved.
     pub moving_seconds: f64,
     /// What is wrong, surest first.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<AuditFinding>,
     /// Offsets, whether they matter or not.
     pub offsets: Vec<Offset>,
     /// What could not be judged.
@@ -132,7 +132,7 @@ mod tests {
     #[test]
     fn an_amount_has_its_unit() {
         let amount = |effect, channel: &str, value, std| {
-            let finding = Finding {
+            let finding = AuditFinding {
                 effect,
                 channel: channel.into(),
                 value: Some(value),

@@ -1,7 +1,7 @@
 //! Signs of yaw rate, lateral acceleration and steering: five witnesses of every curve, outvoted.
 
 use super::relations::{Link, Relation, link};
-use super::report::{ChainReport, Confidence, Finding};
+use super::report::{AuditFinding, ChainReport, Confidence};
 use super::series::Series;
 use physics::Quantity;
 
@@ -63,7 +63,7 @@ pub(super) fn lateral(series: &mut Series, report: &mut ChainReport) {
         let own: Vec<&Link> = links.iter().filter(|link| concerns(link.relation, i)).collect();
         let strongest = own.iter().map(|link| (link.gain / link.gain_std).abs()).fold(0.0, f64::max);
         let or = rival.filter(|_| !sure).map(|(_, other)| words(*other));
-        report.findings.push(Finding {
+        report.findings.push(AuditFinding {
             effect: "sensor_sign",
             channel: quantity.name().to_owned(),
             value: None,

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::attribution::{Cause, Evidence, attribute};
 use super::relations::{Relation, link};
-use super::report::{ChainReport, Confidence, Finding};
+use super::report::{AuditFinding, ChainReport, Confidence};
 use super::sensor_group::SensorGroup;
 use super::series::Series;
 use super::units;
@@ -31,7 +31,7 @@ fn speed(wheel: Wheel) -> Quantity {
 }
 
 /// A wheel that is far from the others: sign, unit, wrong signal. Put right in the series.
-pub(super) fn gross_factors(series: &mut Series, report: &mut ChainReport) {
+pub(super) fn unit_factors(series: &mut Series, report: &mut ChainReport) {
     for wheel in Wheel::ALL {
         let mut ratios = Vec::new();
         for row in 0..series.len() {
@@ -61,7 +61,7 @@ pub(super) fn gross_factors(series: &mut Series, report: &mut ChainReport) {
         }
         let negative = median < 0.0;
         let words = units::mistake(SensorGroup::Wheels, median.abs(), std, &series.vehicle);
-        report.findings.push(Finding {
+        report.findings.push(AuditFinding {
             effect: if negative { "sensor_sign" } else { "sensor_scale" },
             channel: speed(wheel).name().to_owned(),
             value: (!negative).then_some(median - 1.0),
@@ -167,7 +167,7 @@ pub(super) fn swaps(series: &mut Series, report: &mut ChainReport) {
         _ => Confidence::Unclear,
     };
     for (one, other) in &pairs {
-        report.findings.push(Finding {
+        report.findings.push(AuditFinding {
             effect: "channel_swap",
             channel: format!("{}/{}", speed(*one), speed(*other)),
             value: None,
@@ -214,7 +214,7 @@ pub(super) fn radii(series: &Series, report: &mut ChainReport) {
         }
         let ahead = explanations.get(1).is_none_or(|next| best.gain - next.gain > 6.0);
         let sure = ahead && best.value.abs() > RADIUS_SURE && best.gain > 2.0 * FOUND;
-        report.findings.push(Finding {
+        report.findings.push(AuditFinding {
             effect: "tire_radius",
             channel: speed(best.channel).name().to_owned(),
             value: Some(best.value),

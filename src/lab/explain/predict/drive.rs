@@ -50,7 +50,7 @@ const SHORTEST_RUN_S: f64 = 3.0;
 
 /// A recording on a grid. Copies share what was recorded, and may go over other stretches of it.
 #[derive(Clone, Debug)]
-pub struct Drive {
+pub struct GriddedDrive {
     /// The recording's name.
     pub name: String,
     /// Inputs as recorded, at each grid point.
@@ -69,7 +69,7 @@ pub struct Drive {
     pub slides: Arc<Vec<Slide>>,
 }
 
-impl Drive {
+impl GriddedDrive {
     /// Of a recording of this vehicle.
     pub fn new(recording: &Recording, vehicle: &Vehicle) -> Self {
         let steps = (recording.seconds() / STEP_S).floor() as usize;

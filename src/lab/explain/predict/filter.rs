@@ -1,12 +1,12 @@
 //! The filter that holds a car to a recording as tightly as sensors and equations allow.
 
 use super::algebra::{Column, FILTERED, Gain, Square, dot};
-use super::car::{self, BODY_STATES, Car, Instant, State};
-use super::drive::Drive;
+use super::car::{self, BODY_STATES, ExtendedCar, Instant, State};
+use super::drive::GriddedDrive;
 use super::grid::STEP_S;
-use super::lane::Lane;
 use super::noise::{Live, Noise};
-use super::sums::{Ask, Filtered, Innovation, Out};
+use super::sums::{BlockOutput, Filtered, Innovation, PassOptions};
+use super::trajectory::Trajectory;
 use physics::Quantity;
 use physics::model::effect::Readings;
 
@@ -19,7 +19,7 @@ const START_STD: [f64; BODY_STATES] = [0.3, 0.5, 0.03];
 /// A run in progress: state and covariance of the filter, and the cars beside it.
 #[derive(Clone)]
 pub(super) struct Filter {
-    pub(super) lane: Lane,
+    pub(super) trajectory: Trajectory,
     p: Square,
     n: usize,
     /// Derivatives of rates and readings by the state, where they were taken last, and how many steps ago.
@@ -28,30 +28,30 @@ pub(super) struct Filter {
 
 impl Filter {
     /// Where a run begins, at a grid point.
-    pub(super) fn new((car, drive, noise): (&Car, &Drive, &Noise), k: usize) -> Self {
-        let lane = Lane::start(car, drive, k);
-        Self { lane, p: start_covariance(noise), n: BODY_STATES + noise.live.len(), derivatives: None }
+    pub(super) fn new((car, drive, noise): (&ExtendedCar, &GriddedDrive, &Noise), k: usize) -> Self {
+        let trajectory = Trajectory::start(car, drive, k);
+        Self { trajectory, p: start_covariance(noise), n: BODY_STATES + noise.live.len(), derivatives: None }
     }
 
     /// One step: predicts, compares, corrects.
     pub(super) fn step(
         &mut self,
-        (car, drive, noise): (&Car, &Drive, &Noise),
+        (car, drive, noise): (&ExtendedCar, &GriddedDrive, &Noise),
         (k, begins): (usize, bool),
-        out: &mut Out,
-        ask: &mut Ask<'_>,
+        out: &mut BlockOutput,
+        options: &mut PassOptions<'_>,
     ) {
-        let Out { gains, errors, sums } = out;
+        let BlockOutput { gains, errors, sums } = out;
         let n = self.n;
-        let from = self.lane.state;
-        let before = self.lane.before;
-        let predicted = self.lane.predict(car, drive, k, &noise.live);
+        let from = self.trajectory.state;
+        let before = self.trajectory.before;
+        let predicted = self.trajectory.predict(car, drive, k, &noise.live);
         let t = k as f64 * STEP_S;
         let (derivatives, age) = self.derivatives.take().unwrap_or_else(|| {
             let (input, rate) = (&predicted.inputs.at[0], predicted.inputs.steering_rate);
             let at = |state: &State| {
                 let state = car.settled(t, state, input, &before);
-                car.instant(t, &state, input, rate, &before, car::Ask::Readings)
+                car.instant(t, &state, input, rate, &before, car::Compute::Readings)
             };
             (Derivatives::of(&from, &noise.live, None, at), 0)
         });
@@ -73,7 +73,7 @@ impl Filter {
             let first = predicted.first.before();
             let at = |state: &State| {
                 let state = car.settled(t + STEP_S, state, input, &first);
-                car.instant(t + STEP_S, &state, input, rate, &first, car::Ask::Readings)
+                car.instant(t + STEP_S, &state, input, rate, &first, car::Compute::Readings)
             };
             // Where no effect has states of its own, that is what was predicted.
             let settled = car.settled(t + STEP_S, &predicted.next, input, &first);
@@ -87,7 +87,7 @@ impl Filter {
             let channel = usize::from(reading.channel);
             let noise = noise.sensor[channel];
             let at = t + f64::from(reading.share) * STEP_S;
-            if !noise.is_finite() || !ask.readers.see(at) {
+            if !noise.is_finite() || !options.readings.include(at) {
                 continue;
             }
             let (mut c, mut pc): (Column, Column) = ([0.0; FILTERED], [0.0; FILTERED]);
@@ -100,7 +100,7 @@ impl Filter {
             let own = dot(&c, &pc, n);
             let s = own + noise * noise;
             let shift = dot(&c, &correction, n);
-            let says = self.lane.reading(car, &predicted, channel, f64::from(reading.share));
+            let says = self.trajectory.reading(car, &predicted, channel, f64::from(reading.share));
             let error = reading.value - says - shift;
             let mut k_: Column = [0.0; FILTERED];
             for i in 0..n {
@@ -116,7 +116,7 @@ impl Filter {
             sums.square[channel] += error * error / s;
             sums.excess[channel] += error * error - own;
             sums.of[channel] += 1;
-            if let Some(innovations) = &mut ask.innovations {
+            if let Some(innovations) = &mut options.innovations {
                 innovations.push(Innovation {
                     t: at,
                     channel: reading.channel,
@@ -128,9 +128,9 @@ impl Filter {
         }
         make_symmetric(&mut p, n);
         self.p = p;
-        self.lane.finish(&predicted, &correction);
-        if let Some(steps) = &mut ask.steps {
-            let filtered = (column_of(&self.lane.state), p);
+        self.trajectory.finish(&predicted, &correction);
+        if let Some(steps) = &mut options.steps {
+            let filtered = (column_of(&self.trajectory.state), p);
             steps.push(Filtered { k: k + 1, begins, a, predicted: (x_before, p_before), filtered });
         }
     }

@@ -1,7 +1,7 @@
 //! How much the sensors and the equations err.
 
 use super::car::{BODY_STATES, MOST_LIVE};
-use super::drive::Drive;
+use super::drive::GriddedDrive;
 use super::grid::COMPARED;
 use super::smoothing::white_std;
 use physics::Quantity;
@@ -33,10 +33,10 @@ pub struct Noise {
 
 impl Noise {
     /// A first guess: sensors from the differences of their readings, equations nearly right.
-    pub fn first(drives: &[Drive]) -> Self {
+    pub fn first(drives: &[GriddedDrive]) -> Self {
         let mut sensor = [f64::NAN; Quantity::COUNT];
         for channel in COMPARED {
-            let of_drive = |drive: &Drive| -> Vec<f64> {
+            let of_drive = |drive: &GriddedDrive| -> Vec<f64> {
                 drive.measured.iter().filter(|m| m.channel == channel as u8).map(|m| m.value).collect()
             };
             let tracks: Vec<Vec<f64>> = drives.iter().map(of_drive).collect();

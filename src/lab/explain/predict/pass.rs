@@ -1,7 +1,7 @@
 //! One pass over a drive: a filter holds the car to the recording, and other cars, a little different,
 //! are held to it by the same gains.
 //!
-//! With the gains kept, what a car of the lane says minus what the first one says is the exact effect of
+//! With the gains kept, what a car of the trajectory says minus what the first one says is the exact effect of
 //! their difference on the innovations, whatever states and delays it has; so derivatives by any number
 //! of any effect come by differences, all with one pass and without storing the drive.
 
@@ -11,19 +11,19 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::algebra::Gain;
-use super::car::Car;
-use super::drive::Drive;
+use super::car::ExtendedCar;
+use super::drive::GriddedDrive;
 use super::filter::Filter;
 use super::grid::{STEP_S, points};
-use super::lane::Lane;
 use super::noise::Noise;
-use super::sums::{Ask, BLOCK_S, Filtered, Out, Readers, Sums};
+use super::sums::{BLOCK_S, BlockOutput, BlockSums, Filtered, PassOptions, UsedReadings};
+use super::trajectory::Trajectory;
 
 /// A car that differs from the one the filter is made for.
 #[derive(Debug)]
 pub struct Other {
     /// The car.
-    pub car: Car,
+    pub car: ExtendedCar,
     /// By how much of something it differs.
     pub by: f64,
     /// Until when it is the same, s.
@@ -52,40 +52,40 @@ pub struct Beside<'a> {
 
 /// Goes over a drive with the car that the filter is made for, and others beside it.
 pub fn pass(
-    (number, drive): (usize, &Drive),
-    car: &Car,
+    (number, drive): (usize, &GriddedDrive),
+    car: &ExtendedCar,
     beside: Beside<'_>,
     noise: &Noise,
-    mut ask: Ask<'_>,
-) -> Vec<Sums> {
+    mut options: PassOptions<'_>,
+) -> Vec<BlockSums> {
     let runs = drive.runs.iter();
-    runs.flat_map(|run| pass_run((number, drive), *run, car, beside, noise, &mut ask)).collect()
+    runs.flat_map(|run| pass_run((number, drive), *run, car, beside, noise, &mut options)).collect()
 }
 
 /// Goes over one run of a drive.
 pub fn pass_run(
-    (number, drive): (usize, &Drive),
+    (number, drive): (usize, &GriddedDrive),
     (from, to): (usize, usize),
-    car: &Car,
+    car: &ExtendedCar,
     beside: Beside<'_>,
     noise: &Noise,
-    ask: &mut Ask<'_>,
-) -> Vec<Sums> {
+    options: &mut PassOptions<'_>,
+) -> Vec<BlockSums> {
     let mut all = Vec::new();
     let per_block = points(BLOCK_S);
     let mut filter = Filter::new((car, drive, noise), from);
-    let mut together = Lanes::start(beside.together, drive, from);
-    let mut alone = Lanes::start(beside.alone, drive, from);
+    let mut together = Trajectories::start(beside.together, drive, from);
+    let mut alone = Trajectories::start(beside.alone, drive, from);
     // The filter over one block, with where it was at its beginning. The blocks' borders are the drive's, not
     // the run's.
     let mut filtered = |filter: &mut Filter, k: usize| {
         let end = ((k / per_block + 1) * per_block).min(to);
-        let begin = filter.lane.clone();
-        let mut out = Out::new(number, (k, end));
+        let begin = filter.trajectory.clone();
+        let mut out = BlockOutput::new(number, (k, end));
         for step in k..end {
-            filter.step((car, drive, noise), (step, step == from), &mut out, ask);
+            filter.step((car, drive, noise), (step, step == from), &mut out, options);
         }
-        let Out { gains, errors, sums } = out;
+        let BlockOutput { gains, errors, sums } = out;
         (Block { drive, noise, steps: k..end, begin, gains, errors }, sums)
     };
     let mut block = (from < to).then(|| filtered(&mut filter, from));
@@ -105,18 +105,22 @@ pub fn pass_run(
 
 /// Steps that the filter has gone over.
 struct Block<'a> {
-    drive: &'a Drive,
+    drive: &'a GriddedDrive,
     noise: &'a Noise,
     steps: Range<usize>,
     /// Where it was at their beginning.
-    begin: Lane,
+    begin: Trajectory,
     gains: Vec<Gain>,
     errors: Vec<f64>,
 }
 
 impl Block<'_> {
-    /// [`Sums::gram`] and [`Sums::alone`].
-    fn products(&self, together: &mut Lanes<'_>, alone: &mut Lanes<'_>) -> (DMatrix<f64>, DMatrix<f64>) {
+    /// [`BlockSums::gram`] and [`BlockSums::alone`].
+    fn products(
+        &self,
+        together: &mut Trajectories<'_>,
+        alone: &mut Trajectories<'_>,
+    ) -> (DMatrix<f64>, DMatrix<f64>) {
         let count = self.errors.len();
         let first = self.errors.iter().zip(&self.gains).map(|(error, gain)| error / gain.s.sqrt());
         let mut columns: Vec<f64> = first.collect();
@@ -140,35 +144,35 @@ impl Block<'_> {
     }
 }
 
-/// Other cars on their way; those that are still the same as the first have no lane of their own.
-struct Lanes<'a> {
+/// Other cars on their way; those that are still the same as the first have no trajectory of their own.
+struct Trajectories<'a> {
     others: &'a [Other],
-    lanes: Vec<Option<Lane>>,
+    trajectories: Vec<Option<Trajectory>>,
 }
 
-impl<'a> Lanes<'a> {
-    fn start(others: &'a [Other], drive: &Drive, k: usize) -> Self {
-        let lane = |other: &Other| other.differs(k).then(|| Lane::start(&other.car, drive, k));
-        Self { others, lanes: others.iter().map(lane).collect() }
+impl<'a> Trajectories<'a> {
+    fn start(others: &'a [Other], drive: &GriddedDrive, k: usize) -> Self {
+        let trajectory = |other: &Other| other.differs(k).then(|| Trajectory::start(&other.car, drive, k));
+        Self { others, trajectories: others.iter().map(trajectory).collect() }
     }
 
     /// Follows over a block: what is made of the innovations' derivatives by each difference, in standard deviations.
     fn follow<T: Send>(&mut self, over: &Block<'_>, of: impl Fn(Vec<f64>) -> T + Sync) -> Vec<Option<T>> {
-        let own = |(lane, other): (&mut Option<Lane>, &Other)| {
-            if lane.is_none() && other.differs(over.steps.end) {
-                *lane = Some(over.begin.clone());
+        let own = |(trajectory, other): (&mut Option<Trajectory>, &Other)| {
+            if trajectory.is_none() && other.differs(over.steps.end) {
+                *trajectory = Some(over.begin.clone());
             }
-            let lane = lane.as_mut()?;
+            let trajectory = trajectory.as_mut()?;
             let mut errors = Vec::with_capacity(over.errors.len());
             for step in over.steps.clone() {
-                lane.follow(&other.car, over.drive, step, over.noise, &over.gains, &mut errors);
+                trajectory.follow(&other.car, over.drive, step, over.noise, &over.gains, &mut errors);
             }
             for (own, (error, gain)) in errors.iter_mut().zip(over.errors.iter().zip(&over.gains)) {
                 *own = (error - *own) * (1.0 / gain.s.sqrt()) / other.by;
             }
             Some(of(errors))
         };
-        self.lanes.par_iter_mut().zip(self.others).map(own).collect()
+        self.trajectories.par_iter_mut().zip(self.others).map(own).collect()
     }
 }
 
@@ -178,22 +182,22 @@ const KEPT: usize = points(60.0);
 /// Goes over a drive with one car only, and then shows its steps, stretch by stretch from the end: the steps of a
 /// stretch are made again, for those of an hour would fill the memory.
 pub fn pass_backwards(
-    drive: &Drive,
-    car: &Car,
+    drive: &GriddedDrive,
+    car: &ExtendedCar,
     noise: &Noise,
-    readers: Readers,
+    readings: UsedReadings,
     show: &mut impl FnMut(&[Filtered]),
 ) {
     let mut steps = Vec::new();
     for &(from, to) in drive.runs.iter().rev() {
         let mut filter = Filter::new((car, drive, noise), from);
-        let mut out = Out::new(0, (from, to));
+        let mut out = BlockOutput::new(0, (from, to));
         let mut go = |filter: &mut Filter, k: usize, steps: Option<&mut Vec<Filtered>>| {
-            let mut ask = Ask { readers, innovations: None, steps };
+            let mut options = PassOptions { readings, innovations: None, steps };
             for step in k..(k + KEPT).min(to) {
                 out.gains.clear();
                 out.errors.clear();
-                filter.step((car, drive, noise), (step, step == from), &mut out, &mut ask);
+                filter.step((car, drive, noise), (step, step == from), &mut out, &mut options);
             }
         };
         let mut begins: Vec<(usize, Filter)> = Vec::new();
@@ -212,19 +216,19 @@ pub fn pass_backwards(
 /// Goes over a drive with one car only; `watch` sees it at the beginning of each step: the step, the end of
 /// its run, and whether it begins one.
 pub(super) fn pass_with(
-    (number, drive): (usize, &Drive),
-    car: &Car,
+    (number, drive): (usize, &GriddedDrive),
+    car: &ExtendedCar,
     noise: &Noise,
-    watch: &mut impl FnMut(&Lane, usize, usize, bool),
+    watch: &mut impl FnMut(&Trajectory, usize, usize, bool),
 ) {
     for &(from, to) in &drive.runs {
         let mut filter = Filter::new((car, drive, noise), from);
-        let mut out = Out::new(number, (from, to));
+        let mut out = BlockOutput::new(number, (from, to));
         for step in from..to {
-            watch(&filter.lane, step, to, step == from);
+            watch(&filter.trajectory, step, to, step == from);
             out.gains.clear();
             out.errors.clear();
-            filter.step((car, drive, noise), (step, step == from), &mut out, &mut Ask::default());
+            filter.step((car, drive, noise), (step, step == from), &mut out, &mut PassOptions::default());
         }
     }
 }
@@ -240,7 +244,7 @@ mod tests {
     #[test]
     fn what_begins_late_needs_no_lane_until_then() {
         let (vehicle, recording) = recorded("");
-        let drives = [Drive::new(&recording, &vehicle)];
+        let drives = [GriddedDrive::new(&recording, &vehicle)];
         let plain = Model::plain(&vehicle, true);
         let kind = KINDS.iter().find(|kind| kind.name == "sensor_bias").unwrap();
         let steering = Some(Channel::One(Quantity::SteeringWheelAngle));
@@ -253,7 +257,7 @@ mod tests {
         let sums = |same_until: f64| {
             let others = [Other { car: jumps.car(), by: 0.02, same_until }];
             let beside = Beside { together: &others, alone: &others };
-            pass((0, &drives[0]), &plain.car(), beside, &Noise::first(&drives), Ask::default())
+            pass((0, &drives[0]), &plain.car(), beside, &Noise::first(&drives), PassOptions::default())
         };
         let (own, late) = (sums(f64::NEG_INFINITY), sums(22.0));
         for (own, late) in own.iter().zip(&late) {

@@ -5,23 +5,10 @@
 //! its own spin drives the car. So until it slides most, the car's longitudinal motion alone is compared: it tells the
 //! friction that is used up. While it comes back nothing is.
 
+use super::super::tuning::TUNING;
 use super::grid::{Measured, SLOWEST_MPS, STEP_S};
 use physics::Quantity;
 use physics::model::{DrivenAxle, Vehicle};
-
-/// Wheels of one axle that turn by more than this share slower or faster than those of the other slide: no tire
-/// grips with so much slip.
-const SLIDING: f64 = 0.25;
-
-/// So long before and after that they slip too much for a wheel that follows its force, s. (With less, false names
-/// stood beside the friction of a simulated road.)
-const MARGIN_S: f64 = 0.4;
-
-/// Shorter slides are none: a wheel that hops.
-const SHORTEST_S: f64 = 0.15;
-
-/// Wheels that slide for more than this share of a drive do not: their scale is wrong.
-const MOST: f64 = 0.15;
 
 /// One slide of an axle's wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,12 +30,14 @@ impl Slide {
             Some(wheel) => ((wheel as usize) < 2) == self.is_front,
             None => quantity != Quantity::LongitudinalAcceleration,
         };
-        follows && (self.from - MARGIN_S..self.to + MARGIN_S).contains(&reading.time())
+        follows
+            && (self.from - TUNING.sliding.margin_s..self.to + TUNING.sliding.margin_s)
+                .contains(&reading.time())
     }
 
     /// Does the wheel come back at this time, s?
     pub(super) fn comes_back(&self, time: f64) -> bool {
-        (self.most..self.to + MARGIN_S).contains(&time)
+        (self.most..self.to + TUNING.sliding.margin_s).contains(&time)
     }
 }
 
@@ -64,14 +53,14 @@ pub(super) fn slides(measured: &[Measured], vehicle: &Vehicle) -> Vec<Slide> {
         wheels[wheel as usize] = reading.value;
         let [front, rear] = [wheels[0] + wheels[1], wheels[2] + wheels[3]];
         let apart = (front - rear).abs() / front.max(rear);
-        if !(apart > SLIDING && front.max(rear) > slowest) {
+        if !(apart > TUNING.sliding.apart && front.max(rear) > slowest) {
             continue;
         }
         // Driven wheels that are faster spin; otherwise those that are slower are braked.
         let spins = if front > rear { driven != DrivenAxle::Rear } else { driven != DrivenAxle::Front };
         let (is_front, time) = ((front > rear) == spins, reading.time());
         match all.last_mut() {
-            Some(last) if last.is_front == is_front && time <= last.to + 2.0 * MARGIN_S => {
+            Some(last) if last.is_front == is_front && time <= last.to + 2.0 * TUNING.sliding.margin_s => {
                 last.to = time;
                 if apart > largest {
                     (largest, last.most) = (apart, time);
@@ -83,10 +72,10 @@ pub(super) fn slides(measured: &[Measured], vehicle: &Vehicle) -> Vec<Slide> {
             }
         }
     }
-    all.retain(|slide| slide.to - slide.from > SHORTEST_S);
+    all.retain(|slide| slide.to - slide.from > TUNING.sliding.shortest_s);
     let seconds = measured.last().map_or(0.0, Measured::time);
     let sliding: f64 = all.iter().map(|slide| slide.to - slide.from).sum();
-    if sliding > MOST * seconds { Vec::new() } else { all }
+    if sliding > TUNING.sliding.most * seconds { Vec::new() } else { all }
 }
 
 #[cfg(test)]

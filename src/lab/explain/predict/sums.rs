@@ -12,7 +12,7 @@ pub const BLOCK_S: f64 = 5.0;
 
 /// Which readings the filter may look at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Readers {
+pub enum UsedReadings {
     /// All.
     #[default]
     All,
@@ -20,9 +20,9 @@ pub enum Readers {
     EveryOther(bool),
 }
 
-impl Readers {
+impl UsedReadings {
     /// May it look at a reading of this time, s?
-    pub fn see(self, t: f64) -> bool {
+    pub fn include(self, t: f64) -> bool {
         match self {
             Self::All => true,
             Self::EveryOther(odd) => (t.floor() as i64 % 2 == 1) == odd,
@@ -32,9 +32,9 @@ impl Readers {
 
 /// What a pass shall also say.
 #[derive(Default)]
-pub struct Ask<'a> {
+pub struct PassOptions<'a> {
     /// Which readings the filter may look at.
-    pub readers: Readers,
+    pub readings: UsedReadings,
     /// Every innovation of the first car.
     pub innovations: Option<&'a mut Vec<Innovation>>,
     /// Every step of the first car.
@@ -43,7 +43,7 @@ pub struct Ask<'a> {
 
 /// Sums over one block of a drive.
 #[derive(Clone, Debug)]
-pub struct Sums {
+pub struct BlockSums {
     /// Which drive.
     pub drive: usize,
     /// From, to, s.
@@ -65,15 +65,15 @@ pub struct Sums {
 }
 
 /// What comes of the steps of a block.
-pub(super) struct Out {
+pub(super) struct BlockOutput {
     pub(super) gains: Vec<Gain>,
     pub(super) errors: Vec<f64>,
-    pub(super) sums: Sums,
+    pub(super) sums: BlockSums,
 }
 
-impl Out {
+impl BlockOutput {
     pub(super) fn new(drive: usize, between: (usize, usize)) -> Self {
-        Self { gains: Vec::new(), errors: Vec::new(), sums: Sums::empty(drive, between) }
+        Self { gains: Vec::new(), errors: Vec::new(), sums: BlockSums::empty(drive, between) }
     }
 }
 
@@ -120,7 +120,7 @@ pub struct Comparison {
     pub simulated: f64,
 }
 
-impl Sums {
+impl BlockSums {
     fn empty(drive: usize, (from, to): (usize, usize)) -> Self {
         Self {
             drive,

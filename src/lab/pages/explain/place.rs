@@ -2,7 +2,7 @@
 
 use super::words::{self, sentence};
 use super::{courses, formula};
-use crate::explain::{Course, Explanation, Finding, Trace, Where};
+use crate::explain::{CourseEstimate, Explanation, Finding, Trace, Where};
 use crate::report::{Color, Page, Panel, Plot, Row, Timeline, escape};
 
 /// More recordings are not drawn unless something is in them.
@@ -113,7 +113,7 @@ fn orientation<'a>(traces: impl Iterator<Item = &'a Trace>) -> Vec<Panel> {
 }
 
 /// How something varied, with what is known of it.
-fn course(page: &mut Page, finding: &Finding, course: &Course) {
+fn course(page: &mut Page, finding: &Finding, course: &CourseEstimate) {
     let of = finding.channel.as_deref().unwrap_or("");
     let (factor, unit) = words::shown_unit(of, &course.unit);
     let name = sentence(&words::effect(&finding.effect, finding.channel.as_deref()));

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::explain::{
-    Block, Course, Estimate, Explanation, Finding, Missing, Models, Parts, Ranked, Trace, Verdict, Where,
+    Block, CourseEstimate, Estimate, Explanation, Finding, Missing, Models, Parts, Ranked, Trace, Verdict,
+    Where,
 };
 use physics::model::effect;
 
@@ -60,7 +61,7 @@ pub fn several() -> Explanation {
     let place = of(names[1], vec![[100.0, 160.0], [300.0, 420.0]]);
     let mut bank = finding("road_bank", None, &[("bank_rms_rad", 0.0312, 0.0018)], &place);
     let t: Vec<f64> = (0..600).map(f64::from).collect();
-    bank.series = Some(Course {
+    bank.series = Some(CourseEstimate {
         value: t.iter().map(|t| 0.04 * (0.02 * t).sin()).collect(),
         std: t.iter().map(|t| if (200.0..230.0).contains(t) { 0.08 } else { 0.004 }).collect(),
         t,

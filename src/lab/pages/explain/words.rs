@@ -146,7 +146,7 @@ pub fn parameters(finding: &Finding) -> Vec<Shown> {
         .map(|(name, estimate)| {
             let place = kind.and_then(|kind| kind.place_of(name));
             let spec = kind.zip(place).and_then(|(kind, place)| kind.spec(place, of));
-            let course = kind.and_then(|kind| kind.surroundings(of));
+            let course = kind.and_then(|kind| kind.disturbance(of));
             let (words, unit, is_main) = match (spec, course) {
                 (Some(spec), _) => (spec.words.to_owned(), spec.unit, spec.is_main),
                 (None, Some(course)) if course.rms_name == name => {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::Story;
-use crate::identify::{Channel, FitRow};
+use crate::identify::{FitRow, Output};
 use crate::report::{Color, Page, Plot, PlotError};
 
 /// Shorter stretches show little, s.
@@ -48,25 +48,25 @@ pub fn plots(page: &mut Page, story: &Story<'_>) -> Result<(), PlotError> {
 }
 
 /// Yaw rate, lateral acceleration and one that tells of the wheels.
-fn channels(story: &Story<'_>) -> Vec<Channel> {
-    let has = |channel: &Channel| story.found.noise.iter().any(|(there, _)| there == channel);
-    let wheels = [Channel::WheelFl, Channel::WheelRl, Channel::WheelFr, Channel::WheelRr, Channel::Speed];
-    let mut channels = vec![Channel::YawRate, Channel::LateralAcceleration];
+fn channels(story: &Story<'_>) -> Vec<Output> {
+    let has = |channel: &Output| story.found.noise.iter().any(|(there, _)| there == channel);
+    let wheels = [Output::WheelFl, Output::WheelRl, Output::WheelFr, Output::WheelRr, Output::Speed];
+    let mut channels = vec![Output::YawRate, Output::LateralAcceleration];
     channels.retain(has);
     channels.extend(wheels.into_iter().find(has));
     channels
 }
 
-fn meaning(channel: Channel) -> (&'static str, &'static str) {
+fn meaning(channel: Output) -> (&'static str, &'static str) {
     match channel {
-        Channel::WheelFl => ("front left wheel", "rad/s"),
-        Channel::WheelFr => ("front right wheel", "rad/s"),
-        Channel::WheelRl => ("rear left wheel", "rad/s"),
-        Channel::WheelRr => ("rear right wheel", "rad/s"),
-        Channel::YawRate => ("yaw rate", "rad/s"),
-        Channel::LateralAcceleration => ("lateral acceleration", "m/s²"),
-        Channel::LongitudinalAcceleration => ("longitudinal acceleration", "m/s²"),
-        Channel::Speed => ("speed", "m/s"),
+        Output::WheelFl => ("front left wheel", "rad/s"),
+        Output::WheelFr => ("front right wheel", "rad/s"),
+        Output::WheelRl => ("rear left wheel", "rad/s"),
+        Output::WheelRr => ("rear right wheel", "rad/s"),
+        Output::YawRate => ("yaw rate", "rad/s"),
+        Output::LateralAcceleration => ("lateral acceleration", "m/s²"),
+        Output::LongitudinalAcceleration => ("longitudinal acceleration", "m/s²"),
+        Output::Speed => ("speed", "m/s"),
     }
 }
 

@@ -97,7 +97,7 @@ pub fn fit_rows(story: &Story<'_>) -> Vec<[String; 6]> {
         let fit = fits.iter().find(|(channel, _)| *channel == name);
         fit.map_or_else(|| "–".into(), |(_, percent)| number(*percent, 1))
     };
-    let row = |(channel, noise): &(crate::identify::Channel, f64)| {
+    let row = |(channel, noise): &(crate::identify::Output, f64)| {
         let name = channel.name();
         let unit = match name {
             "speed" => "m/s",

@@ -58,7 +58,7 @@ pub(super) struct Point {
 
 /// A drive and all of its points.
 #[derive(Clone, Debug)]
-pub(super) struct Course {
+pub(super) struct LateralDrive {
     /// The drive.
     pub(super) drive: SimulatedDrive,
     /// The car as the estimators see it.
@@ -74,7 +74,7 @@ fn slides(truth: &Truth) -> bool {
     (0..4).any(|i| truth.fx[i].hypot(truth.fy[i]) > SLIDES_FROM * truth.friction[i] * truth.fz[i])
 }
 
-impl Course {
+impl LateralDrive {
     /// Drives `scenario` and runs the methods. The period is 10 ms.
     pub(super) fn run(scenario: &Scenario, seed: u64) -> Result<Self, String> {
         let drive = SimulatedDrive::simulate(scenario, seed)?;

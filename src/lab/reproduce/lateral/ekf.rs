@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::course::{Course, HALVED, MINIMUM_SPEED, STIFFNESS, WHOLE, mean};
+use super::course::{HALVED, LateralDrive, MINIMUM_SPEED, STIFFNESS, WHOLE, mean};
 use physics::estimate::Kinematics;
 use physics::estimate::thesis::{JointEkf, JointEkfConfig};
 
@@ -22,7 +22,7 @@ pub(super) struct EkfPoint {
 
 /// Runs it with a parameter noise on what `input` makes of each point: the measurements, or the truth.
 pub(super) fn over(
-    course: &Course,
+    course: &LateralDrive,
     walk: f64,
     input: impl Fn(&super::course::Point) -> Kinematics,
 ) -> Vec<EkfPoint> {

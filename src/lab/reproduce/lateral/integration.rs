@@ -1,6 +1,6 @@
 //! Figure 5.4: method 1 drifts.
 
-use super::course::{AS_FIXED, Course, scenario};
+use super::course::{AS_FIXED, LateralDrive, scenario};
 use crate::report::{Color, Plot};
 use crate::reproduce::{Claim, Outcome, Picture, SIM1};
 use physics::model::Scenario;
@@ -12,7 +12,7 @@ const DURATION_S: f64 = 1000.0;
 const OFFSETS: (f64, f64) = (-0.02, 0.0005);
 
 /// Sim1, longer; sensors with this share of their noise and of [`OFFSETS`].
-fn drive(noise: f64, offsets: f64) -> Result<Course, String> {
+fn drive(noise: f64, offsets: f64) -> Result<LateralDrive, String> {
     let mut scenario: Scenario = scenario(SIM1, AS_FIXED)?;
     scenario.duration_s = DURATION_S;
     for (name, sensor) in &mut scenario.sensors.by_name {
@@ -23,11 +23,11 @@ fn drive(noise: f64, offsets: f64) -> Result<Course, String> {
             _ => 0.0,
         };
     }
-    Course::run(&scenario, scenario.seed)
+    LateralDrive::run(&scenario, scenario.seed)
 }
 
 /// Mean error over the last ten seconds: the drift without the swing, m/s.
-fn drift(course: &Course) -> f64 {
+fn drift(course: &LateralDrive) -> f64 {
     let late = DURATION_S - 10.0..DURATION_S;
     super::course::mean(
         course
@@ -39,7 +39,7 @@ fn drift(course: &Course) -> f64 {
 pub(super) fn run() -> Result<Outcome, String> {
     let (ideal, noisy, real) = (drive(0.0, 0.0)?, drive(1.0, 0.0)?, drive(1.0, 1.0)?);
     let all = 0.0..DURATION_S;
-    let error = |course: &Course| course.error(all.clone(), |point| point.velocities.integration);
+    let error = |course: &LateralDrive| course.error(all.clone(), |point| point.velocities.integration);
     let (with_offsets, with_noise, vy) = (drift(&real), error(&noisy), ideal.lateral_velocity(all.clone()));
     let ours = real.error(20.0..DURATION_S, |point| point.velocities.joint);
     // What the offsets alone must give: ∫ (offset of a_y − v_x · offset of r) dt.

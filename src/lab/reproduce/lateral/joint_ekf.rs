@@ -1,6 +1,6 @@
 //! Figure 5.10: the joint EKF does not react to Sim2, and why.
 
-use super::course::{AS_FIXED, Course, GENTLE, HALVED, STIFFNESS, halved, scenario};
+use super::course::{AS_FIXED, GENTLE, HALVED, LateralDrive, STIFFNESS, halved, scenario};
 use super::ekf::{self, Behaviour, EkfPoint, Track, WALKS};
 use super::information::{bicycle, sensitivity, stiffness_std};
 use super::map::{self, AMPLITUDES, Cell, FREQUENCIES};
@@ -75,7 +75,7 @@ fn map_picture(cells: &[Cell], name: &str, heading: &str, of: impl Fn(&Cell) -> 
     }
 }
 
-fn pictures(course: &Course, points: &[EkfPoint], suffix: &str, steering: &str) -> [Picture; 2] {
+fn pictures(course: &LateralDrive, points: &[EkfPoint], suffix: &str, steering: &str) -> [Picture; 2] {
     let per_unit = 0.25 * course.car.mass * GRAVITY;
     let heading = |what: &str| format!("5.10 EKF {what} in Sim2, steering {steering}");
     let (vy, cy) = (heading("v_y"), heading("C_y"));
@@ -138,11 +138,11 @@ fn information_claims() -> Option<[Claim; 2]> {
 pub(super) fn run() -> Result<Outcome, String> {
     let course = |steering| {
         let scenario = scenario(SIM2, steering)?;
-        Course::run(&scenario, scenario.seed)
+        LateralDrive::run(&scenario, scenario.seed)
     };
     let (fixed, gentle, slow) = (course(AS_FIXED)?, course(GENTLE)?, course((0.05, 0.01))?);
     let cells = map::cells()?;
-    let measured = |course: &Course, walk| ekf::over(course, walk, |point| point.now);
+    let measured = |course: &LateralDrive, walk| ekf::over(course, walk, |point| point.now);
     let (blind, tuned) = (measured(&gentle, WALKS[0]), measured(&gentle, WALKS[1]));
     let [blind_track, tuned_track] = [&blind, &tuned].map(|points| track(points));
     let (noisy, clean) =

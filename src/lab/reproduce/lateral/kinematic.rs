@@ -1,6 +1,6 @@
 //! Figure 5.5: method 2 is poor, and why.
 
-use super::course::{AS_FIXED, Course, GENTLE, WHOLE, scenario};
+use super::course::{AS_FIXED, GENTLE, LateralDrive, WHOLE, scenario};
 use super::information::{kinematic_rank, kinematic_std};
 use super::map::{self, Cell};
 use crate::report::{Color, Plot};
@@ -21,9 +21,9 @@ fn straight_on() -> f64 {
 
 pub(super) fn run() -> Result<Outcome, String> {
     let fixed = scenario(SIM1, AS_FIXED)?;
-    let course = Course::run(&fixed, fixed.seed)?;
+    let course = LateralDrive::run(&fixed, fixed.seed)?;
     let gentle = scenario(SIM1, GENTLE)?;
-    let gentle = Course::run(&gentle, gentle.seed)?;
+    let gentle = LateralDrive::run(&gentle, gentle.seed)?;
     let all = 20.0..200.0;
     let vy = course.lateral_velocity(all.clone());
     let derived = course.error(all.clone(), |p| p.velocities.kinematic);

@@ -1,6 +1,6 @@
 //! Figures 5.6 and 5.7: method 3 is right while its stiffness is.
 
-use super::course::{AS_FIXED, Course, GENTLE, HALVED, Point, WHOLE, halved, scenario};
+use super::course::{AS_FIXED, GENTLE, HALVED, LateralDrive, Point, WHOLE, halved, scenario};
 use super::map::{self, Cell};
 use crate::report::{Color, Plot, Span};
 use crate::reproduce::{Claim, Outcome, Picture, SIM1, SIM2};
@@ -8,7 +8,14 @@ use crate::reproduce::{Claim, Outcome, Picture, SIM1, SIM2};
 /// After sliding the linear model finds back within this time, s.
 const RECOVERED_S: f64 = 1.0;
 
-fn picture(course: &Course, name: &str, heading: &str, y: f64, spans: &[Span], caption: &str) -> Picture {
+fn picture(
+    course: &LateralDrive,
+    name: &str,
+    heading: &str,
+    y: f64,
+    spans: &[Span],
+    caption: &str,
+) -> Picture {
     let plot = Plot::new(heading, "v_y, m/s", 0.0..200.0, -y..y)
         .height(260)
         .spans(spans)
@@ -24,12 +31,12 @@ fn bicycle(point: &Point) -> Option<f64> {
 pub(super) fn run() -> Result<Outcome, String> {
     let course = |text, steering| {
         let scenario = scenario(text, steering)?;
-        Course::run(&scenario, scenario.seed)
+        LateralDrive::run(&scenario, scenario.seed)
     };
     let (sim1, sim1_gentle) = (course(SIM1, AS_FIXED)?, course(SIM1, GENTLE)?);
     let (sim2, sim2_gentle) = (course(SIM2, AS_FIXED)?, course(SIM2, GENTLE)?);
     let all = 20.0..200.0;
-    let relative = |course: &Course, time: &std::ops::Range<f64>| {
+    let relative = |course: &LateralDrive, time: &std::ops::Range<f64>| {
         course.error(time.clone(), bicycle) / course.lateral_velocity(time.clone())
     };
     let (error, vy) = (sim1.error(all.clone(), bicycle), sim1.lateral_velocity(all.clone()));
@@ -49,7 +56,7 @@ pub(super) fn run() -> Result<Outcome, String> {
     let sliding = [0, 1].map(|phase| map::names(cells, |cell| cell.sliding[phase] > 0.0));
     let over = "Share of the time in which a tire slides while halved";
     let gentle = "±0.01 rad, 0.5 Hz";
-    let top = |course: &Course| {
+    let top = |course: &LateralDrive| {
         let peak = course.points.iter().map(|p| p.truth.lateral_velocity.abs()).fold(0.0, f64::max);
         peak.ceil().clamp(2.0, 8.0)
     };

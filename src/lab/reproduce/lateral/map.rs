@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 use std::thread;
 
-use super::course::{Course, HALVED, WHOLE, scenario};
+use super::course::{HALVED, LateralDrive, WHOLE, scenario};
 use super::ekf::{self, Track, WALKS};
 use super::regression::{self, Source};
 use crate::report::{Color, Plot};
@@ -42,7 +42,7 @@ pub(super) struct Cell {
 impl Cell {
     fn new(frequency: f64, amplitude: f64) -> Result<Self, String> {
         let scenario = scenario(SIM2, (frequency, amplitude))?;
-        let course = Course::run(&scenario, scenario.seed)?;
+        let course = LateralDrive::run(&scenario, scenario.seed)?;
         let phases = [WHOLE, HALVED];
         let errors = phases.clone().map(|phase| {
             [

@@ -1,6 +1,6 @@
 //! The lateral slope (5.20) over a drive, on each lateral velocity.
 
-use super::course::{Course, MINIMUM_SPEED, Point};
+use super::course::{LateralDrive, MINIMUM_SPEED, Point};
 use physics::estimate::thesis::LateralSlopeEstimator;
 
 /// Where v_y comes from.
@@ -29,7 +29,7 @@ impl Source {
 
 /// C_yN over time: by the mean of both axles' compliances, 1/rad (the yaw acceleration, which (5.20)
 /// leaves out, adds to one what it takes from the other); not a number where one is not known.
-pub(super) fn over(course: &Course, source: Source) -> Vec<(f64, f64)> {
+pub(super) fn over(course: &LateralDrive, source: Source) -> Vec<(f64, f64)> {
     let mut estimator = LateralSlopeEstimator::new(&course.car, MINIMUM_SPEED);
     let step = |point: &Point| {
         estimator.step(&point.now, source.velocity(point));

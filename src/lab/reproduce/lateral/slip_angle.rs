@@ -1,6 +1,6 @@
 //! Figure 5.8: the rear slip angle with method 3 and with v_y = 0.
 
-use super::course::{AS_FIXED, Course, GENTLE, HALVED, Point, WHOLE, halved, scenario};
+use super::course::{AS_FIXED, GENTLE, HALVED, LateralDrive, Point, WHOLE, halved, scenario};
 use crate::report::{Color, Plot};
 use crate::reproduce::{Claim, Outcome, Picture, SIM2};
 
@@ -21,7 +21,7 @@ fn joint(point: &Point) -> Option<f64> {
     Some(point.slip_angles.joint?[1].to_degrees())
 }
 
-fn picture(course: &Course, name: &str, heading: &str, caption: &str) -> Picture {
+fn picture(course: &LateralDrive, name: &str, heading: &str, caption: &str) -> Picture {
     let plot = Plot::new(heading, "rear slip angle, °", 0.0..200.0, -5.0..5.0)
         .height(280)
         .spans(&halved())
@@ -34,15 +34,15 @@ fn picture(course: &Course, name: &str, heading: &str, caption: &str) -> Picture
 pub(super) fn run() -> Result<Outcome, String> {
     let course = |steering| {
         let scenario = scenario(SIM2, steering)?;
-        Course::run(&scenario, scenario.seed)
+        LateralDrive::run(&scenario, scenario.seed)
     };
     let (fixed, gentle) = (course(AS_FIXED)?, course(GENTLE)?);
     type Angle = fn(&Point) -> Option<f64>;
-    let share = |course: &Course, angle: Angle, time: &std::ops::Range<f64>| {
+    let share = |course: &LateralDrive, angle: Angle, time: &std::ops::Range<f64>| {
         course.rms(time.clone(), |point| Some(angle(point)? - truth(point)))
             / course.rms(time.clone(), |point| Some(truth(point)))
     };
-    let percent = |course: &Course, angle: Angle, time| 100.0 * share(course, angle, &time);
+    let percent = |course: &LateralDrive, angle: Angle, time| 100.0 * share(course, angle, &time);
     Ok(Outcome {
         claims: vec![
             Claim::new(

@@ -1,18 +1,18 @@
 //! Figure 5.9: the lateral slope (5.20) on each lateral velocity.
 
-use super::course::{AS_FIXED, Course, GENTLE, HALVED, STIFFNESS, halved, mean, scenario};
+use super::course::{AS_FIXED, GENTLE, HALVED, LateralDrive, STIFFNESS, halved, mean, scenario};
 use super::ekf::{Behaviour, Track};
 use super::map;
 use super::regression::{Source, over};
 use crate::report::{Color, Plot};
 use crate::reproduce::{Claim, Outcome, Picture, SIM2};
 
-fn truth(course: &Course) -> impl Iterator<Item = (f64, f64)> {
+fn truth(course: &LateralDrive) -> impl Iterator<Item = (f64, f64)> {
     course.line(|point| Some(0.5 * (point.truth.cornering_front + point.truth.cornering_rear)))
 }
 
 /// The original's picture for one steering.
-fn picture(course: &Course, name: &str, heading: &str, caption: &str) -> Picture {
+fn picture(course: &LateralDrive, name: &str, heading: &str, caption: &str) -> Picture {
     let line = |source| over(course, source).into_iter();
     let plot = Plot::new(heading, "C_yN, 1/rad", 0.0..200.0, 0.0..15.0)
         .height(280)
@@ -27,10 +27,10 @@ fn picture(course: &Course, name: &str, heading: &str, caption: &str) -> Picture
 
 pub(super) fn run() -> Result<Outcome, String> {
     let fixed = scenario(SIM2, AS_FIXED)?;
-    let fixed = Course::run(&fixed, fixed.seed)?;
+    let fixed = LateralDrive::run(&fixed, fixed.seed)?;
     let gentle = scenario(SIM2, GENTLE)?;
-    let gentle = Course::run(&gentle, gentle.seed)?;
-    let track = |course: &Course, source| Track::new(over(course, source).iter().copied());
+    let gentle = LateralDrive::run(&gentle, gentle.seed)?;
+    let track = |course: &LateralDrive, source| Track::new(over(course, source).iter().copied());
     let cells = map::cells()?;
     let (sliding_before, sliding_halved) = (fixed.sliding(0.0..100.0), fixed.sliding(HALVED));
     let told = track(&gentle, Source::Truth);

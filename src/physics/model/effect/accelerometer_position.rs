@@ -1,6 +1,6 @@
 //! The accelerometer does not sit at the centre of gravity.
 
-use super::{Effect, Felt, Kind, Now, Readings, Scale, Search, Setting, Spec};
+use super::{Effect, Felt, Kind, Now, Readings, Scale, SearchHints, Setting, Spec};
 use crate::Quantity;
 
 /// A point `forward` m before the centre of gravity is accelerated by ṙ and r², too.
@@ -33,7 +33,7 @@ pub static KIND: Kind = Kind {
         is_main: true,
     }],
     course: None,
-    search: Search::USUAL,
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| Box::new(AccelerometerPosition { forward: setting.values[0] }),
 };
 

@@ -1,6 +1,6 @@
 //! Air drag beyond what the vehicle table has.
 
-use super::{Acting, Effect, Kind, Needs, Now, Scale, Search, Setting, Spec};
+use super::{Acting, Effect, Kind, Needs, Now, Scale, SearchHints, Setting, Spec};
 
 /// A force against the motion with the square of the speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ pub static KIND: Kind = Kind {
         is_main: true,
     }],
     course: None,
-    search: Search { needs: Needs::KnownTorque, ..Search::USUAL },
+    search: SearchHints { needs: Needs::KnownTorque, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| Box::new(AirDrag { coefficient: setting.values[0] }),
 };
 

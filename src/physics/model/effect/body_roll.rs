@@ -1,7 +1,7 @@
 //! Leaning, the accelerometer feels gravity.
 
 use super::roll::{self, Roll};
-use super::{Effect, Felt, Kind, Now, Readings, Scale, Search, Setting, Spec};
+use super::{Effect, Felt, Kind, Now, Readings, Scale, SearchHints, Setting, Spec};
 use crate::Quantity;
 use crate::model::GRAVITY;
 
@@ -39,7 +39,7 @@ pub static KIND: Kind = Kind {
         roll::DAMPING,
     ],
     course: None,
-    search: Search::USUAL,
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| {
         let [gain, frequency, damping] = std::array::from_fn(|i| setting.values[i]);
         Box::new(BodyRoll { roll: Roll { gain, frequency, damping } })

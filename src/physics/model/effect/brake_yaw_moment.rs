@@ -1,6 +1,6 @@
 //! Something turns the car: ESP, torque vectoring.
 
-use super::{Acting, Course, Effect, Kind, Now, Scale, Search, Setting, Spec, Surroundings};
+use super::{Acting, Course, Disturbance, Effect, Kind, Now, Scale, SearchHints, Setting, Spec};
 
 /// A course of the moment, N m, to the left. The wheels of that side are braked for it; where torque is
 /// vectored, half of it drives the other side.
@@ -51,7 +51,7 @@ pub static KIND: Kind = Kind {
             is_main: false,
         },
     ],
-    course: Some(Surroundings {
+    course: Some(Disturbance {
         unit: "N m",
         rms_name: "moment_peak_nm",
         words: "peak moment",
@@ -59,9 +59,9 @@ pub static KIND: Kind = Kind {
         length_s: 0.5,
         sign: 0.0,
         is_told_by_its_peak: true,
-        ..Surroundings::USUAL
+        ..Disturbance::USUAL
     }),
-    search: Search::USUAL,
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| {
         let [front_share, vectoring] = std::array::from_fn(|i| setting.values[i]);
         Box::new(BrakeYawMoment { moment: setting.course.clone(), front_share, vectoring })

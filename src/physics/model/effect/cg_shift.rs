@@ -1,6 +1,6 @@
 //! The centre of gravity moves while one drives.
 
-use super::{Acting, Effect, Kind, Now, Scale, Search, Setting, Spec, load};
+use super::{Acting, Effect, Kind, Now, Scale, SearchHints, Setting, Spec, load};
 
 /// From a moment on the centre of gravity is elsewhere: something slid, someone moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +38,7 @@ pub static KIND: Kind = Kind {
         load::SENSITIVITY,
     ],
     course: None,
-    search: Search::USUAL,
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| {
         Box::new(CgShift {
             shift: setting.values[0],

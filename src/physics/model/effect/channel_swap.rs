@@ -1,6 +1,6 @@
 //! Two channels are taken for each other.
 
-use super::{Channel, Effect, Felt, Kind, Now, Readings, Search, Setting};
+use super::{Channel, Effect, Felt, Kind, Now, Readings, SearchHints, Setting};
 use crate::Quantity::{
     LateralAcceleration, LongitudinalAcceleration, WheelSpeedFl, WheelSpeedFr, WheelSpeedRl, WheelSpeedRr,
 };
@@ -35,7 +35,7 @@ pub static KIND: Kind = Kind {
     channels: PAIRS,
     parameters: &[],
     course: None,
-    search: Search::USUAL,
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| Box::new(ChannelSwap { channel: setting.channel }),
 };
 

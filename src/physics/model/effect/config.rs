@@ -211,7 +211,7 @@ impl EffectConfig {
     }
 
     fn course_problem(&self) -> Option<(String, String)> {
-        let Some(known) = self.kind.surroundings(self.channel) else {
+        let Some(known) = self.kind.disturbance(self.channel) else {
             return (self.course != Course::None)
                 .then(|| ("value".into(), "this kind does not vary and takes no course".into()));
         };

@@ -1,6 +1,6 @@
 //! Wind from the side.
 
-use super::{Acting, Course, Effect, Kind, Now, Scale, Search, Setting, Spec, Surroundings};
+use super::{Acting, Course, Disturbance, Effect, Kind, Now, Scale, SearchHints, Setting, Spec};
 
 /// A course of the force, N, to the left.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,16 +32,16 @@ pub static KIND: Kind = Kind {
         model_error: Spec::MODEL_ERROR,
         is_main: false,
     }],
-    course: Some(Surroundings {
+    course: Some(Disturbance {
         unit: "N",
         rms_name: "force_rms_n",
         words: "force, rms",
         size: 300.0,
         length_s: 1.5,
         sign: 0.0,
-        ..Surroundings::USUAL
+        ..Disturbance::USUAL
     }),
-    search: Search::USUAL,
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| {
         Box::new(Crosswind { lever: setting.values[0], force: setting.course.clone() })
     },

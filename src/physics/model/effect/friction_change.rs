@@ -1,6 +1,6 @@
 //! Patches of another friction.
 
-use super::{Acting, Course, Effect, Kind, Now, Search, Setting, Surroundings, grip};
+use super::{Acting, Course, Disturbance, Effect, Kind, Now, SearchHints, Setting, grip};
 
 /// The share of the contact that lies on the other surface varies, the same at all wheels.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,8 +22,8 @@ pub static KIND: Kind = Kind {
                     below that the two surfaces feel alike",
     channels: &[],
     parameters: &[grip::friction("friction", "friction")],
-    course: Some(Surroundings { settings: &[&[2.0], &[5.0]], is_slippery: true, ..grip::PATCH }),
-    search: Search::USUAL,
+    course: Some(Disturbance { settings: &[&[2.0], &[5.0]], is_slippery: true, ..grip::PATCH }),
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| {
         Box::new(FrictionChange { inverse: setting.values[0].recip(), share: setting.course.clone() })
     },

@@ -1,6 +1,6 @@
 //! Patches of another friction, not the same left and right.
 
-use super::{Acting, Course, Effect, Kind, Now, Search, Setting, Surroundings, grip};
+use super::{Acting, Course, Disturbance, Effect, Kind, Now, SearchHints, Setting, grip};
 
 /// The same share of all contacts lies on another surface, which differs from side to side.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,12 +26,12 @@ pub static KIND: Kind = Kind {
         grip::friction("friction_left", "friction at the left"),
         grip::friction("friction_right", "friction at the right"),
     ],
-    course: Some(Surroundings {
+    course: Some(Disturbance {
         settings: &[&[2.0, 0.0], &[0.0, 2.0], &[5.0, 0.0], &[0.0, 5.0]],
         is_slippery: true,
         ..grip::PATCH
     }),
-    search: Search::USUAL,
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| {
         let inverse = std::array::from_fn(|side| setting.values[side].recip());
         Box::new(FrictionSplit { inverse, share: setting.course.clone() })

@@ -1,6 +1,6 @@
 //! A limit of the tires' force, as one over the friction: zero is no limit.
 
-use super::{Acting, Scale, Spec, Surroundings};
+use super::{Acting, Disturbance, Scale, Spec};
 use crate::model::tire::{MagicFormula, Tire};
 
 /// The curve of a linear tire once it has a limit: shape and curvature of a usual passenger car tire.
@@ -23,13 +23,8 @@ pub(super) const fn friction(name: &'static str, words: &'static str) -> Spec {
 }
 
 /// How much of the road is another one, as a share.
-pub(super) const PATCH: Surroundings = Surroundings {
-    rms_name: "share_rms",
-    words: "share rms",
-    length_s: 3.0,
-    sign: 1.0,
-    ..Surroundings::USUAL
-};
+pub(super) const PATCH: Disturbance =
+    Disturbance { rms_name: "share_rms", words: "share rms", length_s: 3.0, sign: 1.0, ..Disturbance::USUAL };
 
 /// Below this a tire counts as unlimited.
 const UNLIMITED: f64 = 1e-6;

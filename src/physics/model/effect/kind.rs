@@ -72,7 +72,7 @@ pub struct Spec {
 }
 
 /// In place of a unit: the channel's own. Sizes that go with it are in units of
-/// [`Channel::usual_error`]; [`Kind::spec`] and [`Kind::surroundings`] put both in.
+/// [`Channel::usual_error`]; [`Kind::spec`] and [`Kind::disturbance`] put both in.
 pub const OF_CHANNEL: &str = "the channel's";
 
 impl Spec {
@@ -113,7 +113,7 @@ impl Spec {
 
 /// What varies while one drives, and nobody measures.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surroundings {
+pub struct Disturbance {
     /// Unit of the course.
     pub unit: &'static str,
     /// Key of its rms (or peak) in the JSON.
@@ -140,7 +140,7 @@ pub struct Surroundings {
     pub is_slippery: bool,
 }
 
-impl Surroundings {
+impl Disturbance {
     /// What most have in common; name, size and length are each one's own.
     pub const USUAL: Self = Self {
         unit: "1",
@@ -181,7 +181,7 @@ pub enum Needs {
 
 /// How an explanation searches for an effect.
 #[derive(Clone, Copy, Debug)]
-pub struct Search {
+pub struct SearchHints {
     /// Channels of which it is not searched: an ordinary number or another effect does the same.
     pub not_of: &'static [Quantity],
     /// What there must be to tell it.
@@ -197,7 +197,7 @@ pub struct Search {
     pub least_of_torque: Option<f64>,
 }
 
-impl Search {
+impl SearchHints {
     /// The search for most effects.
     pub const USUAL: Self = Self {
         not_of: &[],
@@ -232,9 +232,9 @@ pub struct Kind {
     /// Its numbers.
     pub parameters: &'static [Spec],
     /// Its course in time, where it has one.
-    pub course: Option<Surroundings>,
+    pub course: Option<Disturbance>,
     /// How it is searched for.
-    pub search: Search,
+    pub search: SearchHints,
     /// Makes one of it.
     pub make: fn(&Setting<'_>) -> Box<dyn Effect>,
 }
@@ -312,7 +312,7 @@ impl Kind {
     }
 
     /// What is known of its course, for a channel.
-    pub fn surroundings(&self, channel: Option<Channel>) -> Option<Surroundings> {
+    pub fn disturbance(&self, channel: Option<Channel>) -> Option<Disturbance> {
         let mut course = self.course?;
         if let (OF_CHANNEL, Some((unit, size))) = (course.unit, channel.and_then(Channel::usual_error)) {
             course.unit = unit;

@@ -1,7 +1,7 @@
 //! Accelerating moves load between the wheels.
 
 use super::load::{self, Sensitivity};
-use super::{Acting, Effect, Growth, Kind, Now, Scale, Search, Setting, Spec};
+use super::{Acting, Effect, Growth, Kind, Now, Scale, SearchHints, Setting, Spec};
 
 /// The height of the centre of gravity moves load in proportion to the accelerations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,7 +105,7 @@ pub static KIND: Kind = Kind {
     ],
     course: None,
     // The change of stiffness grows with the square of the moved load.
-    search: Search { growth: Growth::Quadratic, ..Search::USUAL },
+    search: SearchHints { growth: Growth::Quadratic, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| {
         let [height, across, along, front_roll_share, radius_loss, growth] =
             std::array::from_fn(|i| setting.values[i]);

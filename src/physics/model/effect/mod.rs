@@ -54,7 +54,7 @@ mod wheel_alignment;
 pub use channel::Channel;
 pub use config::{EffectConfig, EffectError, column_names};
 pub use course::{Course, Series};
-pub use kind::{Growth, Kind, Needs, OF_CHANNEL, Scale, Search, Setting, Spec, Surroundings};
+pub use kind::{Disturbance, Growth, Kind, Needs, OF_CHANNEL, Scale, SearchHints, Setting, Spec};
 pub use surroundings::{Acting, Felt, Now, Readings, Recorded};
 
 use crate::Quantity;

@@ -1,6 +1,6 @@
 //! Mass that the vehicle table does not know.
 
-use super::{Acting, Effect, Kind, Now, Scale, Search, Setting, Spec, load};
+use super::{Acting, Effect, Kind, Now, Scale, SearchHints, Setting, Spec, load};
 
 /// Further mass at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +51,7 @@ pub static KIND: Kind = Kind {
         load::SENSITIVITY,
     ],
     course: None,
-    search: Search { from_start: true, ..Search::USUAL },
+    search: SearchHints { from_start: true, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| {
         let [mass, behind, at, load_sensitivity] = std::array::from_fn(|i| setting.values[i]);
         Box::new(Payload { mass, behind, at, load_sensitivity })

@@ -1,6 +1,6 @@
 //! Tires grow with the speed of their turning.
 
-use super::{Acting, Effect, Kind, Now, Scale, Search, Setting, Spec};
+use super::{Acting, Effect, Kind, Now, Scale, SearchHints, Setting, Spec};
 
 /// Centrifugal force makes the rolling radius grow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +32,7 @@ pub static KIND: Kind = Kind {
         is_main: true,
     }],
     course: None,
-    search: Search::USUAL,
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| Box::new(RadiusGrowth { relative_per_square: setting.values[0] }),
 };
 

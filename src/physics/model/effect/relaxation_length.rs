@@ -1,6 +1,6 @@
 //! Lateral force needs some way to build up.
 
-use super::{Effect, Felt, Kind, Now, Scale, Search, Setting, Spec, lag};
+use super::{Effect, Felt, Kind, Now, Scale, SearchHints, Setting, Spec, lag};
 use crate::model::body::Steer;
 use crate::model::wheel;
 
@@ -35,7 +35,7 @@ pub static KIND: Kind = Kind {
         is_main: true,
     }],
     course: None,
-    search: Search::USUAL,
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| Box::new(RelaxationLength { length: setting.values[0] }),
 };
 

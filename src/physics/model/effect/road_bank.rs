@@ -1,6 +1,6 @@
 //! The road leans.
 
-use super::{Acting, Course, Effect, Kind, Now, Search, Setting, Surroundings};
+use super::{Acting, Course, Disturbance, Effect, Kind, Now, SearchHints, Setting};
 use crate::model::GRAVITY;
 
 /// A course of the road's bank, rad, positive where gravity pulls to the left.
@@ -22,16 +22,16 @@ pub static KIND: Kind = Kind {
                     the bank and no wind",
     channels: &[],
     parameters: &[],
-    course: Some(Surroundings {
+    course: Some(Disturbance {
         unit: "rad",
         rms_name: "bank_rms_rad",
         words: "bank, rms",
         size: 0.03,
         length_s: 3.0,
         sign: 0.0,
-        ..Surroundings::USUAL
+        ..Disturbance::USUAL
     }),
-    search: Search::USUAL,
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| Box::new(RoadBank { angle: setting.course.clone() }),
 };
 

@@ -1,6 +1,6 @@
 //! The road climbs.
 
-use super::{Acting, Course, Effect, Kind, Needs, Now, Search, Setting, Surroundings};
+use super::{Acting, Course, Disturbance, Effect, Kind, Needs, Now, SearchHints, Setting};
 use crate::model::GRAVITY;
 
 /// A course of the road's grade, rad, positive uphill.
@@ -21,16 +21,16 @@ pub static KIND: Kind = Kind {
                     resistance does not; standing on it, the longitudinal accelerometer shows it",
     channels: &[],
     parameters: &[],
-    course: Some(Surroundings {
+    course: Some(Disturbance {
         unit: "rad",
         rms_name: "grade_rms_rad",
         words: "grade, rms",
         size: 0.03,
         length_s: 5.0,
         sign: 0.0,
-        ..Surroundings::USUAL
+        ..Disturbance::USUAL
     }),
-    search: Search { needs: Needs::KnownTorque, ..Search::USUAL },
+    search: SearchHints { needs: Needs::KnownTorque, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| Box::new(RoadGrade { angle: setting.course.clone() }),
 };
 

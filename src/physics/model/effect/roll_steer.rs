@@ -2,7 +2,7 @@
 //! (Gillespie 1992, ch. 6).
 
 use super::roll::{self, Roll};
-use super::{Acting, Effect, Felt, Kind, Now, Scale, Search, Setting, Spec};
+use super::{Acting, Effect, Felt, Kind, Now, Scale, SearchHints, Setting, Spec};
 
 /// The suspension turns the front wheels with the roll angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +51,7 @@ pub static KIND: Kind = Kind {
         roll::DAMPING,
     ],
     course: None,
-    search: Search::USUAL,
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| {
         let roll = Roll { gain: setting.values[1], frequency: setting.values[2], damping: setting.values[3] };
         Box::new(RollSteer { roll_steer: setting.values[0], roll })

@@ -1,6 +1,6 @@
 //! Rolling resistance beyond what the vehicle table has: at each wheel, so that free ones slip for it, too.
 
-use super::{Acting, Effect, Kind, Needs, Now, Scale, Search, Setting, Spec};
+use super::{Acting, Effect, Kind, Needs, Now, Scale, SearchHints, Setting, Spec};
 use crate::model::wheel::reference_speed;
 
 /// A moment against each wheel's rolling in proportion to its load.
@@ -33,7 +33,7 @@ pub static KIND: Kind = Kind {
         is_main: true,
     }],
     course: None,
-    search: Search { needs: Needs::KnownTorque, ..Search::USUAL },
+    search: SearchHints { needs: Needs::KnownTorque, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| Box::new(RollingResistance { coefficient: setting.values[0] }),
 };
 

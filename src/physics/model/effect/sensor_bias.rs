@@ -1,7 +1,7 @@
 //! A sensor that jumps.
 
 use super::{
-    Effect, Felt, Growth, Kind, Now, Readings, Recorded, Scale, Search, Setting, Spec, channel,
+    Effect, Felt, Growth, Kind, Now, Readings, Recorded, Scale, SearchHints, Setting, Spec, channel,
     kind::OF_CHANNEL,
 };
 use crate::Quantity;
@@ -48,7 +48,7 @@ pub static KIND: Kind = Kind {
     ],
     course: None,
     // A wheel whose speed steps has another radius.
-    search: Search { not_of: channel::WHEELS, growth: Growth::Proportional, ..Search::USUAL },
+    search: SearchHints { not_of: channel::WHEELS, growth: Growth::Proportional, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| {
         Box::new(SensorBias { quantity: setting.quantity(), bias: setting.values[0], at: setting.values[1] })
     },

@@ -1,6 +1,6 @@
 //! A late sensor.
 
-use super::{Effect, Kind, Scale, Search, Setting, Spec, channel};
+use super::{Effect, Kind, Scale, SearchHints, Setting, Spec, channel};
 use crate::Quantity;
 
 /// What a sensor says was true a while ago.
@@ -35,7 +35,7 @@ pub static KIND: Kind = Kind {
     }],
     course: None,
     // How late an axle's wheels are is an ordinary number.
-    search: Search { not_of: channel::WHEELS, ..Search::USUAL },
+    search: SearchHints { not_of: channel::WHEELS, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| {
         Box::new(SensorDelay { quantity: setting.quantity(), delay: setting.values[0] })
     },

@@ -1,7 +1,7 @@
 //! A sensor whose zero drifts.
 
 use super::{
-    Acting, Course, Effect, Felt, Kind, Now, Readings, Recorded, Search, Setting, Surroundings, channel,
+    Acting, Course, Disturbance, Effect, Felt, Kind, Now, Readings, Recorded, SearchHints, Setting, channel,
     kind::OF_CHANNEL,
 };
 use crate::Quantity;
@@ -25,7 +25,7 @@ pub static KIND: Kind = Kind {
                     the car",
     channels: channel::MEASURED,
     parameters: &[],
-    course: Some(Surroundings {
+    course: Some(Disturbance {
         unit: OF_CHANNEL,
         rms_name: "drift_rms",
         words: "drift, rms",
@@ -34,10 +34,10 @@ pub static KIND: Kind = Kind {
         sign: 0.0,
         shortest_s: 8.0,
         has_its_mean_in_an_offset: true,
-        ..Surroundings::USUAL
+        ..Disturbance::USUAL
     }),
     // A torque that drifts is a road grade.
-    search: Search { not_of: channel::TORQUES, ..Search::USUAL },
+    search: SearchHints { not_of: channel::TORQUES, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| {
         Box::new(SensorDrift { quantity: setting.quantity(), drift: setting.course.clone() })
     },
@@ -79,7 +79,7 @@ mod tests {
         let mut readings = [0.0; Quantity::COUNT];
         effect.sense(&bench.now, &Felt::default(), &[], &mut readings);
         assert!((readings[Quantity::YawRate as usize] - 0.01).abs() < 1e-12);
-        let size = KIND.surroundings(Some(Quantity::LateralAcceleration.into())).map(|course| course.size);
+        let size = KIND.disturbance(Some(Quantity::LateralAcceleration.into())).map(|course| course.size);
         assert_eq!(size, Some(0.2));
     }
 

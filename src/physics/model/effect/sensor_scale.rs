@@ -1,6 +1,6 @@
 //! A sensor with a wrong scale.
 
-use super::{Effect, Felt, Kind, Now, Readings, Recorded, Scale, Search, Setting, Spec, channel};
+use super::{Effect, Felt, Kind, Now, Readings, Recorded, Scale, SearchHints, Setting, Spec, channel};
 use crate::Quantity;
 
 /// A sensor reads too much in proportion.
@@ -44,7 +44,7 @@ pub static KIND: Kind = Kind {
     }],
     course: None,
     // Maps tell torques, and pads change: a scale of theirs that is off by less is nobody's mistake.
-    search: Search { not_of: STEERING_AND_WHEELS, least_of_torque: Some(0.01), ..Search::USUAL },
+    search: SearchHints { not_of: STEERING_AND_WHEELS, least_of_torque: Some(0.01), ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| {
         Box::new(SensorScale { quantity: setting.quantity(), relative_error: setting.values[0] })
     },

@@ -1,6 +1,6 @@
 //! A sensor with the wrong sign.
 
-use super::{Channel, Effect, Felt, Kind, Now, Readings, Recorded, Search, Setting};
+use super::{Channel, Effect, Felt, Kind, Now, Readings, Recorded, SearchHints, Setting};
 use crate::Quantity;
 
 /// A sensor that is mounted, wired or described the wrong way round.
@@ -30,7 +30,7 @@ pub static KIND: Kind = Kind {
     channels: SIGNED,
     parameters: &[],
     course: None,
-    search: Search::USUAL,
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| Box::new(SensorSign { quantity: setting.quantity() }),
 };
 

@@ -1,6 +1,6 @@
 //! The front tires turn the steering back.
 
-use super::{Acting, Effect, Kind, Now, Scale, Search, Setting, Spec};
+use super::{Acting, Effect, Kind, Now, Scale, SearchHints, Setting, Spec};
 use crate::model::tire::Shape;
 
 /// Aligning moment = front lateral force × pneumatic trail; it turns the wheels back against the
@@ -40,7 +40,7 @@ pub static KIND: Kind = Kind {
         is_main: true,
     }],
     course: None,
-    search: Search::USUAL,
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| Box::new(SteeringCompliance { compliance: setting.values[0] }),
 };
 

@@ -1,6 +1,6 @@
 //! The road wheels follow the steering wheel late.
 
-use super::{Acting, Effect, Felt, Kind, Now, Scale, Search, Setting, Spec, lag};
+use super::{Acting, Effect, Felt, Kind, Now, Scale, SearchHints, Setting, Spec, lag};
 
 /// A first-order lag between steering wheel and road wheels; its state is what has arrived.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ pub static KIND: Kind = Kind {
         is_main: true,
     }],
     course: None,
-    search: Search::USUAL,
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| Box::new(SteeringLag { time_constant: setting.values[0] }),
 };
 

@@ -1,6 +1,6 @@
 //! The steering gear does not turn the road wheels in proportion.
 
-use super::{Acting, Effect, Kind, Now, Scale, Search, Setting, Spec};
+use super::{Acting, Effect, Kind, Now, Scale, SearchHints, Setting, Spec};
 
 /// A ratio that varies with the steering wheel's angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +35,7 @@ pub static KIND: Kind = Kind {
         is_main: true,
     }],
     course: None,
-    search: Search::USUAL,
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| Box::new(SteeringRatio { curvature: setting.values[0] }),
 };
 

@@ -1,6 +1,6 @@
 //! Patches on which the tires are less stiff.
 
-use super::{Acting, Course, Effect, Kind, Now, Scale, Search, Setting, Spec, Surroundings, grip};
+use super::{Acting, Course, Disturbance, Effect, Kind, Now, Scale, SearchHints, Setting, Spec, grip};
 
 /// The share of the contact that lies on a softer (or harder) surface varies.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,8 +32,8 @@ pub static KIND: Kind = Kind {
         model_error: Spec::MODEL_ERROR,
         is_main: true,
     }],
-    course: Some(Surroundings { settings: &[&[-0.7], &[-1.6]], ..grip::PATCH }),
-    search: Search::USUAL,
+    course: Some(Disturbance { settings: &[&[-0.7], &[-1.6]], ..grip::PATCH }),
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| {
         Box::new(SurfaceStiffness { factor: setting.values[0], share: setting.course.clone() })
     },

@@ -1,6 +1,6 @@
 //! Tires of unequal radius.
 
-use super::{Acting, Effect, Kind, Now, Scale, Search, Setting, Spec};
+use super::{Acting, Effect, Kind, Now, Scale, SearchHints, Setting, Spec};
 
 /// Each wheel's rolling radius, relative to the one of the vehicle table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +42,7 @@ pub static KIND: Kind = Kind {
         difference("relative_difference_rr", "radius, rear right wheel"),
     ],
     course: None,
-    search: Search { each_number_alone: true, ..Search::USUAL },
+    search: SearchHints { each_number_alone: true, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| {
         Box::new(TireRadius { relative_difference: std::array::from_fn(|i| setting.values[i]) })
     },

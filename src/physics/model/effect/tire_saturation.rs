@@ -1,6 +1,6 @@
 //! The tires' force has a limit.
 
-use super::{Acting, Effect, Kind, Needs, Now, Scale, Search, Setting, Spec, grip};
+use super::{Acting, Effect, Kind, Needs, Now, Scale, SearchHints, Setting, Spec, grip};
 
 /// One friction at all wheels, all the time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ pub static KIND: Kind = Kind {
         is_main: true,
     }],
     course: None,
-    search: Search { needs: Needs::LinearTire, ..Search::USUAL },
+    search: SearchHints { needs: Needs::LinearTire, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| Box::new(TireSaturation { inverse: setting.values[0].recip() }),
 };
 

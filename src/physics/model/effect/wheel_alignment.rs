@@ -1,6 +1,6 @@
 //! The front wheels toe in.
 
-use super::{Acting, Effect, Kind, Now, Scale, Search, Setting, Spec};
+use super::{Acting, Effect, Kind, Now, Scale, SearchHints, Setting, Spec};
 
 /// Each front wheel is turned inwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ pub static KIND: Kind = Kind {
         is_main: true,
     }],
     course: None,
-    search: Search::USUAL,
+    search: SearchHints::USUAL,
     make: |setting: &Setting<'_>| Box::new(WheelAlignment { toe: setting.values[0] }),
 };
 

@@ -1,6 +1,6 @@
 //! Forces, accelerations and readings of one instant.
 
-use super::{Car, State};
+use super::{ExtendedCar, State};
 use physics::Quantity;
 use physics::model::body::{External, Steer};
 use physics::model::effect::{Acting, Felt, Readings, Recorded};
@@ -22,7 +22,7 @@ pub struct Instant {
 
 /// What an instant shall say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ask {
+pub enum Compute {
     /// How the state changes.
     Rates,
     /// What the sensors say, too: slips from forces are the costly part.
@@ -45,7 +45,7 @@ impl Instant {
     }
 }
 
-impl Car {
+impl ExtendedCar {
     /// Forces, accelerations and readings. `steering_rate` is that of the steering wheel, rad/s; the
     /// input is what truly was ([`Self::undo`]). Where no torque is known, the first course that is
     /// estimated is the acceleration it gives.
@@ -56,7 +56,7 @@ impl Car {
         input: &Recorded,
         steering_rate: f64,
         before: &Before,
-        ask: Ask,
+        ask: Compute,
     ) -> Instant {
         let now = self.now(t, state, input, before);
         let mut on = Acting {
@@ -129,7 +129,7 @@ impl Car {
             let side = if i % 2 == 0 { -half } else { half };
             let faster = vx_rate + side * yaw + if i < 2 { turning } else { 0.0 };
             fx[i] -= mass_of(i) * faster;
-            if ask == Ask::Rates {
+            if ask == Compute::Rates {
                 continue;
             }
             let slip = self.slip_of(&on, i, fx[i] / on.load[i], angle[i], self.bend_along);
@@ -152,7 +152,7 @@ impl Car {
         for (effect, own) in &self.effects {
             let states = &state.own[own.clone()];
             effect.rates(&now, &felt, states, &mut rate.own[own.clone()]);
-            if ask == Ask::Readings {
+            if ask == Compute::Readings {
                 effect.sense(&now, &felt, states, &mut readings);
             }
         }

@@ -17,10 +17,10 @@ use physics::{Quantity, Wheel};
 
 use lookup::Lookup;
 
-use super::drive::Drive;
-use super::late::{Delays, Late};
+use super::delay::{Delayed, Delays};
+use super::drive::GriddedDrive;
 
-pub use instant::{Ask, Before, Instant};
+pub use instant::{Before, Compute, Instant};
 pub use step::{Inputs, State};
 
 /// States of the body: vx, vy, yaw rate.
@@ -51,7 +51,7 @@ pub struct Settings<'a> {
 
 /// A car.
 #[derive(Debug)]
-pub struct Car {
+pub struct ExtendedCar {
     body: Body,
     tire: Tire,
     lookup: Option<Lookup>,
@@ -75,7 +75,7 @@ pub struct Car {
     effects: Vec<(Box<dyn Effect>, std::ops::Range<usize>)>,
 }
 
-impl Car {
+impl ExtendedCar {
     /// From its numbers and effects.
     pub fn new(settings: Settings<'_>) -> Self {
         let Settings { vehicle, values, knows_torque, bend_along, delays, effects } = settings;
@@ -104,13 +104,13 @@ impl Car {
         offset[Quantity::LongitudinalAcceleration as usize] = get(Parameter::LongitudinalAccelerationOffset);
         let mut delay = [0.0; Quantity::COUNT];
         for w in Wheel::ALL {
-            let axle = if w.is_front() { Late::FrontWheels } else { Late::RearWheels };
+            let axle = if w.is_front() { Delayed::FrontWheels } else { Delayed::RearWheels };
             delay[Quantity::wheel_speed(w) as usize] = delays[axle as usize];
         }
-        for late in [Late::YawRate, Late::LateralAcceleration, Late::LongitudinalAcceleration] {
+        for late in [Delayed::YawRate, Delayed::LateralAcceleration, Delayed::LongitudinalAcceleration] {
             delay[late.quantity() as usize] = delays[late as usize];
         }
-        let mut steering_delay = delays[Late::Steering as usize];
+        let mut steering_delay = delays[Delayed::Steering as usize];
         for (quantity, by) in effects.iter().filter_map(|effect| effect.delay()) {
             match quantity {
                 Quantity::SteeringWheelAngle => steering_delay += by,
@@ -170,7 +170,7 @@ impl Car {
             driven,
             knows_torque,
             bend_along,
-            torque_delay: delays[Late::Torque as usize],
+            torque_delay: delays[Delayed::Torque as usize],
             slip_delay_per_mps: get(Parameter::WheelInertia) / (radius * radius * along),
             steering_offset: get(Parameter::SteeringOffset),
             offset,
@@ -192,7 +192,7 @@ impl Car {
 
     /// The inputs that act at a time of a drive, s. A torque takes time to become a force: that of its frame,
     /// and that in which the wheel's slip builds up, J v/(r² C_x).
-    pub fn input(&self, drive: &Drive, t: f64) -> Recorded {
+    pub fn input(&self, drive: &GriddedDrive, t: f64) -> Recorded {
         let slip_delay = self.slip_delay_per_mps * drive.speed_at(t);
         self.undo(t, drive.acting(t, self.steering_delay, self.torque_delay + slip_delay))
     }

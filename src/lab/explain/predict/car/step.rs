@@ -1,6 +1,6 @@
 //! From one instant to the next.
 
-use super::{Ask, BODY_STATES, Car, EFFECT_STATES, Instant, MOST_LIVE};
+use super::{BODY_STATES, Compute, EFFECT_STATES, ExtendedCar, Instant, MOST_LIVE};
 use physics::model::effect::Recorded;
 
 /// Where the car is.
@@ -14,13 +14,13 @@ pub struct State {
     pub live: [f64; MOST_LIVE],
 }
 
-impl Car {
+impl ExtendedCar {
     /// One step of `h` seconds by the midpoint rule, from an instant already known. Driving is smooth on
     /// this scale, and what settles faster than a step still ends where it should: of second order is enough.
     pub fn step(&self, from: &State, first: &Instant, t: f64, h: f64, inputs: &Inputs) -> State {
         let middle = from.advanced(&first.rate, 0.5 * h);
         let (input, before) = (&inputs.at[1], first.before());
-        let there = self.instant(t + 0.5 * h, &middle, input, inputs.steering_rate, &before, Ask::Rates);
+        let there = self.instant(t + 0.5 * h, &middle, input, inputs.steering_rate, &before, Compute::Rates);
         from.advanced(&there.rate, h)
     }
 }

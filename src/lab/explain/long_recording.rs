@@ -7,40 +7,31 @@ use rayon::prelude::*;
 use super::candidates::Candidate;
 use super::excerpt::Excerpt;
 use super::fit::{Data, Fit, Learn};
-use super::gross;
 use super::model::{Free, Model};
 use super::naming::{Refitted, onset};
-use super::predict::Drive;
+use super::predict::GriddedDrive;
 use super::predict::grid::{STEP_S, points};
 use super::predict::noise::Noise;
-use super::predict::sums::Sums;
+use super::predict::sums::BlockSums;
 use super::select::{
-    MOST_FOLLOWING, MOST_RIVALS, ONSET_S, RIVAL_SHARE, Round, Selection, following_share, is_confirmed,
-    least_evidence, prefer_the_simpler, select,
+    Round, Selection, following_share, is_confirmed, least_evidence, prefer_the_simpler, select,
 };
+use super::signs_and_swaps;
 use super::split::{BLOCK_S, Part};
-
-/// The excerpt is enlarged so often at most.
-const MOST_TIMES: usize = 2;
+use super::tuning::TUNING;
 
 /// Rounds of the plain model's first fit, of fits to a larger excerpt, and of fits to everything.
 const FIRST_ROUNDS: usize = 4;
 const AGAIN_ROUNDS: usize = 3;
-const WHOLE_ROUNDS: usize = 2;
-
-/// So near to where an excerpt's run begins or ends, s, an onset could as well be beyond.
-const NEAR_S: f64 = 6.0;
-
-/// Around an onset so much is looked at to place it, s.
-const AROUND_S: f64 = 40.0;
+const EVERYTHING_ROUNDS: usize = 2;
 
 /// What there is to search in.
-pub struct Search<'s, 'd, 'a> {
+pub struct LongSearch<'s, 'd, 'a> {
     /// All of the recordings.
     pub data: &'s Data<'d>,
     /// The plain model, what is free in it, and the noise to begin with.
     pub plain: (&'s Model<'a>, &'s [Free], &'s Noise),
-    /// Gross errors that the audit of the chain suggests.
+    /// Wrong signs and swapped channels that the audit suggests.
     pub suggested: &'s [Candidate],
 }
 
@@ -53,7 +44,7 @@ struct Settled<'a> {
     is_changed: bool,
 }
 
-impl<'a> Search<'_, '_, 'a> {
+impl<'a> LongSearch<'_, '_, 'a> {
     /// Chooses by an excerpt, and settles it by everything.
     pub fn select(
         &self,
@@ -68,22 +59,22 @@ impl<'a> Search<'_, '_, 'a> {
         let drives = excerpt.drives(self.data.drives);
         let part = self.data.over(&drives);
         let baseline = part.fit_thoroughly(&first.model, free, &first.noise);
-        let before = gross::taken(&part, plain, &baseline, (free, noise), self.suggested);
+        let before = signs_and_swaps::taken(&part, plain, &baseline, (free, noise), self.suggested);
         tracing::debug!(share = part.share, "an excerpt is searched");
         let mut selection = select(&part, (baseline, before), library, progress);
         let mut times = 0;
         loop {
             progress("fitting to everything", 0.0);
             let settled = self.settled(&excerpt.drives(self.data.drives), &selection);
-            let whole = Data { split: settled.selection.split.clone(), ..self.data.clone() };
-            let goes_on = times < MOST_TIMES
-                && (excerpt.locate(&whole, &settled.selection.extended) || settled.is_changed);
+            let everything = Data { split: settled.selection.split.clone(), ..self.data.clone() };
+            let goes_on = times < TUNING.long.most_enlargements
+                && (excerpt.locate(&everything, &settled.selection.extended) || settled.is_changed);
             if !goes_on {
                 return settled.selection;
             }
             times += 1;
             let drives = excerpt.drives(self.data.drives);
-            let part = Data { split: whole.split.clone(), ..self.data.over(&drives) };
+            let part = Data { split: everything.split.clone(), ..self.data.over(&drives) };
             let again = |fit: &Fit<'a>| part.fit(&fit.model, &fit.free, &fit.noise, AGAIN_ROUNDS);
             let baseline = again(&selection.baseline);
             let kept = settled.kept.into_iter();
@@ -102,29 +93,33 @@ impl<'a> Search<'_, '_, 'a> {
 
     /// Fits the plain model and what was chosen to everything, one after the other, and takes what everything
     /// confirms.
-    fn settled(&self, drives: &[Drive], selection: &Selection<'a>) -> Settled<'a> {
+    fn settled(&self, drives: &[GriddedDrive], selection: &Selection<'a>) -> Settled<'a> {
         let mut data = Data { split: selection.split.clone(), ..self.data.clone() };
-        let whole = |data: &Data<'_>, fit: &Fit<'a>| data.fit_again(fit, WHOLE_ROUNDS);
-        let mut baseline = whole(&data, &selection.baseline);
+        let to_everything = |data: &Data<'_>, fit: &Fit<'a>| data.fit_again(fit, EVERYTHING_ROUNDS);
+        let mut baseline = to_everything(&data, &selection.baseline);
         let mut extended = baseline.clone();
         let (mut chosen, mut kept): (Vec<Refitted<'a>>, Vec<Refitted<'a>>) = (Vec::new(), Vec::new());
         let mut rounds: Vec<Round<'a>> = Vec::new();
         let mut is_changed = false;
         for (taken, round) in selection.chosen.iter().zip(&selection.rounds) {
-            let is_gross = gross::is_gross(&taken.candidate);
+            let has_no_number = taken.candidate.kind.is_all_or_nothing();
             let mut contenders: Vec<Refitted<'a>> = vec![taken.clone()];
             let rivals = round.refitted.iter().filter(|other| {
                 other.candidate.name() != taken.candidate.name()
-                    && other.evidence > RIVAL_SHARE * taken.evidence
+                    && other.evidence > TUNING.selection.rival_share * taken.evidence
             });
-            contenders.extend(rivals.take(if is_gross { 0 } else { MOST_RIVALS - 1 }).cloned());
+            contenders.extend(
+                rivals.take(if has_no_number { 0 } else { TUNING.selection.most_rivals - 1 }).cloned(),
+            );
             for contender in &mut contenders {
                 self.place_onset(drives, &data, contender);
             }
-            if let Some(split) = contenders[0].onset().and_then(|at| data.split.released(at, ONSET_S)) {
+            if let Some(split) =
+                contenders[0].onset().and_then(|at| data.split.released(at, TUNING.selection.onset_s))
+            {
                 data.split = split;
-                baseline = whole(&data, &baseline);
-                extended = if chosen.is_empty() { baseline.clone() } else { whole(&data, &extended) };
+                baseline = to_everything(&data, &baseline);
+                extended = if chosen.is_empty() { baseline.clone() } else { to_everything(&data, &extended) };
                 for contender in &mut contenders {
                     self.place_onset(drives, &data, contender);
                 }
@@ -133,8 +128,8 @@ impl<'a> Search<'_, '_, 'a> {
                 .par_iter()
                 .map(|contender| {
                     let of = |fit: Fit<'a>| judged(&extended, &contender.candidate, fit);
-                    let first = of(whole(&data, &contender.fit));
-                    if first.evidence > contender.evidence || is_gross {
+                    let first = of(to_everything(&data, &contender.fit));
+                    if first.evidence > contender.evidence || has_no_number {
                         return first;
                     }
                     // The excerpt's numbers may lead astray: from those of everything without it, too.
@@ -144,14 +139,16 @@ impl<'a> Search<'_, '_, 'a> {
                 .collect();
             fitted.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
             prefer_the_simpler(&mut fitted);
-            fitted.retain(|refitted| is_gross || following_share(&data, refitted) <= MOST_FOLLOWING);
+            fitted.retain(|refitted| {
+                has_no_number || following_share(&data, refitted) <= TUNING.selection.most_following
+            });
             let Some(first) = fitted.first().cloned() else { break };
             let found: f64 = chosen.iter().map(|refitted| refitted.evidence).sum();
             let least = least_evidence(1.0, !chosen.is_empty(), found);
             let held = data.of(Part::Holdout);
             let gain = held.minus_two_ln(&extended.sums) - held.minus_two_ln(&first.fit.sums);
-            let confirmed =
-                is_gross || first.evidence > least && is_confirmed(gain, first.evidence, !chosen.is_empty());
+            let confirmed = has_no_number
+                || first.evidence > least && is_confirmed(gain, first.evidence, !chosen.is_empty());
             tracing::debug!(
                 name = first.candidate.name(),
                 in_excerpt = taken.evidence,
@@ -182,15 +179,20 @@ impl<'a> Search<'_, '_, 'a> {
     }
 
     /// Puts the moment at which something began where everything around it says: an excerpt may not have it.
-    fn place_onset(&self, drives: &[Drive], data: &Data<'_>, refitted: &mut Refitted<'a>) {
+    fn place_onset(&self, drives: &[GriddedDrive], data: &Data<'_>, refitted: &mut Refitted<'a>) {
         let Some((at, place)) = refitted.onset().zip(refitted.candidate.kind.onset()) else {
             return;
         };
         let (from, to) = gap_around(drives, at);
-        let cut: Vec<Drive> = data
+        let cut: Vec<GriddedDrive> = data
             .drives
             .iter()
-            .map(|drive| drive.within(&[(points((from - AROUND_S).max(0.0)), points(to + AROUND_S))]))
+            .map(|drive| {
+                drive.within(&[(
+                    points((from - TUNING.long.around_s).max(0.0)),
+                    points(to + TUNING.long.around_s),
+                )])
+            })
             .collect();
         let around = data.over(&cut);
         let effect = refitted.fit.model.effects.len() - 1;
@@ -205,7 +207,7 @@ impl<'a> Search<'_, '_, 'a> {
         if to > from {
             // Before the moment as if it had not begun, after it as if it had all along.
             let ((_, always), (_, never)) = (at_moment(&model, from), at_moment(&model, to));
-            let cost = |sum: &Sums| sum.log_s + sum.square.iter().sum::<f64>();
+            let cost = |sum: &BlockSums| sum.log_s + sum.square.iter().sum::<f64>();
             let gains = around.counted(&always).zip(around.counted(&never));
             let mut gains: Vec<(f64, f64)> =
                 gains.map(|(always, never)| (always.t.1, cost(never) - cost(always))).collect();
@@ -230,16 +232,16 @@ impl<'a> Search<'_, '_, 'a> {
 }
 
 /// The stretch, s, in which an onset could be as well, as far as an excerpt says.
-fn gap_around(drives: &[Drive], at: f64) -> (f64, f64) {
+fn gap_around(drives: &[GriddedDrive], at: f64) -> (f64, f64) {
     let (mut from, mut to) = (at, at);
     for drive in drives {
         let ends = drive.runs.iter().map(|(_, to)| *to as f64 * STEP_S);
         let begins = drive.runs.iter().map(|(from, _)| *from as f64 * STEP_S);
-        let before = ends.filter(|end| *end < at + NEAR_S).fold(0.0, f64::max);
-        let after = begins.filter(|begin| *begin > at - NEAR_S).fold(drive.seconds(), f64::min);
+        let before = ends.filter(|end| *end < at + TUNING.long.near_s).fold(0.0, f64::max);
+        let after = begins.filter(|begin| *begin > at - TUNING.long.near_s).fold(drive.seconds(), f64::min);
         let is_in_run =
             drive.runs.iter().any(|run| (run.0 as f64 * STEP_S..run.1 as f64 * STEP_S).contains(&at));
-        let is_near = (before - at).abs() < NEAR_S || (after - at).abs() < NEAR_S;
+        let is_near = (before - at).abs() < TUNING.long.near_s || (after - at).abs() < TUNING.long.near_s;
         if !is_in_run || is_near {
             (from, to) = (from.min(before), to.max(after));
         }
@@ -255,12 +257,12 @@ fn beside<'a>(data: &Data<'_>, extended: &Fit<'a>, chosen: &Refitted<'a>) -> Fit
     if chosen.candidate.live.is_some() {
         noise.live.extend(chosen.fit.noise.live.last());
     }
-    data.search(&model, &chosen.fit.free, &noise, WHOLE_ROUNDS, Learn::Rest)
+    data.search(&model, &chosen.fit.free, &noise, EVERYTHING_ROUNDS, Learn::Rest)
 }
 
-/// A fit to everything, judged; gross errors have no numbers.
+/// A fit to everything, judged; a wrong sign has no number.
 fn judged<'a>(before: &Fit<'_>, candidate: &Candidate, fit: Fit<'a>) -> Refitted<'a> {
-    if gross::is_gross(candidate) {
+    if candidate.kind.is_all_or_nothing() {
         let evidence = before.cost() - fit.cost();
         return Refitted { candidate: candidate.clone(), fit, evidence };
     }

@@ -5,7 +5,7 @@ use physics::Quantity;
 
 /// Something that is late by an ordinary number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Late {
+pub enum Delayed {
     /// The wheel speeds of the front axle.
     FrontWheels,
     /// The wheel speeds of the rear axle.
@@ -22,10 +22,10 @@ pub enum Late {
     Steering,
 }
 
-/// Delays, s, in the order of [`Late::ALL`].
-pub type Delays = [f64; Late::ALL.len()];
+/// Delays, s, in the order of [`Delayed::ALL`].
+pub type Delays = [f64; Delayed::ALL.len()];
 
-impl Late {
+impl Delayed {
     /// All of them.
     pub const ALL: [Self; 7] = [
         Self::FrontWheels,

@@ -1,8 +1,8 @@
 //! A car on its way beside a recording: what it says of each reading, and what it is told.
 
 use super::algebra::{Column, FILTERED, Gain, dot};
-use super::car::{self, BODY_STATES, Before, Car, Inputs, Instant, State};
-use super::drive::Drive;
+use super::car::{self, BODY_STATES, Before, ExtendedCar, Inputs, Instant, State};
+use super::drive::GriddedDrive;
 use super::grid::{STEP_S, points};
 use super::noise::{Live, Noise};
 use super::sums::Comparison;
@@ -36,7 +36,7 @@ impl Rows {
 
 /// A car on its way.
 #[derive(Clone, Debug)]
-pub(super) struct Lane {
+pub(super) struct Trajectory {
     /// Where it is.
     pub(super) state: State,
     /// What was a moment ago.
@@ -58,16 +58,22 @@ pub(super) struct Predicted {
     pub(super) inputs: Inputs,
 }
 
-impl Lane {
+impl Trajectory {
     /// Where a run begins: as fast, and turning as fast, as was measured.
-    pub(super) fn start(car: &Car, drive: &Drive, k: usize) -> Self {
+    pub(super) fn start(car: &ExtendedCar, drive: &GriddedDrive, k: usize) -> Self {
         let t = k as f64 * STEP_S;
         let input = car.input(drive, t);
         let state = car.rolling(t, drive.speed[k], drive.yaw_rate_after(k), &input);
         Self { state, before: Before::default(), rows: None, reached: None }
     }
 
-    pub(super) fn predict(&mut self, car: &Car, drive: &Drive, k: usize, live: &[Live]) -> Predicted {
+    pub(super) fn predict(
+        &mut self,
+        car: &ExtendedCar,
+        drive: &GriddedDrive,
+        k: usize,
+        live: &[Live],
+    ) -> Predicted {
         let t = k as f64 * STEP_S;
         let first = self.reached.filter(|(reached, _)| *reached == k).map(|(_, input)| input);
         let first = first.unwrap_or_else(|| car.input(drive, t));
@@ -75,7 +81,7 @@ impl Lane {
         self.reached = Some((k + 1, last));
         let inputs = Inputs::new([first, car.input(drive, t + 0.5 * STEP_S), last], STEP_S);
         let (at, rate) = (&inputs.at, inputs.steering_rate);
-        let first = car.instant(t, &self.state, &at[0], rate, &self.before, car::Ask::Readings);
+        let first = car.instant(t, &self.state, &at[0], rate, &self.before, car::Compute::Readings);
         let substeps = (car.fastest_rate(self.state.body[0]) * STEP_S / 0.8).ceil().clamp(1.0, 20.0);
         let mut next = self.state;
         if substeps == 1.0 {
@@ -86,14 +92,15 @@ impl Lane {
                 let share = |part: usize| part as f64 / substeps;
                 let inputs = inputs.part(share(part), share(part + 1));
                 let t = t + part as f64 * h;
-                let here = car.instant(t, &next, &inputs.at[0], rate, &first.before(), car::Ask::Readings);
+                let here =
+                    car.instant(t, &next, &inputs.at[0], rate, &first.before(), car::Compute::Readings);
                 next = car.step(&next, &here, t, h, &inputs);
             }
         }
         for (value, live) in next.live.iter_mut().zip(live) {
             *value *= (-STEP_S / live.length_s).exp();
         }
-        let end = car.instant(t + STEP_S, &next, &at[2], rate, &first.before(), car::Ask::Readings);
+        let end = car.instant(t + STEP_S, &next, &at[2], rate, &first.before(), car::Compute::Readings);
         match &mut self.rows {
             Some(rows) => rows.push(&first.readings),
             none => *none = Some(Rows::filled(&first.readings)),
@@ -102,7 +109,13 @@ impl Lane {
     }
 
     /// What a sensor says in the step.
-    pub(super) fn reading(&self, car: &Car, predicted: &Predicted, channel: usize, share: f64) -> f64 {
+    pub(super) fn reading(
+        &self,
+        car: &ExtendedCar,
+        predicted: &Predicted,
+        channel: usize,
+        share: f64,
+    ) -> f64 {
         // Grid points before the step's end, the newest that there is.
         let back = (1.0 - share + car.delay(channel) / STEP_S).min((LATEST - 3) as f64);
         let whole = back.max(0.0) as usize;
@@ -130,14 +143,14 @@ impl Lane {
     }
 }
 
-impl Lane {
+impl Trajectory {
     /// Forgets estimated courses but the first `keeps`.
     pub(super) fn forget_courses(&mut self, keeps: usize) {
         self.state.live[keeps..].fill(0.0);
     }
 
     /// Takes the speed from the wheels.
-    pub(super) fn set_speed(&mut self, drive: &Drive, k: usize) {
+    pub(super) fn set_speed(&mut self, drive: &GriddedDrive, k: usize) {
         let around = |by: isize| k.checked_add_signed(by).and_then(|k| drive.speed.get(k)).copied();
         let near = points(0.1) as isize;
         let (Some(before), Some(after)) = (around(-near), around(near)) else { return };
@@ -148,7 +161,13 @@ impl Lane {
     }
 
     /// One step without any correction.
-    pub(super) fn run_free(&mut self, car: &Car, drive: &Drive, k: usize, compared: &mut Vec<Comparison>) {
+    pub(super) fn run_free(
+        &mut self,
+        car: &ExtendedCar,
+        drive: &GriddedDrive,
+        k: usize,
+        compared: &mut Vec<Comparison>,
+    ) {
         let predicted = self.predict(car, drive, k, &[]);
         for reading in drive.of_step(k).1 {
             let channel = usize::from(reading.channel);
@@ -161,8 +180,8 @@ impl Lane {
 
     pub(super) fn follow(
         &mut self,
-        car: &Car,
-        drive: &Drive,
+        car: &ExtendedCar,
+        drive: &GriddedDrive,
         k: usize,
         noise: &Noise,
         gains: &[Gain],

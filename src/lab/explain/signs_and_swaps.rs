@@ -1,6 +1,5 @@
-//! Gross errors of the measurement chain: a wrong sign, two channels taken for each other. They bend the
-//! plain model's fit out of all shape, so they are tried before anything else, where the audit of the chain
-//! suggests them.
+//! Wrong signs and swapped channels. They spoil the plain model's fit completely. So they are tried before anything
+//! else, where the audit of the measurement chain suggests them.
 
 use super::candidates::Candidate;
 use super::chain::{ChainReport, Confidence};
@@ -8,25 +7,17 @@ use super::fit::{Data, Fit};
 use super::model::{Chosen, Free, Model};
 use super::naming::Refitted;
 use super::predict::noise::Noise;
+use super::tuning::TUNING;
 use physics::model::effect::{Channel, Course, Kind, named};
-
-/// Gain, twice the log-likelihood ratio, below which a suggestion is not taken: such an error is never
-/// a small one.
-const LEAST_GAIN: f64 = 200.0;
-
-/// Is it such an error?
-pub fn is_gross(candidate: &Candidate) -> bool {
-    candidate.kind.is_all_or_nothing()
-}
 
 /// What the audit suggests.
 pub fn suggested(chain: &[ChainReport]) -> Vec<Candidate> {
     let findings = chain.iter().flat_map(|report| &report.findings);
-    let gross = findings.filter(|finding| {
+    let suggested = findings.filter(|finding| {
         finding.confidence >= Confidence::Likely && named(finding.effect).is_some_and(Kind::is_all_or_nothing)
     });
     let mut all: Vec<Candidate> = Vec::new();
-    for finding in gross {
+    for finding in suggested {
         let (Some(kind), Ok(channel)) = (named(finding.effect), finding.channel.parse::<Channel>()) else {
             continue;
         };
@@ -60,7 +51,7 @@ pub fn taken<'a>(
         let with = model.with(Chosen::usual(candidate.kind, candidate.channel, Course::None));
         let fit = data.fit(&with, free, noise, 8);
         let gain = cost - fit.cost();
-        if gain > LEAST_GAIN {
+        if gain > TUNING.selection.least_gain_of_a_sign {
             cost -= gain;
             model = with;
             taken.push(Refitted { candidate: candidate.clone(), fit, evidence: gain });

@@ -16,11 +16,6 @@ use gripd::Micros;
 use gripd::can::Frame;
 use gripd::can::recording::{Format, Reader, Writer};
 
-#[path = "support/mod.rs"]
-mod made;
-#[path = "../tests/support/mod.rs"]
-mod support;
-
 const COPIES: i64 = 15;
 /// python-can gets so many of them.
 const FEWER: i64 = 3;
@@ -38,7 +33,7 @@ struct Times {
 fn main() {
     let runs: usize = std::env::args().skip(1).find_map(|argument| argument.parse().ok()).unwrap_or(5);
     let folder = tempfile::TempDir::new().unwrap();
-    let once = made::bus();
+    let once = testing::bus::bus();
     let copies = |count: i64| -> Vec<Frame> {
         let length = Micros(once[once.len() - 1].time.0 + 1000);
         let mut all: Vec<Frame> = Vec::new();
@@ -52,7 +47,7 @@ fn main() {
         all
     };
     let (all, fewer) = (copies(COPIES), copies(FEWER));
-    let python = support::peers();
+    let python = testing::peers();
     let mut results = Format::NAMES.map(|(name, format)| (name, format, Times::default()));
     // The first one warms up.
     for run in 0..=runs {
@@ -69,7 +64,8 @@ fn main() {
             }
             let Some(python) = python.as_ref().filter(|_| run > 0 && run <= 2) else { continue };
             write(&path, *format, &fewer);
-            let script = Command::new(python).arg(made::project("benches/formats.py")).arg(&path).output();
+            let script =
+                Command::new(python).arg(testing::program::project("benches/formats.py")).arg(&path).output();
             let told = String::from_utf8(script.unwrap().stdout).unwrap();
             let (count, seconds) = told.trim().split_once(' ').unwrap();
             assert_eq!(count, fewer.len().to_string(), "{name}");

@@ -23,10 +23,7 @@ use gripd::signals::publish::{PublishConfig, Publisher, built_in_database};
 use gripd::signals::{Inputs, Sampler};
 use gripd::{Config, Sample};
 
-#[path = "support/mod.rs"]
-mod made;
-
-use made::project;
+use testing::program::project;
 
 /// A stage: its name, how many elements are enough, and what is done with so many.
 type Stage = (&'static str, usize, fn(usize));
@@ -139,7 +136,7 @@ fn pipeline() -> Pipeline {
 }
 
 fn a_frame(number: usize) -> Frame {
-    made::unneeded(number, gripd::Micros(1_760_000_000_000_000 + 1000 * number as i64))
+    testing::bus::unneeded(number, gripd::Micros(1_760_000_000_000_000 + 1000 * number as i64))
 }
 
 /// As many whatever is done with them, so that making them does not count.

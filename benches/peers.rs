@@ -21,19 +21,13 @@ use gripd::can::{Frame, candump};
 use gripd::dbc::Database;
 use gripd::signals::{Inputs, Sampler};
 use gripd::{Config, Micros};
-
-#[path = "../tests/support/mod.rs"]
-mod support;
+use testing::program::project;
 
 const COPIES: usize = 20;
 
-fn project(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
-
 fn main() {
     let runs = std::env::args().skip(1).find_map(|argument| argument.parse().ok()).unwrap_or(7);
-    let Some(recording) = support::shared("recordings/rav4/bus0.log.gz") else { return };
+    let Some(recording) = testing::shared("recordings/rav4/bus0.log.gz") else { return };
     let folder = tempfile::TempDir::new().unwrap();
     let frames = frames(&recording);
     let log = folder.path().join("long.log");
@@ -160,7 +154,7 @@ fn run(command: &mut Command) {
 }
 
 fn beside_decoders(frames: &[Frame], folder: &Path, runs: usize) {
-    let Some(python) = support::decoders() else { return };
+    let Some(python) = testing::decoders() else { return };
     let dbc = project("dbc/rav4.dbc");
     let database = Database::load(&dbc).unwrap();
     let log = folder.join("once.log");

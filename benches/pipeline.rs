@@ -17,10 +17,8 @@ use gripd::signals::publish::{PublishConfig, Publisher, built_in_database};
 use gripd::signals::{Inputs, Sampler};
 use gripd::{Config, Estimates, Quantity, Sample, Sensors};
 
-#[path = "support/mod.rs"]
-mod made;
-
-use made::{frames, project};
+use testing::bus::frames;
+use testing::program::project;
 
 fn config() -> Config {
     Config::load(&project("config/demo.toml")).unwrap()
@@ -33,7 +31,7 @@ fn reader(text: &[u8]) -> Reader {
 /// The simulated bus, as a log.
 fn bus() -> Vec<u8> {
     let mut text = Vec::new();
-    made::bus().iter().for_each(|frame| write_line(&mut text, "can0", frame));
+    testing::bus::bus().iter().for_each(|frame| write_line(&mut text, "can0", frame));
     text
 }
 

@@ -1,6 +1,6 @@
 //! gripd estimates tire stiffness and tire-road friction from a vehicle's CAN bus.
 //!
-//! The data's way through the crate is its architecture:
+//! The data's way through the rooms is the architecture:
 //!
 //! ```text
 //! frames ─can─► dbc ─► signals ─► Sample ─► estimate ─► Estimates ─► signals ─► dbc ─► frames
@@ -10,15 +10,31 @@
 //! buses and files, everything between knows only physics. The live service, the replay of a
 //! recording, the tests and the benchmarks all drive the same [`service::Engine`].
 //!
+//! The rooms lie in crates of a workspace, and the compiler keeps these apart:
+//!
+//! | Crate | Folder | Rooms |
+//! |---|---|---|
+//! | `physics` | `src/physics` | [`time`], [`sample`], [`estimates`], [`faults`], [`filter`], [`model`], [`estimate`] |
+//! | `bus` | `src/bus` | [`new_file`], [`can`], [`dbc`], [`signals`], [`propose`], [`config`], [`service`], [`watch`] |
+//! | `lab` | `src/lab` | [`report`], [`identify`], [`explain`], [`reproduce`], [`pages`] |
+//! | `gripd` | `src/cli` | [`cli`]: one file or folder for each command |
+//!
+//! `bus` and `lab` know `physics` and not each other. This crate gives all rooms out again, for tests and other programs.
+//! What may depend on what within a crate: [`guide::contributing`].
+//!
 //! What to do with it, task by task: [`guide`].
 //!
 //! SI units inside, ISO 8855 axes (x forward, y left, z up); conversion happens once, at the DBC
 //! boundary. Time is the frame's own stamp, in whole microseconds, never the wall clock.
 
 pub mod cli;
+#[cfg(feature = "desk")]
 pub mod guide;
 
-pub use bus::{Config, can, config, dbc, new_file, propose, service, signals, watch};
+pub use bus::{Config, can, config, dbc, new_file, service, signals};
+#[cfg(feature = "desk")]
+pub use bus::{propose, watch};
+#[cfg(feature = "desk")]
 pub use lab::{explain, identify, pages, report, reproduce};
 pub use physics::{
     Estimates, Faults, Micros, Quantity, Sample, Sensors, Wheel, estimate, estimates, faults, filter, model,

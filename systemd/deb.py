@@ -1,4 +1,6 @@
-"""Packs what [package.metadata.deb] of Cargo.toml names, where there is no cargo-deb. Called by deb.sh."""
+"""Packs what [package.metadata.deb] of Cargo.toml names, where there is no cargo-deb. Called by deb.sh.
+
+deb.py [VARIANT]: a variant's keys replace those of the whole package, as cargo-deb has it."""
 
 import glob
 import gzip
@@ -6,10 +8,18 @@ import pathlib
 import re
 import shutil
 import subprocess
+import sys
 import tomllib
 
-package = tomllib.loads(pathlib.Path("Cargo.toml").read_text())["package"]
+manifest = tomllib.loads(pathlib.Path("Cargo.toml").read_text())
+package = {
+    key: manifest["workspace"]["package"][key] if value == {"workspace": True} else value
+    for key, value in manifest["package"].items()
+}
 deb = package["metadata"]["deb"]
+for variant in sys.argv[1:]:
+    deb = deb | deb["variants"][variant]
+name = deb.get("name", package["name"])
 arch = subprocess.run(["dpkg", "--print-architecture"], check=True, capture_output=True, text=True).stdout.strip()
 version = f"{package['version']}-{deb.get('revision', '1')}"
 root = pathlib.Path("target/debian/root")
@@ -36,7 +46,7 @@ for pattern, target, mode in deb["assets"]:
     for source in sources:
         put(pathlib.Path(source), target, int(mode, 8))
 licence = pathlib.Path(deb["license-file"][0]).read_text()
-copyright = root / "usr/share/doc" / package["name"] / "copyright"
+copyright = root / "usr/share/doc" / name / "copyright"
 copyright.parent.mkdir(parents=True, exist_ok=True)
 copyright.write_text(f"Copyright: {deb['copyright']}\nLicense: {package['license']}\n\n{licence}")
 
@@ -62,16 +72,17 @@ control.mkdir()
 # A static program needs nothing.
 needed = deb["depends"].replace("$auto", depends())
 needed = f"Depends: {needed}\n" if needed else ""
+relations = "".join(f"{key.title()}: {deb[key]}\n" for key in ("provides", "conflicts", "replaces") if key in deb)
 size = sum(file.stat().st_size for file in root.rglob("*") if file.is_file()) // 1024
 description = "\n".join(f" {line.strip() or '.'}" for line in deb["extended-description"].strip().splitlines())
 (control / "control").write_text(f"""\
-Package: {package["name"]}
+Package: {name}
 Version: {version}
 Architecture: {arch}
 Maintainer: {deb["maintainer"]}
 Section: {deb["section"]}
 Priority: {deb["priority"]}
-{needed}Installed-Size: {size}
+{needed}{relations}Installed-Size: {size}
 Description: {package["description"]}
 {description}
 """)
@@ -81,7 +92,7 @@ for script in sorted(pathlib.Path(deb["maintainer-scripts"]).iterdir()):
     (control / script.name).chmod(0o755)
 for folder in [root, *(path for path in root.rglob("*") if path.is_dir())]:
     folder.chmod(0o755)
-name = f"target/debian/{package['name']}_{version}_{arch}.deb"
-subprocess.run(["dpkg-deb", "--root-owner-group", "--build", str(root), name], check=True, stdout=subprocess.DEVNULL)
+file = f"target/debian/{name}_{version}_{arch}.deb"
+subprocess.run(["dpkg-deb", "--root-owner-group", "--build", str(root), file], check=True, stdout=subprocess.DEVNULL)
 shutil.rmtree(root)
-print(name)
+print(file)

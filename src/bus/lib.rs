@@ -8,9 +8,11 @@ pub mod can;
 pub mod config;
 pub mod dbc;
 pub mod new_file;
+#[cfg(feature = "desk")]
 pub mod propose;
 pub mod service;
 pub mod signals;
+#[cfg(feature = "desk")]
 pub mod watch;
 
 pub use config::Config;

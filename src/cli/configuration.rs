@@ -4,21 +4,24 @@ use std::path::Path;
 
 use bus::Config;
 use bus::config::ConfigError;
+#[cfg(feature = "desk")]
 use lab::identify::IdentifyConfig;
 
-/// What the bus's side reads; the tables of the others are checked, too.
+/// What the bus's side reads; the tables of the others are checked, too, where this build has them.
 pub fn load(path: &Path) -> Result<Config, ConfigError> {
-    load_all(path).map(|(config, _)| config)
+    let config = Config::load(path)?;
+    #[cfg(feature = "desk")]
+    identify(path)?;
+    Ok(config)
 }
 
-/// The same, and `[identify]`.
-pub fn load_all(path: &Path) -> Result<(Config, IdentifyConfig), ConfigError> {
-    let config = Config::load(path)?;
+/// The `[identify]` table.
+#[cfg(feature = "desk")]
+pub fn identify(path: &Path) -> Result<IdentifyConfig, ConfigError> {
     let text = std::fs::read_to_string(path)
         .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
-    let identify = IdentifyConfig::of_file(&text)
-        .map_err(|error| ConfigError::Parse { path: path.to_owned(), message: error.to_string() })?;
-    Ok((config, identify))
+    IdentifyConfig::of_file(&text)
+        .map_err(|error| ConfigError::Parse { path: path.to_owned(), message: error.to_string() })
 }
 
 /// As the service takes it: its effects are put where it can use them.

@@ -34,6 +34,26 @@ pub enum State {
     NoInput,
 }
 
+impl State {
+    /// All, each in the place of its number on the bus.
+    pub const ALL: [Self; 4] = [Self::Starting, Self::Running, Self::Degraded, Self::NoInput];
+
+    /// As in the DBC's value table.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Starting => "starting",
+            Self::Running => "running",
+            Self::Degraded => "degraded",
+            Self::NoInput => "no_input",
+        }
+    }
+
+    /// The one that the value table calls so.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|state| state.name() == name)
+    }
+}
+
 /// Where the published friction comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MuSource {
@@ -55,6 +75,15 @@ pub enum MuSource {
 }
 
 impl MuSource {
+    /// All, each in the place of its number on the bus.
+    pub const ALL: [Self; 7] =
+        [Self::None, Self::LowerBound, Self::SlopeMap, Self::Brush, Self::Joint, Self::Abs, Self::Limit];
+
+    /// The one that the value table calls so.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|source| source.name() == name)
+    }
+
     /// As in the CSV and in the DBC's value table.
     pub const fn name(self) -> &'static str {
         match self {
@@ -90,8 +119,6 @@ pub struct Friction {
     pub brush: Option<f64>,
     /// Its standard deviation, if the tire were a brush.
     pub brush_std: Option<f64>,
-    /// Dahl one-wheel filter (thesis 8.2).
-    pub dahl: Option<f64>,
     /// Last ABS braking (thesis 6.1).
     pub abs: Option<f64>,
     /// Mapped from the slope (thesis 6.3).
@@ -132,6 +159,19 @@ pub struct LateralVelocities {
     pub joint: Option<f64>,
 }
 
+/// What the thesis's estimators say: kept beside what is published, to be compared with it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ThesisEstimates {
+    /// Each way to the lateral velocity.
+    pub lateral_velocities: LateralVelocities,
+    /// Cornering stiffness by the regression of thesis (5.20), front and rear, 1/rad.
+    pub cornering_regression: [Option<Estimate>; 2],
+    /// Cornering stiffness C_y = C_F = C_R by the EKF of thesis (5.21), normalized, 1/rad.
+    pub cornering_ekf: Option<Estimate>,
+    /// Friction by the Dahl EKF on one wheel (thesis 8.2).
+    pub friction_dahl: Option<f64>,
+}
+
 /// Offsets of the sensors the lateral motion stands on, as the joint filter learned them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SensorOffsets {
@@ -152,8 +192,6 @@ pub struct Estimates {
     pub state: State,
     /// Motion as published.
     pub motion: Motion,
-    /// Each way to the lateral velocity.
-    pub lateral_velocities: LateralVelocities,
     /// Longitudinal slip slope per wheel: force per slip, normalized by the static wheel load.
     pub slope: [Option<Estimate>; 4],
     /// Slip at zero force per wheel (tire radius against the reference wheel's).
@@ -164,16 +202,14 @@ pub struct Estimates {
     pub cornering: [Option<Estimate>; 2],
     /// The cornering stiffnesses may be acted upon.
     pub cornering_valid: bool,
-    /// Cornering stiffness by the regression of thesis (5.20), front and rear, 1/rad.
-    pub cornering_regression: [Option<Estimate>; 2],
-    /// Cornering stiffness C_y = C_F = C_R by the EKF of thesis (5.21), normalized, 1/rad.
-    pub cornering_ekf: Option<Estimate>,
     /// Sensor offsets.
     pub offsets: SensorOffsets,
     /// How rough the road is: by how much the wheels' rims scatter about their rolling, m/s.
     pub roughness: Option<Estimate>,
     /// Friction.
     pub friction: Friction,
+    /// The thesis's estimators, where somebody asked for them; no frame is made of these.
+    pub thesis: ThesisEstimates,
     /// How well the longitudinal use of the tires tells the slope, 0–1.
     pub excitation_long: f64,
     /// How well the lateral use of the tires tells the cornering stiffness, 0–1.
@@ -184,4 +220,20 @@ pub struct Estimates {
     pub faults: Faults,
     /// Frames lost before gripd could see them, since start.
     pub dropped_frames: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_names_on_the_bus_are_the_places_and_their_own() {
+        for (place, source) in MuSource::ALL.into_iter().enumerate() {
+            assert_eq!((source as usize, MuSource::named(source.name())), (place, Some(source)));
+        }
+        for (place, state) in State::ALL.into_iter().enumerate() {
+            assert_eq!((state as usize, State::named(state.name())), (place, Some(state)));
+        }
+        assert_eq!((MuSource::named(""), State::named("")), (None, None));
+    }
 }

@@ -37,17 +37,30 @@ impl<F: FnMut(&Sample, &Truth, &Estimates)> Sink for Beside<F> {
 pub fn drive(
     scenario: &Scenario,
     seed: u64,
-    mut config: Config,
+    config: Config,
     without: &[&str],
     sent_as: fn(&Reading) -> Reading,
     take: impl FnMut(&Sample, &Truth, &Estimates),
 ) {
     let database = Database::parse(CAR_DBC.as_bytes(), "demo.dbc").unwrap();
+    drive_on(&database, scenario, seed, config, without, sent_as, take);
+}
+
+/// The same with a bus of another car.
+pub fn drive_on(
+    database: &Database,
+    scenario: &Scenario,
+    seed: u64,
+    mut config: Config,
+    without: &[&str],
+    sent_as: fn(&Reading) -> Reading,
+    take: impl FnMut(&Sample, &Truth, &Estimates),
+) {
     let radius = scenario.vehicle.wheel_radius_m.value;
-    let outputs = Outputs::compile(&config.signals, &database, radius).unwrap();
+    let outputs = Outputs::compile(&config.signals, database, radius).unwrap();
     config.signals.quantities.retain(|quantity, _| !without.contains(&quantity.name()));
     let output = gripd::signals::publish::built_in_database().unwrap();
-    let mut engine = Engine::with_databases(&config, &database, &output).unwrap();
+    let mut engine = Engine::with_databases(&config, database, &output).unwrap().with_thesis();
     let mut frames = SimulatedFrames::new(outputs);
     let mut beside = Beside { truths: VecDeque::new(), take };
     let mut simulation = Simulation::new(scenario, seed).unwrap();

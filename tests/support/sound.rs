@@ -9,7 +9,8 @@ pub fn sound(estimates: &Estimates) {
     let is_estimate = |e: &Option<Estimate>| {
         e.is_none_or(|e| e.value.is_finite() && e.std >= 0.0 && e.std.is_finite() && e.age_s >= 0.0)
     };
-    let Estimates { motion, lateral_velocities: v, friction: mu, offsets, .. } = estimates;
+    let Estimates { motion, thesis, friction: mu, offsets, .. } = estimates;
+    let v = &thesis.lateral_velocities;
     let lateral = [v.zero, v.integration, v.kinematic, v.bicycle, v.joint];
     let motions = [
         motion.speed,
@@ -18,13 +19,23 @@ pub fn sound(estimates: &Estimates) {
         motion.slip_angle_front,
         motion.slip_angle_rear,
     ];
-    let frictions =
-        [mu.max, mu.low, mu.high, mu.used, mu.age_s, mu.brush, mu.brush_std, mu.abs, mu.map, mu.dahl];
+    let frictions = [
+        mu.max,
+        mu.low,
+        mu.high,
+        mu.used,
+        mu.age_s,
+        mu.brush,
+        mu.brush_std,
+        mu.abs,
+        mu.map,
+        thesis.friction_dahl,
+    ];
     assert!(lateral.into_iter().all(is_number), "{v:?}");
     assert!(motions.into_iter().all(is_number), "{motion:?}");
     assert!(frictions.into_iter().all(is_number), "{mu:?}");
     let all = estimates.slope.iter().chain(&estimates.slip_offset).chain(&estimates.cornering);
-    let more = estimates.cornering_regression.iter().chain([&estimates.cornering_ekf]);
+    let more = thesis.cornering_regression.iter().chain([&thesis.cornering_ekf]);
     let of_sensors = [&offsets.road_angle, &offsets.lateral_acceleration, &offsets.yaw_rate];
     assert!(all.chain(more).chain(of_sensors).all(is_estimate), "{estimates:?}");
     let ordered = |low: Option<f64>, high: Option<f64>| low.zip(high).is_none_or(|(low, high)| low <= high);

@@ -134,7 +134,7 @@ impl Frame {
 
     /// A classic data frame of the first `length` of these bytes, the others being zero.
     #[inline]
-    pub(super) fn of_eight(time: Micros, id: CanId, bytes: [u8; 8], length: usize) -> Self {
+    pub fn of_eight(time: Micros, id: CanId, bytes: [u8; 8], length: usize) -> Self {
         let mut data = [0; 64];
         data[..8].copy_from_slice(&bytes);
         Self { time, id, kind: FrameKind::Data, length: length.min(8) as u8, data }

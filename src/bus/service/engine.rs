@@ -124,6 +124,14 @@ impl Engine {
         })
     }
 
+    /// The same with the thesis's estimators beside those that are published ([`Pipeline::with_thesis`]): for who
+    /// reads [`Estimates::thesis`]. Before the first frame.
+    #[must_use]
+    pub fn with_thesis(mut self) -> Self {
+        self.pipeline = self.pipeline.with_thesis();
+        self
+    }
+
     /// Goes on from what an earlier drive learned ([`Pipeline::restore`]). Before the first frame.
     pub fn restore(&mut self, learned: &Learned) {
         self.pipeline.restore(learned);

@@ -70,13 +70,8 @@ impl Display for Health {
         number("reloads_accepted_total", "counter", "Configurations taken over.", count(&self.accepted))?;
         number("reloads_refused_total", "counter", "Configurations refused.", count(&self.refused))?;
         f.write_str("# HELP gripd_state What the service can do at the moment.\n# TYPE gripd_state gauge\n")?;
-        for (state, name) in [
-            (State::Starting, "starting"),
-            (State::Running, "running"),
-            (State::Degraded, "degraded"),
-            (State::NoInput, "no_input"),
-        ] {
-            let is = u64::from(count(&self.state) == state as u64);
+        for state in State::ALL {
+            let (name, is) = (state.name(), u64::from(count(&self.state) == state as u64));
             writeln!(f, "gripd_state{{state=\"{name}\"}} {is}")?;
         }
         f.write_str(

@@ -11,8 +11,7 @@ use tokio::sync::{Notify, oneshot};
 use tokio::time::{Instant, sleep_until};
 
 use super::{Engine, SavedState, SetupError, systemd};
-use crate::config::ConfigError;
-use crate::config::{Address, Config};
+use crate::config::{Address, Config, ConfigError};
 use physics::estimate::Learned;
 
 /// A configuration that was read anew and can be used.

@@ -3,8 +3,7 @@
 use super::checks::{Checksum, Counter};
 use super::config::{CrcConfig, CrcKind, QuantityConfig, SignalsConfig};
 use super::error::Problems;
-use super::inputs::MessageInput;
-use super::mapping::{Gate, Mapping, Part, Quality};
+use super::mapping::{Gate, Mapping, MessageInput, Part, Quality};
 use super::units;
 use crate::dbc::{Database, Message, Signal};
 use physics::Quantity;

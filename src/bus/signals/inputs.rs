@@ -1,11 +1,10 @@
 //! The compiled `[signals]` table: for each needed identifier, what to read from its frames.
 
-use super::checks::{Checksum, Counter};
 use super::compile::Compiler;
 use super::config::{QuantityConfig, SignalsConfig, micros};
 use super::error::{Problems, SignalsError};
 use super::limits::Limits;
-use super::mapping::{Gate, Mapping};
+use super::mapping::{Mapping, MessageInput};
 use crate::can::CanId;
 use crate::dbc::Database;
 use physics::{Micros, Quantity};
@@ -19,20 +18,6 @@ pub struct Inputs {
     pub(super) places: [u8; Quantity::COUNT],
     pub(super) wheel_radius_m: f64,
     ids: Vec<CanId>,
-}
-
-/// A message that carries configured quantities.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct MessageInput {
-    pub(super) id: CanId,
-    pub(super) name: String,
-    /// Bytes that a frame must have.
-    pub(super) length: usize,
-    pub(super) is_fd: bool,
-    pub(super) counter: Option<Counter>,
-    pub(super) checksum: Option<Checksum>,
-    pub(super) mappings: Vec<Mapping>,
-    pub(super) gates: Vec<Gate>,
 }
 
 /// How a quantity is treated once it is a number.

@@ -1,7 +1,23 @@
-//! One quantity's mapping, compiled: from the bits of a frame to SI and back.
+//! Messages and the quantities in them, compiled: from the bits of a frame to SI and back.
 
+use super::checks::{Checksum, Counter};
+use crate::can::CanId;
 use crate::dbc::{Codec, Mux};
 use physics::Quantity;
+
+/// A message that carries configured quantities.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct MessageInput {
+    pub(super) id: CanId,
+    pub(super) name: String,
+    /// Bytes that a frame must have.
+    pub(super) length: usize,
+    pub(super) is_fd: bool,
+    pub(super) counter: Option<Counter>,
+    pub(super) checksum: Option<Checksum>,
+    pub(super) mappings: Vec<Mapping>,
+    pub(super) gates: Vec<Gate>,
+}
 
 /// A quantity in a message.
 #[derive(Clone, Debug, PartialEq)]

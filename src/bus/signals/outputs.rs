@@ -3,7 +3,7 @@
 use super::compile::Compiler;
 use super::config::SignalsConfig;
 use super::error::{Problems, SignalsError};
-use super::inputs::MessageInput;
+use super::mapping::MessageInput;
 use crate::can::{Frame, FrameKind, Payload};
 use crate::dbc::Database;
 use physics::{Micros, Quantity, Sample};

@@ -2,6 +2,7 @@
 
 use crate::can::Frame;
 use crate::signals::publish::Incoming;
+use physics::estimates::{MuSource, State};
 use physics::{Faults, Wheel};
 
 /// What the published frames said last, SI. What was sent as not available is not a number.
@@ -51,10 +52,10 @@ pub struct Round {
     pub mu_valid: bool,
     /// s.
     pub mu_age: f64,
-    /// As the value table calls it.
-    pub mu_source: String,
-    /// As the value table calls it.
-    pub state: String,
+    /// Where the friction comes from; none before it was told.
+    pub mu_source: Option<MuSource>,
+    /// What the service can do; none before it was told.
+    pub state: Option<State>,
     /// Longitudinal and lateral, 0–1.
     pub excitation: [f64; 2],
     /// Since the service started.
@@ -91,8 +92,8 @@ impl Round {
             mu_used: f64::NAN,
             mu_valid: false,
             mu_age: f64::NAN,
-            mu_source: String::new(),
-            state: String::new(),
+            mu_source: None,
+            state: None,
             excitation: [f64::NAN; 2],
             surface_changes: 0,
             faults: Faults::empty(),
@@ -104,7 +105,7 @@ impl Round {
     pub fn read(&mut self, message: &Incoming, frame: &Frame) {
         let get = |name: &str| message.number(frame, name).unwrap_or(f64::NAN);
         let flag = |name: &str| get(name) == 1.0;
-        let word = |name: &str| message.word(frame, name).unwrap_or_default().to_owned();
+        let word = |name: &str| message.word(frame, name);
         let wheels =
             |prefix: &str| Wheel::ALL.map(|wheel| get(&format!("{prefix}{}", wheel.name().to_uppercase())));
         match message.name() {
@@ -115,7 +116,7 @@ impl Round {
                 self.mu_used = get("MuUsed");
                 self.mu_valid = flag("MuValid");
                 self.mu_age = get("MuAge");
-                self.mu_source = word("MuSource");
+                self.mu_source = word("MuSource").and_then(MuSource::named);
             }
             "GRIP_STIFFNESS_LONG" => {
                 self.slope = wheels("Slope");
@@ -141,7 +142,7 @@ impl Round {
                 self.motion_valid = flag("MotionValid");
             }
             "GRIP_STATUS" => {
-                self.state = word("State");
+                self.state = word("State").and_then(State::named);
                 self.excitation = [get("ExcitationLong"), get("ExcitationLat")];
                 self.surface_changes = get("SurfaceChanges") as u32;
                 self.faults = Faults::from_bits_truncate(get("Faults") as u16);

@@ -81,16 +81,11 @@ pub struct Row {
     /// When.
     pub time: Micros,
     /// In the order of [`Column::all`], SI. A flag is 0 or 1; state, source and faults are the numbers of
-    /// [`Row::STATES`], [`Row::SOURCES`] and the bits of [`Faults`].
+    /// [`State`](physics::estimates::State), [`MuSource`](physics::estimates::MuSource) and the bits of [`Faults`].
     pub values: [f32; Column::COUNT],
 }
 
 impl Row {
-    /// States by their number.
-    pub const STATES: [&str; 4] = ["starting", "running", "degraded", "no_input"];
-    /// Sources of the friction by their number.
-    pub const SOURCES: [&str; 7] = ["none", "lower_bound", "slope_map", "brush", "joint", "abs", "limit"];
-
     pub(super) fn new(
         time: Micros,
         round: &Round,
@@ -98,9 +93,6 @@ impl Row {
         input: impl Fn(Quantity) -> Option<f64>,
     ) -> Self {
         let flag = |of: f64, flag: bool| if of.is_nan() { f64::NAN } else { f64::from(u8::from(flag)) };
-        let code = |names: &[&str], name: &str| {
-            names.iter().position(|known| *known == name).map_or(f64::NAN, |place| place as f64)
-        };
         // Of the driven wheels; those of the others are never there.
         let any_slope = round.slope.into_iter().find(|slope| slope.is_finite()).unwrap_or(f64::NAN);
         let estimates: [f64; ESTIMATES.len()] = [
@@ -130,8 +122,8 @@ impl Row {
             round.mu_high,
             round.mu_used,
             flag(round.mu_max, round.mu_valid),
-            code(&Self::SOURCES, &round.mu_source),
-            code(&Self::STATES, &round.state),
+            round.mu_source.map_or(f64::NAN, |source| source as u8 as f64),
+            round.state.map_or(f64::NAN, |state| state as u8 as f64),
             round.excitation[0],
             round.excitation[1],
             f64::from(round.surface_changes),
@@ -219,6 +211,7 @@ impl Series {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use physics::estimates::MuSource;
 
     fn row(time: Micros) -> Row {
         Row::new(time, &Round::at(0.0), Faults::empty(), |_| None)
@@ -258,7 +251,7 @@ mod tests {
         assert_eq!(Column::all().count(), Column::COUNT);
         let mut round = Round::at(0.0);
         round.mu_max = 0.5;
-        round.mu_source = "brush".into();
+        round.mu_source = Some(MuSource::Brush);
         let row = Row::new(Micros(0), &round, Faults::RANGE, |q| (q == Quantity::AbsActive).then_some(1.0));
         let get = |name| row.get(Column::Estimate(name));
         assert_eq!((get("mu_max"), get("mu_source"), get("faults"), get("mu_valid")), (0.5, 3.0, 4.0, 0.0));

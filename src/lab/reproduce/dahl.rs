@@ -5,7 +5,8 @@ use nalgebra::vector;
 use super::sim3::{AtTheLimit, bound_claim, halved, published};
 use super::{Claim, Experiment, Outcome, Picture, SIM3, SimulatedDrive};
 use crate::report::{Color, Plot};
-use physics::estimate::{Car, DahlEkf, DahlWheel, EstimatorsConfig, Kinematics};
+use physics::estimate::thesis::{DahlEkf, DahlWheel};
+use physics::estimate::{Car, EstimatorsConfig, Kinematics};
 use physics::model::{Scenario, Truth};
 
 /// In the order of the thesis.

@@ -5,7 +5,7 @@ use std::thread;
 use super::sim2_grid::{AMPLITUDES, Cell, FREQUENCIES, simulate};
 use super::{Claim, Experiment, Outcome, Picture};
 use crate::report::{Color, Plot, Span};
-use physics::estimate::lateral_filter::LateralFilterConfig;
+use physics::estimate::thesis::lateral_filter::LateralFilterConfig;
 use physics::estimate::{EstimatorsConfig, Pipeline};
 
 /// Beside the section of the thesis.
@@ -127,11 +127,12 @@ fn consistent(cells: &[Cell]) -> Claim {
 /// As Fig. 5.10: C_yN over time, the thesis's filter and ours.
 fn picture(cell: &Cell) -> Result<Picture, String> {
     let drive = simulate(cell.amplitude, cell.frequency, 1)?;
-    let mut pipeline = Pipeline::new(&drive.vehicle, &drive.sensors, &EstimatorsConfig::default());
+    let mut pipeline =
+        Pipeline::new(&drive.vehicle, &drive.sensors, &EstimatorsConfig::default()).with_thesis();
     let mut thesis = Vec::new();
     for sample in &drive.samples {
         let estimates = pipeline.step(sample);
-        thesis.push((sample.time.seconds(), estimates.cornering_ekf.map_or(f64::NAN, |c| c.value)));
+        thesis.push((sample.time.seconds(), estimates.thesis.cornering_ekf.map_or(f64::NAN, |c| c.value)));
     }
     let course = cell.runs.first().map(|run| run.course.as_slice()).unwrap_or_default();
     let halved = Span { x: 100.0..150.0, label: "halved".into(), color: Color::Surface(1) };

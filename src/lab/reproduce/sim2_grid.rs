@@ -2,9 +2,9 @@
 //! filter could.
 
 use super::{SIM2, SimulatedDrive};
-use physics::estimate::lateral_filter::bound::{Assumptions, stiffness_bound};
-use physics::estimate::lateral_filter::model::Model;
-use physics::estimate::lateral_filter::{LateralFilter, LateralFilterConfig, Noise};
+use physics::estimate::thesis::lateral_filter::bound::{Assumptions, stiffness_bound};
+use physics::estimate::thesis::lateral_filter::model::Model;
+use physics::estimate::thesis::lateral_filter::{LateralFilter, LateralFilterConfig, Noise};
 use physics::estimate::{Car, Kinematics};
 use physics::estimates::Estimate;
 use physics::model::scenario::Piece;

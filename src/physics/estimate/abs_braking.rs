@@ -6,8 +6,33 @@
 
 use thiserror::Error;
 
-use super::{Car, Kinematics};
+use super::kinematics::{Car, Kinematics};
 use crate::model::GRAVITY;
+
+/// Tuned: the deviations and the pause with the test `calibrate`, the rest with no test on record.
+struct Tuning {
+    /// Shorter interventions say too little, s.
+    shortest_s: f64,
+    /// With the pedal still pressed, shorter pauses belong to the braking, s.
+    longest_pause_s: f64,
+    /// Slower ones are over before the pressure has built up, m/s.
+    slowest: f64,
+    /// Of the speed lost by the wheels, which slip at both ends, m/s.
+    speed_std: f64,
+    /// Of the accelerometer's mean: offset, and gravity while the car dives, m/s².
+    acceleration_std: f64,
+    /// How much the share of the peak that the ABS uses differs from braking to braking.
+    efficiency_std: f64,
+}
+
+const TUNING: Tuning = Tuning {
+    shortest_s: 0.3,
+    longest_pause_s: 0.5,
+    slowest: 5.0,
+    speed_std: 0.5,
+    acceleration_std: 0.1,
+    efficiency_std: 0.02,
+};
 
 /// A finished (or long enough) ABS braking.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,19 +127,7 @@ impl Braking {
 }
 
 impl AbsBraking {
-    /// Shorter interventions say too little, s.
-    const SHORTEST_S: f64 = 0.3;
-    /// With the pedal still pressed, shorter pauses belong to the braking, s.
-    const LONGEST_PAUSE_S: f64 = 0.5;
-    /// Slower ones are over before the pressure has built up, m/s.
-    const SLOWEST: f64 = 5.0;
-    /// Of the speed lost by the wheels, which slip at both ends, m/s.
-    const SPEED_STD: f64 = 0.5;
-    /// Of the accelerometer's mean: offset, and gravity while the car dives, m/s².
-    const ACCELERATION_STD: f64 = 0.1;
-    /// How much the share of the peak that the ABS uses differs from braking to braking.
-    const EFFICIENCY_STD: f64 = 0.02;
-    /// What no road gives.
+    /// What no road gives. Physical: wet ice gives some 0.05, a racing tire on dry asphalt hardly more than 1.5.
     const LIMITS: (f64, f64) = (0.03, 1.5);
 
     /// For this car.
@@ -133,7 +146,7 @@ impl AbsBraking {
         let active = now.abs == Some(true);
         let Some(braking) = &mut self.braking else {
             if active {
-                self.braking = self.free_speed.filter(|v| *v > Self::SLOWEST).map(Braking::starting);
+                self.braking = self.free_speed.filter(|v| *v > TUNING.slowest).map(Braking::starting);
             } else {
                 self.free_speed = speed;
             }
@@ -145,7 +158,7 @@ impl AbsBraking {
         } else {
             let paused = self.paused.get_or_insert((*braking, speed, 0.0));
             paused.2 += now.elapsed_s;
-            if now.braking != Some(true) || paused.2 > Self::LONGEST_PAUSE_S {
+            if now.braking != Some(true) || paused.2 > TUNING.longest_pause_s {
                 self.finish();
                 return;
             }
@@ -187,11 +200,11 @@ impl AbsBraking {
 
     fn measure(&self, braking: &Braking, speed: Option<f64>) -> Result<AbsMeasurement, AbsProblem> {
         let duration_s = braking.duration_s;
-        if duration_s < Self::SHORTEST_S {
+        if duration_s < TUNING.shortest_s {
             return Err(AbsProblem::TooShort { duration_s });
         }
-        let by_wheels = speed.map(|end| (braking.start_speed - end, Self::SPEED_STD));
-        let by_accelerometer = braking.speed_lost.map(|lost| (lost, Self::ACCELERATION_STD * duration_s));
+        let by_wheels = speed.map(|end| (braking.start_speed - end, TUNING.speed_std));
+        let by_accelerometer = braking.speed_lost.map(|lost| (lost, TUNING.acceleration_std * duration_s));
         let (lost, lost_std) = by_accelerometer.or(by_wheels).ok_or(AbsProblem::NoDeceleration)?;
         // The tires gave all of it but the drag and the rolling resistance.
         let drag = self.car.drag * braking.speed_square / duration_s / self.car.mass;
@@ -199,7 +212,7 @@ impl AbsBraking {
         if !(Self::LIMITS.0..=Self::LIMITS.1).contains(&mu) {
             return Err(AbsProblem::Implausible { mu: lost / duration_s / GRAVITY });
         }
-        let std = (lost_std / duration_s / GRAVITY).hypot(Self::EFFICIENCY_STD * mu);
+        let std = (lost_std / duration_s / GRAVITY).hypot(TUNING.efficiency_std * mu);
         Ok(AbsMeasurement { mu, std })
     }
 }

@@ -5,7 +5,7 @@
 //! regressor small (it would bias the slope), and gives the acceleration as the slope of a line
 //! through all samples rather than as a difference of two.
 
-use super::Kinematics;
+use super::kinematics::Kinematics;
 
 /// Means over a block, and least-squares rates of change.
 #[derive(Clone, Copy, Debug, Default)]

@@ -5,10 +5,41 @@
 //! seconds, and tells a wheel near its limit, which slips much further than its stiffness has it, from one that is
 //! braked less. Where the ABS works, one wheel is at its limit; here is whether the others are.
 
-use super::{Car, Kinematics};
+use super::kinematics::{Car, Kinematics};
 use crate::Wheel;
 use crate::estimates::Estimate;
 use crate::model::GRAVITY;
+
+/// Tuned with the test `campaign`, by ABS brakings on all surfaces.
+struct Tuning {
+    /// Deceleration taken for braking where the bus does not tell, m/s².
+    braking: f64,
+    /// How fast speed and what the accelerometer does not feel follow rolling wheels, s.
+    follows_s: (f64, f64),
+    /// The speed carried on is known to this, m/s, and gets worse by that, m/s².
+    speed_std: (f64, f64),
+    /// After a gap this long nobody knows the speed, s.
+    gap_s: f64,
+    /// Carried on for so long, the speed is not known any more, s.
+    longest_s: f64,
+    /// At its limit a wheel slips at least so many times as far as its stiffness has it.
+    bent: f64,
+    /// A wheel so much faster than the car is driven, brakes or not.
+    spinning: f64,
+    /// Slower than this, nothing is told, m/s.
+    slowest: f64,
+}
+
+const TUNING: Tuning = Tuning {
+    braking: 1.5,
+    follows_s: (0.2, 3.0),
+    speed_std: (0.03, 0.03),
+    gap_s: 0.25,
+    longest_s: 5.0,
+    bent: 1.3,
+    spinning: 1.1,
+    slowest: 3.0,
+};
 
 /// The car's speed while its wheels slip, and their slips.
 #[derive(Clone, Debug)]
@@ -33,23 +64,6 @@ struct Rolling {
 }
 
 impl BrakeSlip {
-    /// Deceleration taken for braking where the bus does not tell, m/s².
-    const BRAKING: f64 = 1.5;
-    /// How fast speed and what the accelerometer does not feel follow rolling wheels, s.
-    const FOLLOWS_S: (f64, f64) = (0.2, 3.0);
-    /// The speed carried on is known to this, m/s, and gets worse by that, m/s².
-    const SPEED_STD: (f64, f64) = (0.03, 0.03);
-    /// After a gap this long nobody knows the speed, s.
-    const GAP_S: f64 = 0.25;
-    /// After so long it is not known, s.
-    const LONGEST_S: f64 = 5.0;
-    /// At its limit a wheel slips at least so many times as far as its stiffness has it.
-    const BENT: f64 = 1.3;
-    /// A wheel so much faster than the car is driven, brakes or not.
-    const SPINNING: f64 = 1.1;
-    /// Slower than this, nothing is told, m/s.
-    const SLOWEST: f64 = 3.0;
-
     /// For this car.
     pub fn new(car: &Car) -> Self {
         Self {
@@ -75,10 +89,10 @@ impl BrakeSlip {
             self.abs_s += if now.abs == Some(true) { now.elapsed_s } else { 0.0 };
             return;
         };
-        if now.elapsed_s > Self::GAP_S {
+        if now.elapsed_s > TUNING.gap_s {
             self.rolling = None;
         }
-        let braking = now.abs == Some(true) || now.braking.unwrap_or(felt < -Self::BRAKING);
+        let braking = now.abs == Some(true) || now.braking.unwrap_or(felt < -TUNING.braking);
         let Some(rolling) = &mut self.rolling else {
             self.rolling = (!braking).then_some(Rolling { speed, unfelt: 0.0 });
             return;
@@ -86,14 +100,14 @@ impl BrakeSlip {
         rolling.speed += (felt + rolling.unfelt) * now.elapsed_s;
         if !braking {
             let off = speed - rolling.speed;
-            let (fast_s, slow_s) = Self::FOLLOWS_S;
+            let (fast_s, slow_s) = TUNING.follows_s;
             rolling.speed += off * (now.elapsed_s / fast_s).min(1.0);
             rolling.unfelt += off / fast_s * (now.elapsed_s / slow_s).min(1.0);
             (self.braking_s, self.abs_s, self.limit_s) = (0.0, 0.0, 0.0);
             return;
         }
         self.braking_s += now.elapsed_s;
-        if self.braking_s > Self::LONGEST_S {
+        if self.braking_s > TUNING.longest_s {
             return;
         }
         // What the yaw rate adds on one side it takes on the other.
@@ -101,11 +115,11 @@ impl BrakeSlip {
             Wheel::ALL.map(|wheel| wheels[wheel as usize] + yaw_rate * self.car.lateral_position(wheel));
         let axles = [(at_middle[0] + at_middle[1]) / 2.0, (at_middle[2] + at_middle[3]) / 2.0];
         for axle in axles {
-            if axle < Self::SPINNING * rolling.speed {
+            if axle < TUNING.spinning * rolling.speed {
                 rolling.speed = rolling.speed.max(axle);
             }
         }
-        if rolling.speed < Self::SLOWEST {
+        if rolling.speed < TUNING.slowest {
             return;
         }
         self.slips = Some(at_middle.map(|wheel| 1.0 - wheel / rolling.speed));
@@ -125,17 +139,17 @@ impl BrakeSlip {
             return (self.abs_s > 0.0).then(|| self.was_at_limit());
         };
         // What its engine still drives is not decelerated by friction alone.
-        if slips.iter().any(|slip| *slip < 1.0 - Self::SPINNING) {
+        if slips.iter().any(|slip| *slip < 1.0 - TUNING.spinning) {
             return Some(false);
         }
-        let (at_first, rate) = Self::SPEED_STD;
+        let (at_first, rate) = TUNING.speed_std;
         let std = (at_first + rate * self.braking_s) / rolling.speed;
         let straight = self.used / self.front_slope(slopes);
         let least = slips[0].min(slips[1]);
-        if least - std > Self::BENT * straight {
+        if least - std > TUNING.bent * straight {
             return Some(true);
         }
-        (least + std < Self::BENT * straight).then_some(false)
+        (least + std < TUNING.bent * straight).then_some(false)
     }
 
     /// Was it the limit for most of the time that the ABS worked in the braking that is going on or was the last?

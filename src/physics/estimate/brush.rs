@@ -11,8 +11,25 @@
 
 use nalgebra::{Matrix3, Vector3, vector};
 
-use super::BrushConfig;
+use super::config::BrushConfig;
 use crate::filter::{Cusum, Gaussian, LearnedNoise};
+
+/// Tuned: the uncertainties with the tests `calibrate` and `sim3`, the rest with `campaign`.
+struct Tuning {
+    /// Relative uncertainty of everything before anything is measured, and after a change of surface.
+    unknown: f64,
+    /// … of which the two frictions of (8.3) do not share this: a real tire is not quite a brush.
+    disagreement: f64,
+    /// The curve has told more than the force that set the friction once this share of its uncertainty is left.
+    tells_more: f64,
+    /// A force so many deviations above the curve speaks against it (by chance one in fifteen).
+    doubted: f64,
+    /// A logarithm moves by at most this in one step: further off, its linearization is not true.
+    stride: f64,
+}
+
+const TUNING: Tuning =
+    Tuning { unknown: 0.5, disagreement: 0.15, tells_more: 0.5, doubted: 1.5, stride: 0.3 };
 
 /// The regression of the driven axle, on slips whose offset is taken off.
 #[derive(Clone, Debug)]
@@ -50,20 +67,11 @@ pub struct BrushFriction {
 }
 
 impl BrushEstimator {
-    /// Beyond this share of the slip at which the brush slides, (8.1) no longer holds.
+    /// Beyond this share of the slip at which the brush slides, (8.1) no longer holds. Physical: thesis 8.1; there
+    /// the whole contact patch slides.
     const SLIP_LIMIT: f64 = 1.0;
-    /// Friction outside these is no friction.
+    /// Friction outside these is no friction. Physical: wet ice, and more than any road tire.
     const MU_LIMITS: (f64, f64) = (0.03, 2.0);
-    /// Relative uncertainty of everything before anything is measured, and after a change of surface.
-    const UNKNOWN: f64 = 0.5;
-    /// … of which the two frictions of (8.3) do not share this: a real tire is not quite a brush.
-    const DISAGREEMENT: f64 = 0.15;
-    /// The curve has told more than the force that set the friction once this share of its uncertainty is left.
-    const TELLS_MORE: f64 = 0.5;
-    /// A force so many deviations above the curve speaks against it.
-    const DOUBTED: f64 = 1.5;
-    /// A logarithm moves by at most this in one step: further off, its linearization is not true.
-    const STRIDE: f64 = 0.3;
 
     /// Starts from the slope's prior and the configured friction.
     pub fn new(initial_stiffness: f64, config: &BrushConfig) -> Self {
@@ -89,7 +97,7 @@ impl BrushEstimator {
         let theta = parameters(self.initial_stiffness, self.config.initial_mu);
         if self.config.compensate {
             self.filter = Gaussian::new(logarithms(&theta).into(), [0.0; 3]);
-            self.filter.covariance = Self::relative_covariance(Self::UNKNOWN, Self::UNKNOWN);
+            self.filter.covariance = Self::relative_covariance(TUNING.unknown, TUNING.unknown);
         } else {
             self.filter = Gaussian::new(theta.into(), [0.5 * theta[0], theta[1], 2.0 * theta[2]]);
         }
@@ -97,7 +105,8 @@ impl BrushEstimator {
 
     /// Of (ln C, ln μ₁, ln μ₂): the frictions are almost one.
     fn relative_covariance(stiffness: f64, friction: f64) -> Matrix3<f64> {
-        let (c, shared, own) = (stiffness.powi(2), friction.powi(2), (Self::DISAGREEMENT * friction).powi(2));
+        let (c, shared, own) =
+            (stiffness.powi(2), friction.powi(2), (TUNING.disagreement * friction).powi(2));
         Matrix3::new(c, 0.0, 0.0, 0.0, shared + own, shared, 0.0, shared, shared + own)
     }
 
@@ -146,7 +155,7 @@ impl BrushEstimator {
         let walk = self.config.walk * step;
         if self.config.compensate {
             // Nothing is less known than after a change of surface.
-            let known = self.filter.covariance[(1, 1)] < 2.0 * Self::UNKNOWN * Self::UNKNOWN;
+            let known = self.filter.covariance[(1, 1)] < 2.0 * TUNING.unknown * TUNING.unknown;
             let friction_walk = if known { self.config.friction_walk * step } else { 0.0 };
             self.filter.covariance += Self::relative_covariance(walk, friction_walk);
         } else {
@@ -169,14 +178,14 @@ impl BrushEstimator {
         self.filter.update(&h, residual, variance * self.noise.redundancy());
         if self.config.compensate {
             let stride = (self.filter.mean - before).amax();
-            if stride > Self::STRIDE {
-                self.filter.mean = before + (self.filter.mean - before) * (Self::STRIDE / stride);
+            if stride > TUNING.stride {
+                self.filter.mean = before + (self.filter.mean - before) * (TUNING.stride / stride);
             }
         }
         self.informed = true;
         self.age_s = 0.0;
         if let Some((raised, friction)) = self.raised.zip(self.curve_friction())
-            && friction.std < Self::TELLS_MORE * raised
+            && friction.std < TUNING.tells_more * raised
         {
             self.raised = None;
         }
@@ -213,10 +222,10 @@ impl BrushEstimator {
     pub fn surface_changed(&mut self) {
         self.raised = None;
         if self.config.compensate {
-            self.filter.covariance += Self::relative_covariance(Self::UNKNOWN, Self::UNKNOWN);
+            self.filter.covariance += Self::relative_covariance(TUNING.unknown, TUNING.unknown);
         } else {
             for i in 0..3 {
-                let std = Self::UNKNOWN * self.filter.mean[i];
+                let std = TUNING.unknown * self.filter.mean[i];
                 self.filter.inflate(i, std * std);
             }
         }
@@ -245,7 +254,7 @@ impl BrushEstimator {
             mu,
             std: variance.max(0.0).sqrt(),
             is_bound: self.raised.is_some(),
-            is_doubted: self.above > Self::DOUBTED,
+            is_doubted: self.above > TUNING.doubted,
             age_s: self.age_s,
         })
     }

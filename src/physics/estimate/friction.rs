@@ -10,13 +10,73 @@
 use super::abs_braking::AbsFriction;
 use super::belief::{Belief, HIGHEST, Use};
 use super::brush::BrushFriction;
+use super::config::FrictionConfig;
 use super::cornering::LateralLimit;
+use super::kinematics::{Car, Kinematics};
 use super::mapping::MappedFriction;
 use super::saturation::LimitFriction;
-use super::{Car, FrictionConfig, Kinematics};
 use crate::estimates::{Friction, MuSource};
 use crate::filter::Fading;
 use crate::model::GRAVITY;
+
+/// Tuned with the test `campaign`, what concerns bounds with `sim3`, too.
+struct Tuning {
+    /// Time constant of the smoothing, s: shorter than a manoeuvre, longer than a bump.
+    smoothing_s: f64,
+    /// By so much a_y may exceed v r while the car begins to turn, m/s².
+    lateral_transient: f64,
+    /// The bound keeps this clear of the smoothed use, for noise and sensor offsets, …
+    margin: f64,
+    /// … and so much of the use itself: while driving in a curve the axles share their work unevenly.
+    sharing: f64,
+    /// Deviation of an ABS measurement: the ABS does not hold the peak all the time.
+    abs_std: f64,
+    /// What the other wheels may have in reserve when the ABS works in a curve, relative.
+    abs_reserve: f64,
+    /// So long it takes until brakes have built up what the tires can take, s.
+    abs_builds_up_s: f64,
+    /// What is used has settled when it is this near, relative, …
+    abs_settled: f64,
+    /// … to what it was so long ago, s.
+    abs_settles_s: f64,
+    /// What other wheels may have where nobody sees whether they slip, relative.
+    abs_unseen_reserve: f64,
+    /// On a road more slippery than this the one will do for all.
+    abs_slippery: f64,
+    /// A braking that ended counts for so long, s.
+    abs_told_s: f64,
+    /// A car whose path bends by so much more or less than it turns is spinning, m/s².
+    spinning: f64,
+    /// Deviation of a sideways limit: absolute (sensors), and of its value (load transfer, longitudinal forces).
+    lateral_std: (f64, f64),
+    /// With this much of the force along the car across it, or less, the slip curve is one of driving straight on.
+    straight: f64,
+    /// What the curve said longer ago may have been of another surface, s.
+    brush_lasts_s: f64,
+    /// Model error of a brush at no use of friction, relative; it falls to zero at full use. A brush fitted to a
+    /// real tire's curve at 60 % use is off by half.
+    brush_model_error: f64,
+}
+
+const TUNING: Tuning = Tuning {
+    smoothing_s: 0.15,
+    lateral_transient: 0.5,
+    margin: 0.02,
+    sharing: 0.05,
+    abs_std: 0.04,
+    abs_reserve: 0.3,
+    abs_builds_up_s: 0.3,
+    abs_settled: 0.03,
+    abs_settles_s: 0.3,
+    abs_unseen_reserve: 0.5,
+    abs_slippery: 0.25,
+    abs_told_s: 0.5,
+    spinning: 1.5,
+    lateral_std: (0.02, 0.02),
+    straight: 0.4,
+    brush_lasts_s: 0.3,
+    brush_model_error: 1.2,
+};
 
 /// Keeps what is believed of friction.
 #[derive(Clone, Debug)]
@@ -67,41 +127,6 @@ pub struct Evidence {
 }
 
 impl FrictionMonitor {
-    /// Time constant of the smoothing, s: shorter than a manoeuvre, longer than a bump.
-    const SMOOTHING_S: f64 = 0.15;
-    /// By so much a_y may exceed v r while the car begins to turn, m/s².
-    const LATERAL_TRANSIENT: f64 = 0.5;
-    /// The bound keeps this clear of the smoothed use, for noise and sensor offsets, …
-    const MARGIN: f64 = 0.02;
-    /// … and so much of the use itself: while driving in a curve the axles share their work unevenly.
-    const SHARING: f64 = 0.05;
-    /// Deviation of an ABS measurement: the ABS does not hold the peak all the time.
-    const ABS_STD: f64 = 0.04;
-    /// What the other wheels may have in reserve when the ABS works in a curve, relative.
-    const ABS_RESERVE: f64 = 0.3;
-    /// So long it takes until brakes have built up what the tires can take, s.
-    const ABS_BUILDS_UP_S: f64 = 0.3;
-    /// What is used has settled when it is this near, relative, to what it was so long ago, s.
-    const ABS_SETTLED: f64 = 0.03;
-    const ABS_SETTLES_S: f64 = 0.3;
-    /// What other wheels may have where nobody sees whether they slip, relative; on a road slipperier than that the one
-    /// will do for all.
-    const ABS_UNSEEN_RESERVE: f64 = 0.5;
-    const ABS_SLIPPERY: f64 = 0.25;
-    /// A braking that ended counts for so long, s.
-    const ABS_TOLD_S: f64 = 0.5;
-    /// A car whose path bends by so much more or less than it turns is spinning, m/s².
-    const SPINNING: f64 = 1.5;
-    /// Deviation of a sideways limit: absolute (sensors), and of its value (load transfer, longitudinal forces).
-    const LATERAL_STD: (f64, f64) = (0.02, 0.02);
-    /// With this much of the force along the car across it, or less, the slip curve is one of driving straight on.
-    const STRAIGHT: f64 = 0.4;
-    /// What the curve said longer ago may have been of another surface, s.
-    const BRUSH_LASTS_S: f64 = 0.3;
-    /// Model error of a brush at no use of friction, relative; it falls to zero at full use. A brush
-    /// fitted to a real tire's curve at 60 % use is off by half.
-    const BRUSH_MODEL_ERROR: f64 = 1.2;
-
     /// For this car.
     pub fn new(car: &Car, config: &FrictionConfig) -> Self {
         Self {
@@ -112,9 +137,9 @@ impl FrictionMonitor {
             car: car.clone(),
             config: config.clone(),
             smoothed: None,
-            smoothing: Fading::over(Self::SMOOTHING_S),
+            smoothing: Fading::over(TUNING.smoothing_s),
             surface: Fading::over(config.surface_lasts_s),
-            abs_settling: Fading::over(Self::ABS_SETTLES_S),
+            abs_settling: Fading::over(TUNING.abs_settles_s),
         }
     }
 
@@ -159,7 +184,7 @@ impl FrictionMonitor {
 
     /// What of the use is surely one.
     fn surely(used: f64) -> f64 {
-        ((1.0 - Self::SHARING) * used - Self::MARGIN).max(0.0)
+        ((1.0 - TUNING.sharing) * used - TUNING.margin).max(0.0)
     }
 
     /// Use of friction of the axle that works harder: √(μ_x² + μ_y²).
@@ -171,7 +196,7 @@ impl FrictionMonitor {
         let [front, rear] = self.car.axle_forces(self.car.longitudinal_force(ax, speed));
         let longitudinal = if front.abs() > rear.abs() { front } else { rear };
         // An accelerometer's offset or a bank is no use of friction: in a curve the yaw rate agrees.
-        let turning = now.yaw_rate.map_or(0.0, |r| (speed * r).abs()) + Self::LATERAL_TRANSIENT;
+        let turning = now.yaw_rate.map_or(0.0, |r| (speed * r).abs()) + TUNING.lateral_transient;
         let target = [longitudinal, ay.clamp(-turning, turning) / GRAVITY];
         let smoothed = self.smoothed.get_or_insert(target);
         let weight = 1.0 - self.smoothing.left(now.elapsed_s);
@@ -194,17 +219,17 @@ impl FrictionMonitor {
 
     fn learn_brush(&mut self, brush: Option<BrushFriction>) {
         let brush =
-            brush.filter(|brush| !brush.is_bound && !brush.is_doubted && brush.age_s < Self::BRUSH_LASTS_S);
+            brush.filter(|brush| !brush.is_bound && !brush.is_doubted && brush.age_s < TUNING.brush_lasts_s);
         let (Some(brush), Some([along, across])) = (brush, self.smoothed) else { return };
         let using = (Self::surely(along.abs()) / brush.mu).min(1.0);
         // What is used across the car is missing along it, and looks like a curve that bends early.
-        let is_straight = across.abs() < Self::STRAIGHT * along.abs();
+        let is_straight = across.abs() < TUNING.straight * along.abs();
         // Using more than the curve allows, in whatever direction, refutes it.
         let is_refuted = || self.belief.interval().0 > brush.mu + 1.96 * brush.std;
         if using < self.config.brush_from_use || !is_straight || is_refuted() {
             return;
         }
-        let model_std = Self::BRUSH_MODEL_ERROR * (1.0 - using) * brush.mu;
+        let model_std = TUNING.brush_model_error * (1.0 - using) * brush.mu;
         let is_sure = using >= self.config.valid_from_use;
         self.learn_measured(brush.mu, [brush.std.hypot(model_std); 2], MuSource::Brush, is_sure);
     }
@@ -213,8 +238,8 @@ impl FrictionMonitor {
     fn learn_abs(&mut self, now: &Kinematics, used: Option<f64>, evidence: &Evidence) {
         let (Some([along, across]), Some(used)) = (self.smoothed, used) else {
             // Nobody measures the deceleration while it goes on.
-            if let Some(abs) = evidence.abs.filter(|abs| abs.age_s <= Self::ABS_TOLD_S) {
-                self.learn_measured(abs.mu, [abs.std.max(Self::ABS_STD); 2], MuSource::Abs, true);
+            if let Some(abs) = evidence.abs.filter(|abs| abs.age_s <= TUNING.abs_told_s) {
+                self.learn_measured(abs.mu, [abs.std.max(TUNING.abs_std); 2], MuSource::Abs, true);
             }
             return;
         };
@@ -225,19 +250,19 @@ impl FrictionMonitor {
         let weight = 1.0 - self.abs_settling.left(now.elapsed_s);
         self.abs_used += weight * (used - self.abs_used);
         // While the brakes build up, the tires at their limit are not all of them.
-        let is_settled = used - self.abs_used < Self::ABS_SETTLED * used;
-        let is_braking = now.abs == Some(true) && working_s > Self::ABS_BUILDS_UP_S && along < 0.0;
+        let is_settled = used - self.abs_used < TUNING.abs_settled * used;
+        let is_braking = now.abs == Some(true) && working_s > TUNING.abs_builds_up_s && along < 0.0;
         if !is_braking || !is_settled || Self::is_spinning(now) {
             return;
         }
         let reserve = match evidence.brakes_at_limit {
             Some(false) => return,
             // So little force does not slip enough to tell.
-            None if used > Self::ABS_SLIPPERY => Self::ABS_UNSEEN_RESERVE * used,
-            _ if across.abs() > Self::STRAIGHT * along.abs() => Self::ABS_RESERVE * used,
+            None if used > TUNING.abs_slippery => TUNING.abs_unseen_reserve * used,
+            _ if across.abs() > TUNING.straight * along.abs() => TUNING.abs_reserve * used,
             _ => 0.0,
         };
-        self.learn_measured(used, [Self::ABS_STD, Self::ABS_STD.hypot(reserve)], MuSource::Abs, true);
+        self.learn_measured(used, [TUNING.abs_std, TUNING.abs_std.hypot(reserve)], MuSource::Abs, true);
     }
 
     /// An axle that slides has its friction between two bounds.
@@ -245,7 +270,7 @@ impl FrictionMonitor {
         let Some(LateralLimit { low, high, is_sure }) = limit else { return };
         let (known_low, known_high) = self.belief.interval();
         let is_another =
-            self.belief.learn_between((low, high), Self::LATERAL_STD.0 + Self::LATERAL_STD.1 * low);
+            self.belief.learn_between((low, high), TUNING.lateral_std.0 + TUNING.lateral_std.1 * low);
         let says_more = high - low < known_high - known_low;
         let middle = 0.5 * (low + high);
         self.take(
@@ -257,7 +282,7 @@ impl FrictionMonitor {
     /// Does the car turn otherwise than its path does? Then its wheels pull in directions of their own.
     fn is_spinning(now: &Kinematics) -> bool {
         let turning = now.speed.zip(now.yaw_rate).map_or(0.0, |(speed, yaw_rate)| speed * yaw_rate);
-        (turning - now.lateral_acceleration.unwrap_or(0.0)).abs() > Self::SPINNING
+        (turning - now.lateral_acceleration.unwrap_or(0.0)).abs() > TUNING.spinning
     }
 
     fn learn_measured(&mut self, mu: f64, std: [f64; 2], source: MuSource, is_sure: bool) {
@@ -319,8 +344,9 @@ impl FrictionMonitor {
     }
 }
 
-/// No bound below this says anything, nor one above that.
+/// No bound below this says anything. Statistical: within two cells of the end nothing can be beyond it.
 const LEAST_TOLD: f64 = 0.04;
+/// No bound above this says anything.
 const MOST_TOLD: f64 = HIGHEST - 0.04;
 
 #[cfg(test)]

@@ -70,21 +70,22 @@ impl Bounds {
 }
 
 impl Learned {
-    /// Rubber on ice to a racing tire on a drum.
+    /// Rubber on ice to a racing tire on a drum. Physical.
     const SLOPE: Bounds = Bounds::new(1.0, 1000.0, 500.0);
-    /// A spare wheel is a tenth smaller.
+    /// A spare wheel is a tenth smaller. Physical.
     const SLIP_OFFSET: Bounds = Bounds::new(-0.2, 0.2, 0.1);
     /// The cornering filter's own limits, 1/rad.
     const CORNERING: Bounds = Bounds::new(1.0, 80.0, 40.0);
-    /// A gyro beyond 11 °/s is broken, rad/s.
+    /// A gyro beyond 11 °/s is broken, rad/s. Physical.
     const YAW_RATE: Bounds = Bounds::new(-0.2, 0.2, 0.1);
-    /// A third of g is no mounting, m/s².
+    /// A third of g is no mounting, m/s². Physical.
     const LATERAL_ACCELERATION: Bounds = Bounds::new(-3.0, 3.0, 1.5);
-    /// A tenth of a radian is 90° at the steering wheel, rad.
+    /// A tenth of a radian is 90° at the steering wheel, rad. Physical.
     const ROAD_ANGLE: Bounds = Bounds::new(-0.1, 0.1, 0.1);
     /// A correlation of one may be rounded to a little more.
     const ROUNDING: f64 = 1e-9;
-    /// Relative errors of radius and steering ratio.
+    /// Relative errors of radius and steering ratio. Physical: a tire or a steering gear that is off by a third is
+    /// another one.
     const SCALE: Bounds = Bounds::new(-0.3, 0.3, 0.3);
 
     /// Every number with its name and its bounds.
@@ -197,10 +198,11 @@ pub(super) struct Trial<const N: usize> {
 }
 
 impl<const N: usize> Trial<N> {
-    /// A reading this many standard deviations off contradicts, …
+    /// A reading this many standard deviations off contradicts, … Statistical: by chance one reading in 150,000,
+    /// and one trial of 80 readings in 2,000.
     const CONTRADICTION: f64 = 4.5;
-    /// … if what was expected of it came from the state by at least this share (variance): a bump on the
-    /// road says nothing of what the state was.
+    /// … if what was expected of it came from the state by at least this share (variance): a bump on the road says
+    /// nothing of what the state was. Tuned with the test `learned`.
     const SHARE: f64 = 0.5;
 
     /// For so many readings.

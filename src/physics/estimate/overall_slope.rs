@@ -20,12 +20,64 @@
 
 use nalgebra::{SMatrix, SVector, vector};
 
+use super::config::SlopeConfig;
+use super::kinematics::{Car, Kinematics};
 use super::learned::{Known, Learned};
-use super::{Car, Kinematics, SlopeConfig};
 use crate::estimates::Estimate;
 use crate::filter::{Gaussian, LearnedNoise};
 use crate::model::GRAVITY;
 use crate::{Quantity, Sensors, Wheel};
+
+/// Tuned with the test `all_driven`.
+struct Tuning {
+    /// Samples that the learned noise remembers.
+    noise_memory: f64,
+    /// What of a slope no filter knows, relative: how the curve bends, how tires differ, and what load makes of
+    /// them.
+    model_std: f64,
+    /// Normalized force along the car from which a slope can be told, and up to which the curve is hardly bent.
+    telling: (f64, f64),
+    /// Friction that bends the curve.
+    bending: f64,
+    /// After a gap this long nobody knows the speed, s.
+    gap_s: f64,
+    /// How the compliances walk, as shares of themselves, 1/√s: the steady one's and the quick one's.
+    walks: [f64; 2],
+    /// The quick filter contradicts the steady one beyond so many deviations (by chance one sample in 2,000), for
+    /// so long, s.
+    contradiction: (f64, f64),
+    /// Before anything is measured: speed, m/s, what is not felt, m/s², its gain, its delay, s.
+    start_std: [f64; 4],
+    /// How the grade walks, m/s² / √s: a hill within some seconds.
+    grade_walk: f64,
+    /// At a standstill or in a gap another grade may begin, m/s².
+    other_grade_std: f64,
+    /// The dive of a car that is loaded otherwise is another one, 1/√s.
+    gain_walk: f64,
+    /// Residuals count up to so many deviations.
+    clip: f64,
+    /// A compliance walks up to this uncertainty, relative, …
+    walks_up_to: f64,
+    /// … and as if it were no smaller than the stiffest tire's.
+    stiffest: f64,
+}
+
+const TUNING: Tuning = Tuning {
+    noise_memory: 1000.0,
+    model_std: 0.1,
+    telling: (0.08, 0.25),
+    bending: 0.8,
+    gap_s: 0.25,
+    walks: [0.005, 0.06],
+    contradiction: (3.5, 1.0),
+    start_std: [1.0, 0.5, 0.03, 0.025],
+    grade_walk: 0.05,
+    other_grade_std: 0.3,
+    gain_walk: 2e-4,
+    clip: 3.0,
+    walks_up_to: 0.5,
+    stiffest: 1.0 / 200.0,
+};
 
 /// The filters of all wheels.
 #[derive(Clone, Debug)]
@@ -48,21 +100,6 @@ pub struct OverallSlope {
 }
 
 impl OverallSlope {
-    /// Samples that the learned noise remembers.
-    const NOISE_MEMORY: f64 = 1000.0;
-    /// What of a slope no filter knows, relative: how the curve bends, how tires differ, and what load makes of them.
-    const MODEL_STD: f64 = 0.1;
-    /// Normalized force along the car from which a slope can be told, and up to which the curve is hardly bent.
-    const TELLING: (f64, f64) = (0.08, 0.25);
-    /// Friction that bends the curve.
-    const BENDING: f64 = 0.8;
-    /// After a gap this long nobody knows the speed, s.
-    const GAP_S: f64 = 0.25;
-    /// How the compliances walk, as shares of themselves, 1/√s: the steady one's and the quick one's.
-    const WALKS: [f64; 2] = [0.005, 0.06];
-    /// The quick filter contradicts the steady one beyond so many deviations, for so long, s.
-    const CONTRADICTION: (f64, f64) = (3.5, 1.0);
-
     /// Starts from the vehicle's prior.
     pub fn new(car: &Car, sensors: &Sensors, config: &SlopeConfig, minimum_speed: f64) -> Self {
         let (slope, std) = Self::prior(car);
@@ -70,7 +107,7 @@ impl OverallSlope {
         Self {
             steady: start,
             quick: start,
-            noise: LearnedNoise::new(Self::NOISE_MEMORY),
+            noise: LearnedNoise::new(TUNING.noise_memory),
             // The mean of four.
             wheel_noise: 0.5 * car.radius * sensors.noise_std(Quantity::WheelSpeedFl),
             acceleration_noise: sensors.noise_std(Quantity::LongitudinalAcceleration),
@@ -124,20 +161,20 @@ impl OverallSlope {
             self.is_rolling = false;
             return false;
         };
-        if !self.is_rolling || now.elapsed_s > Self::GAP_S {
+        if !self.is_rolling || now.elapsed_s > TUNING.gap_s {
             self.is_rolling = true;
             self.steady.start_at(seen);
             self.quick.start_at(seen);
             return false;
         }
         let is_seen = self.age_s < self.config.unseen_after_s;
-        let walk = if is_seen { Self::WALKS[0] } else { self.config.unseen_walk };
+        let walk = if is_seen { TUNING.walks[0] } else { self.config.unseen_walk };
         let heard = (felt, self.acceleration_noise, now.elapsed_s);
         self.steady.predict(heard, walk);
-        self.quick.predict(heard, Self::WALKS[1]);
+        self.quick.predict(heard, TUNING.walks[1]);
         let lateral = now.lateral_acceleration.unwrap_or(0.0);
         let mu = self.car.longitudinal_force(felt, seen);
-        let (least, most) = Self::TELLING;
+        let (least, most) = TUNING.telling;
         if lateral.abs() > self.config.max_lateral_acceleration_mps2
             || mu.abs() > most
             || now.abs == Some(true)
@@ -170,7 +207,7 @@ impl OverallSlope {
 
     /// Both filters look at the wheels; the steady one's surprise teaches the noise.
     fn measure(&mut self, seen: f64, felt: f64, mu: f64, cornering: f64) {
-        let bent = 1.0 + mu.abs() / (3.0 * Self::BENDING);
+        let bent = 1.0 + mu.abs() / (3.0 * TUNING.bending);
         let h = vector![1.0, 0.0, 0.0, -felt, bent * mu * seen];
         let promised = self.wheel_noise * self.wheel_noise + cornering * cornering;
         let noise = self.noise.variance(promised);
@@ -188,7 +225,7 @@ impl OverallSlope {
         // The quick one knows what the steady one knows, and forgets: the variances subtract.
         let variance =
             quick.covariance[(COMPLIANCE, COMPLIANCE)] - steady.covariance[(COMPLIANCE, COMPLIANCE)];
-        let (deviations, lasting_s) = Self::CONTRADICTION;
+        let (deviations, lasting_s) = TUNING.contradiction;
         let contradicts = variance > 0.0 && differs * differs > deviations * deviations * variance;
         self.contradicted_s = if contradicts { self.contradicted_s + elapsed_s } else { 0.0 };
         self.contradicted_s > lasting_s
@@ -205,7 +242,7 @@ impl OverallSlope {
 
     fn overall(&self) -> Option<Estimate> {
         let compliance = self.steady.0.mean[COMPLIANCE];
-        let relative = (self.steady.0.std(COMPLIANCE) / compliance).hypot(Self::MODEL_STD);
+        let relative = (self.steady.0.std(COMPLIANCE) / compliance).hypot(TUNING.model_std);
         (self.informed && compliance > 0.0 && relative < SlopeConfig::UNKNOWN_STD).then(|| Estimate {
             value: 1.0 / compliance,
             std: relative / compliance,
@@ -238,22 +275,8 @@ const GAIN: usize = 2;
 const COMPLIANCE: usize = 4;
 
 impl Carried {
-    /// Before anything is measured: speed, m/s, what is not felt, m/s², its gain, its delay, s.
-    const START_STD: [f64; 4] = [1.0, 0.5, 0.03, 0.025];
-    /// How the grade walks, m/s² / √s: a hill within some seconds.
-    const GRADE_WALK: f64 = 0.05;
-    /// At a standstill or in a gap another grade may begin, m/s².
-    const OTHER_GRADE_STD: f64 = 0.3;
-    /// The dive of a car that is loaded otherwise is another one, 1/√s.
-    const GAIN_WALK: f64 = 2e-4;
-    /// Residuals count up to so many deviations.
-    const CLIP: f64 = 3.0;
-    /// A compliance walks up to this uncertainty, relative; and as if it were no smaller than the stiffest tire's.
-    const WALKS_UP_TO: f64 = 0.5;
-    const STIFFEST: f64 = 1.0 / 200.0;
-
     fn new(slope: f64, relative_std: f64) -> Self {
-        let [speed, unfelt, gain, delay] = Self::START_STD;
+        let [speed, unfelt, gain, delay] = TUNING.start_std;
         let std = [speed, unfelt, gain, delay, relative_std / slope];
         Self(Gaussian::new([0.0, 0.0, 0.0, 0.0, 1.0 / slope], std))
     }
@@ -264,9 +287,9 @@ impl Carried {
         covariance.row_mut(SPEED).fill(0.0);
         covariance.column_mut(SPEED).fill(0.0);
         mean[SPEED] = speed;
-        covariance[(SPEED, SPEED)] = Self::START_STD[SPEED].powi(2);
-        let room = Self::START_STD[UNFELT].powi(2) - covariance[(UNFELT, UNFELT)];
-        covariance[(UNFELT, UNFELT)] += Self::OTHER_GRADE_STD.powi(2).min(room.max(0.0));
+        covariance[(SPEED, SPEED)] = TUNING.start_std[SPEED].powi(2);
+        let room = TUNING.start_std[UNFELT].powi(2) - covariance[(UNFELT, UNFELT)];
+        covariance[(UNFELT, UNFELT)] += TUNING.other_grade_std.powi(2).min(room.max(0.0));
     }
 
     /// The accelerometer carries the speed on; `walk` is the compliance's, as a share of it.
@@ -277,10 +300,10 @@ impl Carried {
         let mut transition = SMatrix::<f64, 5, 5>::identity();
         transition[(SPEED, UNFELT)] = elapsed_s;
         transition[(SPEED, GAIN)] = elapsed_s * felt;
-        let compliance = filter.mean[COMPLIANCE].abs().max(Self::STIFFEST);
+        let compliance = filter.mean[COMPLIANCE].abs().max(TUNING.stiffest);
         let walk =
-            if filter.std(COMPLIANCE) < Self::WALKS_UP_TO * compliance { walk * compliance } else { 0.0 };
-        let walks = SVector::from([0.0, Self::GRADE_WALK, Self::GAIN_WALK, 0.0, walk]);
+            if filter.std(COMPLIANCE) < TUNING.walks_up_to * compliance { walk * compliance } else { 0.0 };
+        let walks = SVector::from([0.0, TUNING.grade_walk, TUNING.gain_walk, 0.0, walk]);
         let mut noise = SMatrix::from_diagonal(&walks.map(|walk| walk * walk * elapsed_s));
         noise[(SPEED, SPEED)] = (felt_noise * elapsed_s).powi(2);
         filter.predict_covariance(&transition, &noise);
@@ -290,7 +313,7 @@ impl Carried {
     fn measure(&mut self, seen: f64, h: &SVector<f64, 5>, noise: f64, redundancy: f64) {
         let residual = seen - h.dot(&self.0.mean);
         let expected = self.0.innovation(h, residual, noise);
-        let limit = Self::CLIP * expected.variance.sqrt();
+        let limit = TUNING.clip * expected.variance.sqrt();
         self.0.update(h, residual.clamp(-limit, limit), noise * redundancy);
     }
 }

@@ -4,26 +4,41 @@ use super::abs_braking::AbsBraking;
 use super::block::{Block, BlockBuilder};
 use super::brake_slip::BrakeSlip;
 use super::brush::BrushEstimator;
+use super::config::EstimatorsConfig;
 use super::cornering::{CorneringEstimator, Doubt};
-use super::dahl_ekf::DahlEkf;
 use super::friction::{Evidence, FrictionMonitor};
-use super::joint_ekf::JointEkf;
-use super::lateral_slope::LateralSlopeEstimator;
-use super::lateral_velocity::LateralVelocityEstimator;
+use super::kinematics::{Car, Kinematics};
 use super::learned::Learned;
 use super::mapping::{MappedFriction, Mapping, mean_slope};
 use super::overall_slope::OverallSlope;
 use super::roughness::Roughness;
 use super::saturation::SaturationDetector;
 use super::slope::SlopeEstimator;
+use super::thesis::Thesis;
 use super::traction::{Traction, TractionPoint};
-use super::{Car, EstimatorsConfig, Kinematics, LateralVelocitySource};
-use crate::estimates::{Estimates, LateralVelocities, Motion, State};
+use crate::estimates::{Estimates, Motion, State};
 use crate::filter::Fading;
 use crate::model::{DrivenAxle, Vehicle};
 use crate::{Faults, Quantity, Sample, Sensors};
 
-/// Runs every estimator on a sample. Never allocates after construction.
+/// Tuned: `agreeing` with the test `long_drives`, the rest with no test on record.
+struct Tuning {
+    /// Several wheels and filters notice the same change: within this time it is one, s.
+    one_change_s: f64,
+    /// Nobody knows whether the car moved during a gap as long as this, s.
+    gap_s: f64,
+    /// Slips of two driven wheels that agree differ by less than this share of the larger.
+    agreeing: f64,
+    /// Normalized force (rms) at which the slopes are fully excited.
+    full_excitation: f64,
+    /// Time constant of the excitation, s.
+    excitation_memory_s: f64,
+}
+
+const TUNING: Tuning =
+    Tuning { one_change_s: 2.0, gap_s: 1.0, agreeing: 0.4, full_excitation: 0.1, excitation_memory_s: 10.0 };
+
+/// Runs the estimators on a sample. Never allocates after construction.
 #[derive(Clone, Debug)]
 pub struct Pipeline {
     config: EstimatorsConfig,
@@ -35,17 +50,15 @@ pub struct Pipeline {
     /// Where no wheel rolls freely.
     overall_slope: Option<OverallSlope>,
     roughness: Roughness,
-    lateral_velocity: LateralVelocityEstimator,
-    lateral_slope: LateralSlopeEstimator,
-    joint_ekf: JointEkf,
     cornering: CorneringEstimator,
     brush: BrushEstimator,
-    dahl: DahlEkf,
     abs: AbsBraking,
     brake_slip: BrakeSlip,
     saturation: SaturationDetector,
     friction: FrictionMonitor,
     mapping: Option<Mapping>,
+    /// Where somebody asked for them.
+    thesis: Option<Box<Thesis>>,
     excitation: [Excitation; 2],
     /// Longitudinal acceleration from the wheels, where no accelerometer has it.
     block_acceleration: Option<f64>,
@@ -57,16 +70,7 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// Several wheels and filters notice the same change: within this time it is one, s.
-    const ONE_CHANGE_S: f64 = 2.0;
-    /// Nobody knows whether the car moved during a gap as long as this, s.
-    const GAP_S: f64 = 1.0;
-    /// Slips of two driven wheels that agree differ by less than this share of the larger.
-    const AGREEING: f64 = 0.4;
-    /// Normalized force (rms) at which the slopes are fully excited.
-    const FULL_EXCITATION: f64 = 0.1;
-
-    /// For this vehicle and these sensors.
+    /// For this vehicle and these sensors: the estimators that something published stands on.
     pub fn new(vehicle: &Vehicle, sensors: &Sensors, config: &EstimatorsConfig) -> Self {
         let car = Car::new(vehicle);
         let slow = config.minimum_speed_mps;
@@ -78,17 +82,14 @@ impl Pipeline {
             overall_slope: (car.driven_axle == DrivenAxle::All)
                 .then(|| OverallSlope::new(&car, sensors, &config.slope, slow)),
             roughness: Roughness::new(car.radius * sensors.noise_std(Quantity::WheelSpeedFl)),
-            lateral_velocity: LateralVelocityEstimator::new(&car, sensors, slow),
-            lateral_slope: LateralSlopeEstimator::new(&car, slow),
-            joint_ekf: JointEkf::new(&car, sensors, &config.joint_ekf, slow),
             cornering: CorneringEstimator::new(&car, sensors, &config.cornering, slow),
             brush: BrushEstimator::new(car.slope_prior[driven].0, &config.brush),
-            dahl: DahlEkf::new(&car, sensors, slow),
             abs: AbsBraking::new(&car),
             brake_slip: BrakeSlip::new(&car),
             saturation: SaturationDetector::new(&car, sensors),
             friction: FrictionMonitor::new(&car, &config.friction),
             mapping: config.mapping.as_ref().and_then(Mapping::new),
+            thesis: None,
             excitation: [Excitation::NONE; 2],
             block_acceleration: None,
             unchanged_s: f64::INFINITY,
@@ -98,6 +99,14 @@ impl Pipeline {
             sensors: *sensors,
             car,
         }
+    }
+
+    /// The same with the thesis's estimators beside them, for [`Estimates::thesis`]. To be called before the
+    /// first sample.
+    #[must_use]
+    pub fn with_thesis(mut self) -> Self {
+        self.thesis = Some(Box::new(Thesis::new(&self.car, &self.sensors, &self.config)));
+        self
     }
 
     /// Starts from what an earlier drive learned of this car, taken for less sure than it was. To be called
@@ -136,7 +145,7 @@ impl Pipeline {
         self.latest.faults = sample.faults;
         self.latest.state = self.state(sample);
         self.unchanged_s += now.elapsed_s;
-        if now.elapsed_s < Self::GAP_S
+        if now.elapsed_s < TUNING.gap_s
             && now.speed.is_some_and(|speed| speed >= self.config.minimum_speed_mps)
         {
             self.driving_s += now.elapsed_s;
@@ -145,8 +154,11 @@ impl Pipeline {
         self.longitudinal(&now);
         self.lateral(&now);
         self.use_of_friction(&now);
-        self.latest.excitation_long = self.excitation[0].level(Self::FULL_EXCITATION);
-        self.latest.excitation_lat = self.excitation[1].level(Self::FULL_EXCITATION);
+        if let Some(thesis) = &mut self.thesis {
+            self.latest.thesis = thesis.step(&now, self.latest.motion.lateral_velocity);
+        }
+        self.latest.excitation_long = self.excitation[0].level(TUNING.full_excitation);
+        self.latest.excitation_lat = self.excitation[1].level(TUNING.full_excitation);
         if !self.cornering.is_consistent() {
             self.latest.faults |= Faults::INCONSISTENT;
         }
@@ -250,7 +262,8 @@ impl Pipeline {
             return;
         }
         self.excitation[0].step(mu / count, block.duration_s);
-        let agrees = most - least < Self::AGREEING * least.abs().max(most.abs()) + 3.0 * slip_variance.sqrt();
+        let agrees =
+            most - least < TUNING.agreeing * least.abs().max(most.abs()) + 3.0 * slip_variance.sqrt();
         if !agrees {
             return;
         }
@@ -259,30 +272,24 @@ impl Pipeline {
     }
 
     fn lateral(&mut self, now: &Kinematics) {
-        let mut velocities = self.lateral_velocity.step(now);
-        self.joint_ekf.step(now);
         if self.cornering.step(now, self.acceleration(now), self.friction.belief()) {
             self.on_surface_change();
         }
         let motion = self.cornering.motion();
-        velocities.joint = motion.map(|m| m.lateral_velocity);
-        self.lateral_slope.step(now, self.chosen(&velocities));
+        let lateral_velocity = motion.map(|m| m.lateral_velocity);
         let lateral = now.lateral_acceleration.unwrap_or(0.0) / crate::model::GRAVITY;
         self.excitation[1].step(if motion.is_some() { lateral } else { 0.0 }, now.elapsed_s);
         self.latest.motion = Motion {
             speed: now.speed,
-            lateral_velocity: velocities.joint,
-            sideslip: now.speed.zip(velocities.joint).map(|(vx, vy)| (vy / vx).atan()),
+            lateral_velocity,
+            sideslip: now.speed.zip(lateral_velocity).map(|(vx, vy)| (vy / vx).atan()),
             slip_angle_front: motion.map(|m| m.slip_angles[0]),
             slip_angle_rear: motion.map(|m| m.slip_angles[1]),
             valid: now.speed.is_some_and(|speed| self.cornering.is_motion_valid(speed)),
         };
-        self.latest.lateral_velocities = velocities;
         self.latest.cornering = self.cornering.stiffness();
         self.latest.offsets = self.cornering.offsets();
         self.latest.cornering_valid = self.cornering.are_valid(&self.latest.cornering);
-        self.latest.cornering_regression = self.lateral_slope.slopes();
-        self.latest.cornering_ekf = self.joint_ekf.stiffness();
     }
 
     fn use_of_friction(&mut self, now: &Kinematics) {
@@ -301,8 +308,6 @@ impl Pipeline {
             map: self.mapped(),
         };
         self.latest.friction = self.friction.step(now, self.acceleration(now), evidence);
-        self.dahl.step(now, &self.car);
-        self.latest.friction.dahl = self.dahl.friction();
     }
 
     /// Longitudinal acceleration, measured or from the wheels.
@@ -325,22 +330,12 @@ impl Pipeline {
     }
 
     fn on_surface_change(&mut self) {
-        if self.unchanged_s > Self::ONE_CHANGE_S {
+        if self.unchanged_s > TUNING.one_change_s {
             self.latest.surface_changes = self.latest.surface_changes.saturating_add(1);
         }
         self.unchanged_s = 0.0;
         self.friction.surface_changed();
         self.brush.surface_changed();
-    }
-
-    fn chosen(&self, velocities: &LateralVelocities) -> Option<f64> {
-        match self.config.lateral_slope_source {
-            LateralVelocitySource::Zero => velocities.zero,
-            LateralVelocitySource::Integration => velocities.integration,
-            LateralVelocitySource::Kinematic => velocities.kinematic,
-            LateralVelocitySource::Bicycle => velocities.bicycle,
-            LateralVelocitySource::Joint => velocities.joint,
-        }
     }
 }
 
@@ -352,10 +347,7 @@ struct Excitation {
 }
 
 impl Excitation {
-    /// Time constant, s.
-    const MEMORY_S: f64 = 10.0;
-
-    const NONE: Self = Self { square: 0.0, fading: Fading::over(Self::MEMORY_S) };
+    const NONE: Self = Self { square: 0.0, fading: Fading::over(TUNING.excitation_memory_s) };
 
     fn step(&mut self, mu: f64, elapsed_s: f64) {
         let weight = 1.0 - self.fading.left(elapsed_s);

@@ -22,11 +22,11 @@ pub struct Roughness {
 }
 
 impl Roughness {
-    /// The last so many seconds count.
+    /// The last so many seconds count. Tuned with the test `long_drives`.
     const MEMORY_S: f64 = 2.0;
-    /// Less than this tells nothing, s.
+    /// Less than this tells nothing, s. Tuned with the test `long_drives`.
     const LEAST_S: f64 = 0.5;
-    /// An axle hops at 10 to 15 Hz: so many independent readings a second has each side.
+    /// An axle hops at 10 to 15 Hz: so many independent readings a second has each side. Physical.
     const INDEPENDENT_HZ: f64 = 20.0;
 
     /// `wheel_noise` is that of one wheel's speed by its data sheet, m/s.

@@ -14,11 +14,82 @@
 //! driven wheels.
 
 use super::block::BlockBuilder;
+use super::config::SlopeConfig;
+use super::kinematics::{Car, Kinematics};
 use super::traction::Traction;
-use super::{Car, Kinematics, SlopeConfig};
 use crate::estimates::Estimate;
 use crate::model::GRAVITY;
 use crate::{Quantity, Sensors, Wheel};
+
+/// Tuned with the test `sim3`: over seeds, tires and surfaces, at the limit and far from it.
+struct Tuning {
+    /// Fewest points of a flat stretch.
+    fewest: usize,
+    /// By so many times the slip must grow along the stretch.
+    growth: f64,
+    /// Of the points so many must lie in the middle half of the slips: a jump has none there, or one that the
+    /// averaging put there.
+    between: usize,
+    /// The stretch is flat if its slope is, with 97.5 % confidence, below this share of force/slip. A brush tire is
+    /// that flat from 97 % use on.
+    flat: f64,
+    /// Force/slip at its end against the tire's slope at most.
+    secant: f64,
+    /// … and below the slope of the softest surface that is driven on (loose snow): what could be another surface
+    /// that begins gradually is no limit.
+    softest: f64,
+    /// The smallest slip at which a tire has its limit, and the smallest friction of a road.
+    least: (f64, f64),
+    /// The range of slips in standard deviations of their noise at least.
+    clear: f64,
+    /// The forces scatter about the stretch's line by this share of themselves at most.
+    scatter: f64,
+    /// Points this near to the largest force make the friction.
+    top: f64,
+    /// After so many points of running away the wheel spins.
+    spinning: u32,
+    /// Samples are averaged over this time, s: a wheel spins up and is caught within half a second.
+    block_s: f64,
+    /// A sample that comes later than this after the last one comes after a gap, s.
+    gap_s: f64,
+    /// Both wheels of the axle are at their limits if they were within this time, s.
+    together_s: f64,
+    /// Beyond its peak a tire gives less: for this time the largest force counts, s, …
+    peak_held_s: f64,
+    /// … unless it has fallen by more than a tire's does: then the surface is another one.
+    peak_lost: f64,
+    /// Between the flat stretch's force and the peak of the curve, relative.
+    curve_std: f64,
+    /// Of the wheel's inertia, relative, where the data sheet does not say.
+    inertia_std: f64,
+    /// Share of the load transfer (left out of the loads) that counts as uncertainty.
+    load_transfer_std: f64,
+    /// A spin disturbs the straight line through the slip curve for so long, s.
+    after_spin_s: f64,
+}
+
+const TUNING: Tuning = Tuning {
+    fewest: 4,
+    growth: 2.5,
+    between: 2,
+    flat: 0.25,
+    secant: 0.5,
+    softest: 12.0,
+    least: (0.008, 0.04),
+    clear: 8.0,
+    scatter: 0.06,
+    top: 0.97,
+    spinning: 3,
+    block_s: 0.1,
+    gap_s: 0.05,
+    together_s: 0.5,
+    peak_held_s: 3.0,
+    peak_lost: 0.8,
+    curve_std: 0.02,
+    inertia_std: 0.1,
+    load_transfer_std: 0.5,
+    after_spin_s: 0.5,
+};
 
 /// Friction, as the limit of the force showed it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,33 +125,8 @@ pub struct WheelSaturation {
 }
 
 impl WheelSaturation {
-    /// Points that are looked at together.
+    /// Points that are looked at together. Tuned with the test `sim3`.
     const LENGTH: usize = 12;
-    /// Fewest points of a flat stretch.
-    const FEWEST: usize = 4;
-    /// By so many times the slip must grow along it.
-    const GROWTH: f64 = 2.5;
-    /// Of the points so many must lie in the middle half of the slips: a jump has none there, or one
-    /// that the averaging put there.
-    const BETWEEN: usize = 2;
-    /// The stretch is flat if its slope is, with 97.5 % confidence, below this share of force/slip.
-    /// A brush tire is that flat from 97 % use on.
-    const FLAT: f64 = 0.25;
-    /// Force/slip at its end against the tire's slope at most.
-    const SECANT: f64 = 0.5;
-    /// … and below the slope of the softest surface that is driven on (loose snow): what could be
-    /// another surface that begins gradually is no limit.
-    const SOFTEST: f64 = 12.0;
-    /// The smallest slip at which a tire has its limit, and the smallest friction of a road.
-    const LEAST: (f64, f64) = (0.008, 0.04);
-    /// The range of slips in standard deviations of their noise at least.
-    const CLEAR: f64 = 8.0;
-    /// The forces scatter about the stretch's line by this share of themselves at most.
-    const SCATTER: f64 = 0.06;
-    /// Points this near to the largest force make the friction.
-    const TOP: f64 = 0.97;
-    /// After so many points of running away the wheel spins.
-    const SPINNING: u32 = 3;
 
     /// Nothing seen yet.
     pub const fn new() -> Self {
@@ -97,7 +143,7 @@ impl WheelSaturation {
     /// The slip has been growing (or shrinking) for some points without the force: what a straight
     /// line through the slip curve must not be fitted to.
     pub fn is_spinning(&self) -> bool {
-        self.running_away >= Self::SPINNING
+        self.running_away >= TUNING.spinning
     }
 
     /// Takes the next point; `slope` is the tire's, as far as it is known. Returns the friction and
@@ -118,10 +164,10 @@ impl WheelSaturation {
         self.count += 1;
         let seen = &self.points[..self.count];
         // Of most drives this is all there is to do.
-        if seen.iter().all(|point| point.slip < Self::LEAST.0) {
+        if seen.iter().all(|point| point.slip < TUNING.least.0) {
             return None;
         }
-        (Self::FEWEST..=self.count).rev().find_map(|length| Self::limit(&seen[self.count - length..], slope))
+        (TUNING.fewest..=self.count).rev().find_map(|length| Self::limit(&seen[self.count - length..], slope))
     }
 
     /// Does slip run away from the force between the last point and this one?
@@ -143,16 +189,16 @@ impl WheelSaturation {
         let most = points.iter().map(|p| p.slip).fold(f64::NEG_INFINITY, f64::max);
         let range = most - least;
         let noise = mean(|p| p.slip_std);
-        let grown = least > 0.0 && most > Self::GROWTH * least && range > Self::CLEAR * noise;
+        let grown = least > 0.0 && most > TUNING.growth * least && range > TUNING.clear * noise;
         if !grown
-            || most < Self::LEAST.0
-            || mu < Self::LEAST.1
-            || mu > Self::SOFTEST.min(Self::SECANT * slope) * most
+            || most < TUNING.least.0
+            || mu < TUNING.least.1
+            || mu > TUNING.softest.min(TUNING.secant * slope) * most
         {
             return None;
         }
         let inner = (least + 0.25 * range)..(most - 0.25 * range);
-        if points.iter().filter(|p| inner.contains(&p.slip)).count() < Self::BETWEEN {
+        if points.iter().filter(|p| inner.contains(&p.slip)).count() < TUNING.between {
             return None;
         }
         let spread: f64 = points.iter().map(|p| (p.slip - slip).powi(2)).sum();
@@ -160,11 +206,11 @@ impl WheelSaturation {
         let residual: f64 = points.iter().map(|p| (p.mu - mu - tangent * (p.slip - slip)).powi(2)).sum();
         let scatter = (residual / (n - 2.0)).sqrt().max(mean(|p| p.mu_std));
         let tangent_std = scatter / spread.sqrt();
-        if scatter > Self::SCATTER * mu || tangent + 1.96 * tangent_std > Self::FLAT * mu / slip {
+        if scatter > TUNING.scatter * mu || tangent + 1.96 * tangent_std > TUNING.flat * mu / slip {
             return None;
         }
         let largest = points.iter().map(|p| p.mu).fold(0.0, f64::max);
-        let top = points.iter().filter(|p| p.mu >= Self::TOP * largest);
+        let top = points.iter().filter(|p| p.mu >= TUNING.top * largest);
         let (count, sum) = top.fold((0.0, 0.0), |(count, sum), p| (count + 1.0, sum + p.mu));
         Some((sum / count, scatter / f64::sqrt(count)))
     }
@@ -193,30 +239,11 @@ pub struct SaturationDetector {
 }
 
 impl SaturationDetector {
-    /// Samples are averaged over this time, s: a wheel spins up and is caught within half a second.
-    const BLOCK_S: f64 = 0.1;
-    /// A sample that comes later than this after the last one comes after a gap, s.
-    const GAP_S: f64 = 0.05;
-    /// Both wheels of the axle are at their limits if they were within this time, s.
-    const TOGETHER_S: f64 = 0.5;
-    /// Beyond its peak a tire gives less: for this time the largest force counts, s, …
-    const PEAK_HELD_S: f64 = 3.0;
-    /// … unless it has fallen by more than a tire's does: then the surface is another one.
-    const PEAK_LOST: f64 = 0.8;
-    /// Between the flat stretch's force and the peak of the curve, relative.
-    const CURVE_STD: f64 = 0.02;
-    /// Of the wheel's inertia, relative, where the data sheet does not say.
-    const INERTIA_STD: f64 = 0.1;
-    /// Share of the load transfer (left out of the loads) that counts as uncertainty.
-    const LOAD_TRANSFER_STD: f64 = 0.5;
-    /// A spin disturbs the straight line through the slip curve for so long, s.
-    const AFTER_SPIN_S: f64 = 0.5;
-
     /// For this car and these sensors.
     pub fn new(car: &Car, sensors: &Sensors) -> Self {
         let with_torque = sensors.has(Quantity::DriveTorque);
         Self {
-            blocks: BlockBuilder::new(Self::BLOCK_S),
+            blocks: BlockBuilder::new(TUNING.block_s),
             wheels: Default::default(),
             seen: [None; 4],
             friction: None,
@@ -244,7 +271,7 @@ impl SaturationDetector {
             friction.age_s += now.elapsed_s;
         }
         self.since_spinning_s += now.elapsed_s;
-        if now.elapsed_s > Self::GAP_S {
+        if now.elapsed_s > TUNING.gap_s {
             // What lies on both sides of a gap is no one stretch.
             self.wheels.iter_mut().for_each(WheelSaturation::reset);
         }
@@ -272,13 +299,13 @@ impl SaturationDetector {
             let Some((mu, noise)) = self.wheels[i].step(point, slope) else { continue };
             let spin_up = block.wheel_acceleration[i] / self.car.radius;
             let inertia_std = if self.with_torque {
-                Self::INERTIA_STD * self.car.wheel_inertia * spin_up / self.car.radius / load
+                TUNING.inertia_std * self.car.wheel_inertia * spin_up / self.car.radius / load
             } else {
                 0.0
             };
             let transfer =
-                Self::LOAD_TRANSFER_STD * self.car.load_transfer(wheel) * block.acceleration / GRAVITY;
-            let relative = self.force_scale_std.hypot(Self::CURVE_STD).hypot(transfer);
+                TUNING.load_transfer_std * self.car.load_transfer(wheel) * block.acceleration / GRAVITY;
+            let relative = self.force_scale_std.hypot(TUNING.curve_std).hypot(transfer);
             let sideways = block.lateral_acceleration / GRAVITY;
             let found = LimitFriction {
                 mu: mu.hypot(sideways),
@@ -301,13 +328,13 @@ impl SaturationDetector {
 
     /// A driven wheel spins, or did just now: slips are no points of a straight line.
     pub fn is_spinning(&self) -> bool {
-        self.since_spinning_s < Self::AFTER_SPIN_S
+        self.since_spinning_s < TUNING.after_spin_s
     }
 
     fn with_peak(before: Option<(LimitFriction, f64)>, found: LimitFriction) -> (LimitFriction, f64) {
         match before {
             Some((peak, age))
-                if age < Self::PEAK_HELD_S && (Self::PEAK_LOST * peak.mu..peak.mu).contains(&found.mu) =>
+                if age < TUNING.peak_held_s && (TUNING.peak_lost * peak.mu..peak.mu).contains(&found.mu) =>
             {
                 (LimitFriction { age_s: 0.0, ..peak }, age)
             }
@@ -321,7 +348,7 @@ impl SaturationDetector {
             if !self.car.driven_axle.drives(wheel) {
                 continue;
             }
-            let Some((seen, _)) = seen.filter(|(seen, _)| seen.age_s < Self::TOGETHER_S) else { return };
+            let Some((seen, _)) = seen.filter(|(seen, _)| seen.age_s < TUNING.together_s) else { return };
             both = Some(match both {
                 Some(other) => LimitFriction {
                     mu: 0.5 * (other.mu + seen.mu),

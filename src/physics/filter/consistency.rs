@@ -11,7 +11,7 @@ use super::Innovation;
 /// freedom, and innovations are independent and without mean; so there are bounds for all three.
 ///
 /// ```
-/// use gripd::filter::{Consistency, Innovation};
+/// use physics::filter::{Consistency, Innovation};
 ///
 /// let mut consistency = Consistency::default();
 /// for i in 0..400 {

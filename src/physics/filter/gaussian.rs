@@ -118,6 +118,14 @@ impl<const N: usize> Gaussian<N> {
         self.covariance[(i, i)] += variance;
     }
 
+    /// Component `i` is unknown again, and unrelated to the others.
+    pub fn forget(&mut self, i: usize, mean: f64, std: f64) {
+        self.covariance.row_mut(i).fill(0.0);
+        self.covariance.column_mut(i).fill(0.0);
+        self.mean[i] = mean;
+        self.covariance[(i, i)] = std * std;
+    }
+
     /// What a measurement with sensitivity `h` and noise `variance` would be compared with.
     pub fn innovation(&self, h: &SVector<f64, N>, residual: f64, variance: f64) -> Innovation {
         let ph = product(&self.covariance.data.0, &h.data.0[0]);

@@ -2,6 +2,18 @@
 
 use super::{Innovation, InnovationMonitor};
 
+/// Tuned: the prior with the test `accuracy`, the rest with no test on record.
+struct Tuning {
+    /// One measurement may raise the learned variance as much as this many deviations would.
+    clip: f64,
+    /// The learned variance stays within these multiples of the promised one.
+    limits: (f64, f64),
+    /// What is promised weighs as much as this many measurements, and is doubted by a factor of two.
+    prior: (f64, f64),
+}
+
+const TUNING: Tuning = Tuning { clip: 3.0, limits: (0.05, 1e4), prior: (10.0, 2.0) };
+
 /// How much noisier a channel is than its data sheet promises, and how much its noise repeats itself.
 ///
 /// A filter told too small a noise publishes too small an interval; one that takes coloured noise
@@ -17,19 +29,11 @@ pub struct LearnedNoise {
 }
 
 impl LearnedNoise {
-    /// One measurement may raise the learned variance as much as this many deviations would.
-    const CLIP: f64 = 3.0;
-    /// The learned variance stays within these multiples of the promised one.
-    const LIMITS: (f64, f64) = (0.05, 1e4);
-
-    /// What is promised weighs as much as this many measurements, and is doubted by a factor of two.
-    const PRIOR: (f64, f64) = (10.0, 2.0);
-
     /// A memory of about `memory` measurements; starts with twice what is promised, and learns fast
     /// until the memory is filled.
     pub fn new(memory: f64) -> Self {
         let memory = memory.max(1.0);
-        let (seen, scale) = Self::PRIOR;
+        let (seen, scale) = TUNING.prior;
         Self { scale, memory, seen: seen.min(memory), monitor: InnovationMonitor::new(memory) }
     }
 
@@ -49,10 +53,10 @@ impl LearnedNoise {
         if !seen.is_finite() {
             return;
         }
-        let limit = Self::CLIP * Self::CLIP * self.scale;
+        let limit = TUNING.clip * TUNING.clip * self.scale;
         self.seen = (self.seen + 1.0).min(self.memory);
         self.scale += (seen.clamp(0.0, limit) - self.scale) / self.seen;
-        self.scale = self.scale.clamp(Self::LIMITS.0, Self::LIMITS.1);
+        self.scale = self.scale.clamp(TUNING.limits.0, TUNING.limits.1);
     }
 
     /// How many measurements are worth one independent one; at least one.

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 /// rotations: forming W itself would square its condition, and lose every direction weaker than 1e-8.
 ///
 /// ```
-/// use gripd::filter::Observability;
+/// use physics::filter::Observability;
 /// use nalgebra::{matrix, vector};
 ///
 /// // A position is measured twice, a second apart: that tells the velocity, too.

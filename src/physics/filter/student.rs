@@ -41,6 +41,7 @@ fn incomplete_beta(a: f64, b: f64, x: f64) -> f64 {
 
 /// The continued fraction of the incomplete beta function, by Lentz's method.
 fn continued_fraction(a: f64, b: f64, x: f64) -> f64 {
+    /// Smaller than any term, and no zero to divide by.
     const TINY: f64 = 1e-300;
     let guarded = |value: f64| if value.abs() < TINY { TINY } else { value };
     let mut c = 1.0;

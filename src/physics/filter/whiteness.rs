@@ -19,10 +19,10 @@ pub struct InnovationMonitor {
 }
 
 impl InnovationMonitor {
-    /// Normalized innovations count up to this many standard deviations.
+    /// Normalized innovations count up to this many standard deviations. Tuned, no test on record.
     pub const CLIP: f64 = 5.0;
 
-    /// Consistency is believed at the start as after this many innovations.
+    /// Consistency is believed at the start as after this many innovations. Tuned with the test `accuracy`.
     const PRIOR: f64 = 20.0;
 
     /// A memory of about `memory` innovations; starts consistent.

@@ -16,7 +16,9 @@ mod lanes;
 mod one_wheel;
 pub mod plant;
 mod real;
+#[cfg(feature = "simulation")]
 pub mod scenario;
+#[cfg(feature = "simulation")]
 pub mod simulate;
 pub mod tire;
 mod vehicle;
@@ -28,6 +30,8 @@ pub use lanes::{Abreast, Lanes};
 pub use one_wheel::{OneWheel, OneWheelState};
 pub use plant::{Conditions, Controls, Plant, Response, State};
 pub use real::{Mask, Number, Real};
+#[cfg(feature = "simulation")]
 pub use scenario::{Piece, Scenario, ScenarioError};
+#[cfg(feature = "simulation")]
 pub use simulate::{Reading, Simulation, Tick, Truth, TruthWriter};
 pub use vehicle::{DrivenAxle, GRAVITY, TireKind, Uncertain, Vehicle, VehicleError};

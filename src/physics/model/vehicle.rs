@@ -95,7 +95,7 @@ pub enum TireKind {
     MagicFormula,
 }
 
-/// The `[vehicle]` table. Keys carry their units; contract and README explain each.
+/// The `[vehicle]` table. Keys carry their units; `config/demo.toml` explains each.
 ///
 /// Only what differs from car to car beyond guessing is mandatory; the defaults of the rest are a
 /// compact passenger car's and carry the standard deviation of not having been told.

@@ -1,7 +1,5 @@
 //! The faults of the list: what each does to a drive, and what is to be told of it.
 
-#![allow(dead_code, reason = "each test binary uses a part of it")]
-
 pub mod content;
 pub mod frame;
 pub mod sensor;

@@ -5,7 +5,7 @@
 use super::lines::{Entry, Grammar};
 use super::{Damage, data_frame, error_frame, identifier, number, remote_frame};
 use crate::can::FrameKind;
-use crate::can::digits::NO_DIGIT;
+use crate::can::recording::digits::NO_DIGIT;
 
 /// The grammar; no line depends on another.
 pub struct Csv;

@@ -20,9 +20,11 @@
 mod asc;
 mod blf;
 mod bytes;
+pub mod candump;
 mod csv;
 mod damage;
 mod date;
+mod digits;
 mod error;
 mod lines;
 mod mf4;

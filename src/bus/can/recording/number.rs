@@ -1,6 +1,6 @@
 //! Numbers as texts have them, exactly.
 
-use crate::can::digits;
+use crate::can::recording::digits;
 use physics::Micros;
 
 /// Where texts are read until the end of the year 33658, as candump logs.

@@ -4,11 +4,12 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
+use super::candump;
 use super::lines::{Grammar, TextReader};
 use super::recognize::recognize;
 use super::unpack::MF4;
 use super::{Compression, Content, Format, LogError, LogStats, Source, asc, blf, csv, mf4, trc, unpack};
-use crate::can::{Frame, candump};
+use crate::can::Frame;
 
 /// Reads frames from a recording: a file, packed or not, or anything else that can be read.
 ///

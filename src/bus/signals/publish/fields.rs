@@ -101,38 +101,15 @@ const fn number(name: &'static str, quantity: Quantity, value: fn(&Estimates) ->
     field(name, quantity, Source::Number(value))
 }
 
-const SOURCES: &[&str] = &[
-    MuSource::None.name(),
-    MuSource::LowerBound.name(),
-    MuSource::SlopeMap.name(),
-    MuSource::Brush.name(),
-    MuSource::Joint.name(),
-    MuSource::Abs.name(),
-    MuSource::Limit.name(),
-];
+const SOURCES: [&str; 7] = {
+    let [none, bound, map, brush, joint, abs, limit] = MuSource::ALL;
+    [none.name(), bound.name(), map.name(), brush.name(), joint.name(), abs.name(), limit.name()]
+};
 
-fn source_index(estimates: &Estimates) -> usize {
-    match estimates.friction.source {
-        MuSource::None => 0,
-        MuSource::LowerBound => 1,
-        MuSource::SlopeMap => 2,
-        MuSource::Brush => 3,
-        MuSource::Joint => 4,
-        MuSource::Abs => 5,
-        MuSource::Limit => 6,
-    }
-}
-
-const STATES: &[&str] = &["starting", "running", "degraded", "no_input"];
-
-fn state_index(estimates: &Estimates) -> usize {
-    match estimates.state {
-        State::Starting => 0,
-        State::Running => 1,
-        State::Degraded => 2,
-        State::NoInput => 3,
-    }
-}
+const STATES: [&str; 4] = {
+    let [starting, running, degraded, no_input] = State::ALL;
+    [starting.name(), running.name(), degraded.name(), no_input.name()]
+};
 
 fn value(estimate: Option<Estimate>) -> Option<f64> {
     estimate.map(|e| e.value)
@@ -153,7 +130,7 @@ pub(super) const MESSAGES: [MessageFields; 6] = [
             number("MuMaxLow", Ratio, |e| e.friction.low),
             number("MuMaxHigh", Ratio, |e| e.friction.high),
             number("MuUsed", Ratio, |e| e.friction.used),
-            field("MuSource", Ratio, Source::Choice(SOURCES, source_index)),
+            field("MuSource", Ratio, Source::Choice(&SOURCES, |e| e.friction.source as usize)),
             field("MuValid", Ratio, Source::Flag(|e| e.friction.valid, Needs::All(&["MuMax"]))),
             field("MuAge", Time, Source::Age(|e| e.friction.age_s)),
         ],
@@ -217,7 +194,7 @@ pub(super) const MESSAGES: [MessageFields; 6] = [
     MessageFields {
         name: "GRIP_STATUS",
         fields: &[
-            field("State", Ratio, Source::Choice(STATES, state_index)),
+            field("State", Ratio, Source::Choice(&STATES, |e| e.state as usize)),
             number("ExcitationLong", Ratio, |e| Some(e.excitation_long)),
             number("ExcitationLat", Ratio, |e| Some(e.excitation_lat)),
             field("SurfaceChanges", Ratio, Source::Count(|e| u64::from(e.surface_changes))),

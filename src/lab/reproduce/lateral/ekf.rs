@@ -3,7 +3,8 @@
 use std::fmt;
 
 use super::course::{HALVED, LateralDrive, MINIMUM_SPEED, STIFFNESS, WHOLE, mean};
-use physics::estimate::{JointEkf, JointEkfConfig, Kinematics};
+use physics::estimate::Kinematics;
+use physics::estimate::thesis::{JointEkf, JointEkfConfig};
 
 /// Parameter noises of C_y that are tried, relative, 1/√s: hardly any, moderate, much.
 pub(super) const WALKS: [f64; 3] = [1e-4, 1e-2, 1e-1];

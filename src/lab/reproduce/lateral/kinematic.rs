@@ -6,7 +6,7 @@ use super::map::{self, Cell};
 use crate::report::{Color, Plot};
 use crate::reproduce::{Claim, Outcome, Picture, SIM1};
 use physics::Sensors;
-use physics::estimate::{KinematicObserver, SpeedDerivative};
+use physics::estimate::thesis::{KinematicObserver, SpeedDerivative};
 
 /// Noise of the speed from two rear wheels: 0.05 rad/s each at 0.31 m, m/s.
 const SPEED_NOISE: f64 = 0.011;

@@ -1,7 +1,7 @@
 //! The lateral slope (5.20) over a drive, on each lateral velocity.
 
 use super::course::{LateralDrive, MINIMUM_SPEED, Point};
-use physics::estimate::LateralSlopeEstimator;
+use physics::estimate::thesis::LateralSlopeEstimator;
 
 /// Where v_y comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

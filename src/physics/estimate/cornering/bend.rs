@@ -12,10 +12,11 @@
 //! ones: what is estimated stands on the first, what is claimed of the friction on the second. Beyond their peaks
 //! curves fall, the more the larger the shape factor: what slides far may have had more than it uses now.
 
-/// Shape factor of the magic formula.
+/// Shape factor of the magic formula. Physical: near the 1.3 of Bakker, Nyborg and Pacejka (1987) for lateral
+/// forces.
 const SHAPE: f64 = 1.4;
 
-/// That of the tire that falls most.
+/// That of the tire that falls most. Physical: theirs for longitudinal forces.
 const FALLING: f64 = 1.65;
 
 /// Steps of the tables from 0 to full use.

@@ -2,8 +2,6 @@
 
 use std::fmt;
 
-use super::{CorneringEstimator, FRONT, REAR};
-
 /// The first reason not to believe what the lateral filter says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Doubt {
@@ -67,25 +65,40 @@ impl fmt::Display for Doubt {
     }
 }
 
-impl CorneringEstimator {
-    /// Innovations are not about as large as the filter believes, on the whole or lately, or the noise it had to
-    /// assume for that is no sensor's.
+/// Counts surprises.
+#[derive(Clone, Copy, Debug)]
+pub struct Surprises {
+    /// Rises by two with each window that surprises, falls by one with each that does not.
+    count: u32,
+    /// What surprised last.
+    last: Doubt,
+}
+
+impl Surprises {
+    /// With so many the filter is doubted, until two windows have not surprised. Tuned with the test `faults`.
+    const DOUBTFUL: u32 = 2;
+    /// More than three windows that surprise count as three. Tuned with the test `faults`.
+    const MOST: u32 = 6;
+
+    /// None so far.
+    pub const NONE: Self = Self { count: 0, last: Doubt::Sensors };
+
+    /// As many as count: sensors contradict each other.
+    pub const CONTRADICTION: Self = Self { count: Self::MOST, last: Doubt::Sensors };
+
+    /// Something surprised.
+    pub fn by(&mut self, surprise: Doubt) {
+        self.last = surprise;
+    }
+
+    /// A window has ended.
+    pub fn end_window(&mut self, surprised: bool) {
+        self.count = if surprised { self.count + 2 } else { self.count.saturating_sub(1) };
+        self.count = self.count.min(Self::MOST);
+    }
+
+    /// What surprised, while it counts.
     pub fn doubt(&self) -> Option<Doubt> {
-        if self.surprise >= Self::DOUBTFUL {
-            return Some(self.surprised_by);
-        }
-        let places = [(Axle::Front, FRONT), (Axle::Rear, REAR)];
-        places.into_iter().find_map(|(axle, place)| {
-            let noise = &self.axles[place - FRONT].noise;
-            let (nis, scale) = (noise.nis(), noise.scale());
-            let beyond = |number: f64, limit: f64| number >= limit || number.is_nan();
-            if beyond(nis, self.config.inconsistent_nis) {
-                Some(Doubt::TooSure { axle, nis })
-            } else if beyond(scale, Self::NOISE_LIMIT) {
-                Some(Doubt::Noise { axle, times: scale.sqrt() })
-            } else {
-                None
-            }
-        })
+        (self.count >= Self::DOUBTFUL).then_some(self.last)
     }
 }

@@ -8,9 +8,34 @@
 
 use nalgebra::vector;
 
-use crate::estimate::{Car, Kinematics};
+use crate::estimate::kinematics::{Car, Kinematics};
 use crate::filter::Gaussian;
 use crate::model::{DrivenAxle, GRAVITY};
+
+/// Tuned with the tests `long_drives` (hours of motorway) and `campaign`.
+struct Tuning {
+    /// How much two tires of an axle may differ in radius, relative, and by how much more as time goes, 1/√s.
+    radii: (f64, f64),
+    /// How much the loads of a curve may change that, relative for each g.
+    pressed: f64,
+    /// How well track width and yaw rate tell the difference that a curve makes, relative.
+    geometry_std: f64,
+    /// So little slip of one wheel alone turns no car.
+    hardly: f64,
+    /// With this force along the car, over its weight, or more, its driven wheels drive.
+    driving: f64,
+    /// No brake turns a car for longer, s: it is something else.
+    longest_s: f64,
+}
+
+const TUNING: Tuning = Tuning {
+    radii: (0.004, 2e-4),
+    pressed: 0.01,
+    geometry_std: 0.03,
+    hardly: 1e-3,
+    driving: 0.01,
+    longest_s: 3.0,
+};
 
 /// Watches the difference between left and right of both axles.
 #[derive(Clone, Debug)]
@@ -42,25 +67,13 @@ struct Sums {
 }
 
 impl SingleBrake {
-    /// How much two tires of an axle may differ in radius, relative, and by how much more as time goes, 1/√s.
-    const RADII: (f64, f64) = (0.004, 2e-4);
-    /// How much the loads of a curve may change that, relative for each g.
-    const PRESSED: f64 = 0.01;
-    /// How well track width and yaw rate tell the difference that a curve makes, relative.
-    const GEOMETRY_STD: f64 = 0.03;
-    /// So little slip of one wheel alone turns no car.
-    const HARDLY: f64 = 1e-3;
-    /// So many deviations are no chance.
+    /// So many deviations are no chance. Statistical: one healthy window of an axle in 16,000.
     const CLEAR: f64 = 4.0;
-    /// With this force along the car, over its weight, or more, its driven wheels drive.
-    const DRIVING: f64 = 0.01;
-    /// No brake turns a car for longer, s: it is something else.
-    const LONGEST_S: f64 = 3.0;
 
     /// For this car; `wheel_noise` is that of one wheel's speed, m/s.
     pub fn new(car: &Car, wheel_noise: f64) -> Self {
         Self {
-            radii: [Gaussian::new([0.0; 2], [Self::RADII.0, Self::PRESSED]); 2],
+            radii: [Gaussian::new([0.0; 2], [TUNING.radii.0, TUNING.pressed]); 2],
             track: car.track,
             is_driven: [car.driven_axle != DrivenAxle::Rear, car.driven_axle != DrivenAxle::Front],
             wheel_noise,
@@ -93,13 +106,13 @@ impl SingleBrake {
         if sums.count == 0.0 {
             return false;
         }
-        let drives = sums.along > Self::DRIVING * sums.count;
+        let drives = sums.along > TUNING.driving * sums.count;
         let white = std::f64::consts::SQRT_2 * self.wheel_noise / speed / sums.count.sqrt();
         let mut is_braked = false;
         for (axle, radii) in self.radii.iter_mut().enumerate() {
-            let geometry = Self::GEOMETRY_STD * self.track[axle] * sums.turning / sums.count;
-            let variance = white * white + geometry * geometry + Self::HARDLY * Self::HARDLY;
-            radii.inflate(0, Self::RADII.1 * Self::RADII.1 * elapsed_s);
+            let geometry = TUNING.geometry_std * self.track[axle] * sums.turning / sums.count;
+            let variance = white * white + geometry * geometry + TUNING.hardly * TUNING.hardly;
+            radii.inflate(0, TUNING.radii.1 * TUNING.radii.1 * elapsed_s);
             let h = vector![1.0, sums.across / sums.count];
             let residual = sums.excess[axle] / sums.count - h.dot(&radii.mean);
             let differs = radii.innovation(&h, residual, variance).normalized().abs() > Self::CLEAR;
@@ -109,7 +122,7 @@ impl SingleBrake {
             is_braked |= differs && !sums.is_braking && !(drives && self.is_driven[axle]);
         }
         self.lasting_s = if is_braked { self.lasting_s + elapsed_s } else { 0.0 };
-        is_braked && self.lasting_s < Self::LONGEST_S
+        is_braked && self.lasting_s < TUNING.longest_s
     }
 
     /// The window has no end.

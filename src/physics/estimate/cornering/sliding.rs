@@ -10,7 +10,25 @@
 
 use super::bend::Bend;
 
-/// As likely as this, sliding is taken for true.
+/// Tuned with the tests `campaign` and `long_drives`.
+struct Tuning {
+    /// However narrow the belief is, an axle may have stopped to slide.
+    likeliest: f64,
+    /// Share of the filter's errors that are larger than it believes, and how much larger.
+    wrong: (f64, f64),
+    /// Sliding means that the slip angle is larger than straight by this share of it at least …
+    least: f64,
+    /// … and by no more than this, rad.
+    largest: f64,
+    /// With less bend the bound on the friction would be too far off to be of use.
+    least_bend: f64,
+}
+
+const TUNING: Tuning =
+    Tuning { likeliest: 0.9, wrong: (0.05, 5.0), least: 0.4, largest: 0.3, least_bend: 1.4 };
+
+/// As likely as this, sliding is taken for true. Statistical: one in ten is taken wrongly, if the belief over the
+/// friction is right.
 pub const SURE: f64 = 0.9;
 
 /// Friction between two bounds, by an axle that slides sideways.
@@ -54,24 +72,15 @@ pub struct Sliding {
 }
 
 impl Excess {
-    /// However narrow the belief is, an axle may have stopped to slide.
-    const LIKELIEST: f64 = 0.9;
-    /// Share of the filter's errors that are larger than it believes, and how much larger.
-    const WRONG: (f64, f64) = (0.05, 5.0);
-    /// Sliding means that the slip angle is larger than straight by this share of it at least …
-    const LEAST: f64 = 0.4;
-    /// … and by no more than this, rad.
-    const LARGEST: f64 = 0.3;
-
     /// Weighs both explanations: the probability that it is the tire, not the filter.
     pub fn sliding(&self) -> f64 {
         let std = self.variance.sqrt();
-        let prior = self.at_limit.min(Self::LIKELIEST);
+        let prior = self.at_limit.min(TUNING.likeliest);
         let normal = |std: f64| (-0.5 * (self.angle / std).powi(2)).exp() * 0.4 / std;
-        let (share, wider) = Self::WRONG;
+        let (share, wider) = TUNING.wrong;
         let erring = (1.0 - share) * normal(std) + share * normal(wider * std);
-        let beyond = (self.angle - Self::LEAST * self.straight) / std;
-        let sliding = (0.5 + 0.4 * beyond).clamp(0.0, 1.0) / Self::LARGEST;
+        let beyond = (self.angle - TUNING.least * self.straight) / std;
+        let sliding = (0.5 + 0.4 * beyond).clamp(0.0, 1.0) / TUNING.largest;
         let both = prior * sliding + (1.0 - prior) * erring;
         if both > 0.0 { prior * sliding / both } else { prior }
     }
@@ -93,9 +102,7 @@ impl Sliding {
 /// What the friction is by an axle that slides with this force in use, from `least` to `most` times as far as its
 /// stiffness has it.
 pub fn limit(used: f64, (least, most): (f64, f64), tires: &Bend) -> Option<LateralLimit> {
-    /// With less bend the bound would be too far off to be of use.
-    const LEAST_BEND: f64 = 1.4;
-    (least > LEAST_BEND).then(|| LateralLimit {
+    (least > TUNING.least_bend).then(|| LateralLimit {
         low: used,
         high: used / tires.least_share(least, most),
         is_sure: true,

@@ -3,7 +3,19 @@
 //! Wheels that creep send zero, too: most sensors see nothing below a walking pace. So what is read in one second
 //! counts only once the wheels have stood for another.
 
-use crate::estimate::Kinematics;
+use crate::estimate::kinematics::Kinematics;
+
+/// Tuned with the test `long_drives`: wheels that creep.
+struct Tuning {
+    /// All wheels slower than this: they stand, or creep, m/s.
+    standing_below: f64,
+    /// So long it takes until the car has swung back, s.
+    swings_s: f64,
+    /// What is read belongs together for so long, s.
+    together_s: f64,
+}
+
+const TUNING: Tuning = Tuning { standing_below: 0.1, swings_s: 0.5, together_s: 1.0 };
 
 /// Collects the yaw rate while the wheels stand.
 #[derive(Clone, Copy, Debug, Default)]
@@ -23,29 +35,22 @@ struct Readings {
 }
 
 impl Standstill {
-    /// All wheels slower than this: they stand, or creep, m/s.
-    const STANDING_BELOW: f64 = 0.1;
-    /// So long it takes until the car has swung back, s.
-    const SWINGS_S: f64 = 0.5;
-    /// What is read belongs together for so long, s.
-    const TOGETHER_S: f64 = 1.0;
-
     /// Takes a sample; the mean yaw rate and the number of samples of a second in which the car stood.
     pub fn step(&mut self, now: &Kinematics) -> Option<(f64, f64)> {
         let wheels = now.wheels?;
-        if wheels.iter().any(|wheel| wheel.abs() > Self::STANDING_BELOW) {
+        if wheels.iter().any(|wheel| wheel.abs() > TUNING.standing_below) {
             *self = Self::default();
             return None;
         }
         self.standing_s += now.elapsed_s;
         let yaw_rate = now.yaw_rate?;
-        if self.standing_s <= Self::SWINGS_S {
+        if self.standing_s <= TUNING.swings_s {
             return None;
         }
         self.now.seconds += now.elapsed_s;
         self.now.count += 1.0;
         self.now.sum += yaw_rate;
-        if self.now.seconds < Self::TOGETHER_S {
+        if self.now.seconds < TUNING.together_s {
             return None;
         }
         let stood = self.before.replace(std::mem::take(&mut self.now))?;

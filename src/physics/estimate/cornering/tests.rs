@@ -1,5 +1,8 @@
-use super::*;
-use crate::estimate::Learned;
+use super::{CorneringConfig, CorneringEstimator};
+use crate::Sensors;
+use crate::estimate::belief::Belief;
+use crate::estimate::kinematics::{Car, Kinematics};
+use crate::estimate::learned::{Known, Learned};
 use crate::filter::discretize::zero_order_hold;
 use crate::model::Vehicle;
 use nalgebra::Vector2;

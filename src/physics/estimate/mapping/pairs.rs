@@ -8,10 +8,25 @@ use thiserror::Error;
 
 use super::Pair;
 use crate::estimate::abs_braking::{AbsBraking, AbsProblem, AbsRecord};
-use crate::estimate::{Car, Kinematics};
+use crate::estimate::kinematics::{Car, Kinematics};
 use crate::estimates::Estimate;
 use crate::model::{DrivenAxle, GRAVITY, Vehicle};
 use crate::{Estimates, Micros, Quantity, Sample, Sensors, Wheel};
+
+/// Tuned with the test `calibrate`.
+struct Tuning {
+    /// A slope that stays within this share of itself …
+    steady: f64,
+    /// … for so long has settled, s.
+    settled_s: f64,
+    /// An older slope may be of another surface, s.
+    oldest_s: f64,
+    /// A change of surface that is noticed this long after a braking was there before it, s: the car has to speed
+    /// up again before the slope can tell.
+    confirm_s: f64,
+}
+
+const TUNING: Tuning = Tuning { steady: 0.08, settled_s: 5.0, oldest_s: 10.0, confirm_s: 8.0 };
 
 /// An ABS braking, and whether it makes a pair.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,16 +162,8 @@ struct Lateral {
 }
 
 impl PairFinder {
-    /// A slope that stays within this share of itself …
-    const STEADY: f64 = 0.08;
-    /// … for so long has settled, s.
-    const SETTLED_S: f64 = 5.0;
-    /// An older slope may be of another surface, s.
-    const OLDEST_S: f64 = 10.0;
-    /// A change of surface that is noticed this long after a braking was there before it, s: the car
-    /// has to speed up again before the slope can tell.
-    const CONFIRM_S: f64 = 8.0;
-    /// Lateral acceleration / (μ g) that takes 4 % off the longitudinal friction.
+    /// Lateral acceleration / (μ g) that takes 4 % off the longitudinal friction. Physical: on a circle of friction
+    /// √(1 − 0.28²) = 0.96 is left.
     const SIDEWAYS: f64 = 0.28;
 
     /// For this car and what its bus has.
@@ -222,7 +229,7 @@ impl PairFinder {
         }
         let slope = mean_slope(&estimates.slope, self.car.driven_axle, self.scale_std);
         match (slope, self.anchor) {
-            (Some(slope), Some((value, _))) if (slope.value - value).abs() <= Self::STEADY * value => {}
+            (Some(slope), Some((value, _))) if (slope.value - value).abs() <= TUNING.steady * value => {}
             (Some(slope), _) => self.anchor = Some((slope.value, self.now_s)),
             (None, _) => self.anchor = None,
         }
@@ -232,7 +239,7 @@ impl PairFinder {
         if self.changed_s > ended_s {
             braking.not_a_pair = Some(NotAPair::SurfaceChanged { after_s });
             self.unconfirmed_s = None;
-        } else if after_s >= Self::CONFIRM_S {
+        } else if after_s >= TUNING.confirm_s {
             braking.confirmed = true;
             self.unconfirmed_s = None;
         }
@@ -274,141 +281,19 @@ impl PairFinder {
             return Some(NotAPair::Cornering { share: 100.0 * sideways });
         }
         let Some(slope) = self.free.slope else { return Some(NotAPair::NoSlope) };
-        if slope.age_s > Self::OLDEST_S {
+        if slope.age_s > TUNING.oldest_s {
             return Some(NotAPair::TooOld { age_s: slope.age_s });
         }
         if !self.free.valid {
             return Some(NotAPair::NotConverged { relative: 100.0 * slope.std / slope.value });
         }
-        if self.free.settled_s < Self::SETTLED_S {
+        if self.free.settled_s < TUNING.settled_s {
             let settled_s = self.free.settled_s;
-            return Some(NotAPair::NotSettled { settled_s, needed_s: Self::SETTLED_S });
+            return Some(NotAPair::NotSettled { settled_s, needed_s: TUNING.settled_s });
         }
         (self.changes != self.free.changes).then_some(NotAPair::SurfaceChanged { after_s: 0.0 })
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A drive by hand: a slope on the bus of estimates, and ABS brakings at given times.
-    struct Drive {
-        finder: PairFinder,
-        time: i64,
-        estimates: Estimates,
-        speed: f64,
-    }
-
-    impl Drive {
-        fn new() -> Self {
-            let mut sensors = Sensors::default();
-            sensors.add(Quantity::DriveTorque, None);
-            let finder = PairFinder::new(&Vehicle::thesis(), &sensors);
-            Self { finder, time: 0, estimates: Estimates::default(), speed: 25.0 }
-        }
-
-        fn slope(&mut self, value: f64, relative: f64, age_s: f64) {
-            let slope = Some(Estimate { value, std: relative * value, age_s });
-            self.estimates.slope = [slope, slope, None, None];
-            self.estimates.slope_valid = relative < 0.15;
-        }
-
-        fn go(&mut self, seconds: f64, deceleration: f64, lateral: f64, abs: bool) -> &mut Self {
-            for _ in 0..(seconds * 100.0) as i64 {
-                self.time += 10_000;
-                self.speed -= 0.01 * deceleration;
-                let mut sample = Sample::empty(Micros(self.time), 0.01);
-                for quantity in &Quantity::ALL[..4] {
-                    sample.set(*quantity, self.speed / self.finder.car.radius);
-                }
-                sample.set(Quantity::LateralAcceleration, lateral);
-                sample.set(Quantity::LongitudinalAcceleration, -deceleration);
-                sample.set(Quantity::BrakeActive, f64::from(u8::from(abs)));
-                sample.set(Quantity::AbsActive, f64::from(u8::from(abs)));
-                self.finder.step(&sample, &self.estimates);
-            }
-            self
-        }
-
-        fn only(&mut self) -> Braking {
-            let brakings = self.finder.clone().finish();
-            assert_eq!(brakings.len(), 1);
-            brakings[0].clone()
-        }
-    }
-
-    #[test]
-    fn a_settled_slope_makes_a_pair_and_the_seconds_after_it_confirm_it() {
-        let mut drive = Drive::new();
-        drive.slope(90.0, 0.03, 1.0);
-        drive.go(8.0, 0.0, 0.0, false).go(1.0, 6.0, 0.0, true).go(1.0, 0.0, 0.0, false);
-        let braking = drive.only();
-        let pair = braking.pair().unwrap();
-        assert!((pair.slope - 90.0).abs() < 1e-9 && (pair.mu - 6.0 / GRAVITY).abs() < 0.02, "{pair:?}");
-        assert!(!braking.confirmed && braking.time == Micros(8_010_000), "{braking:?}");
-        drive.go(10.0, 0.0, 0.0, false);
-        assert!(drive.only().confirmed);
-    }
-
-    #[test]
-    fn every_other_braking_is_listed_with_its_reason() {
-        let brake = |prepare: &dyn Fn(&mut Drive), lateral: f64| {
-            let mut drive = Drive::new();
-            prepare(&mut drive);
-            drive.go(1.0, 6.0, lateral, true).go(1.0, 0.0, 0.0, false);
-            let braking = drive.only();
-            assert_eq!(braking.pair(), None);
-            braking.not_a_pair.unwrap()
-        };
-        let settled = |drive: &mut Drive| {
-            drive.slope(90.0, 0.03, 1.0);
-            drive.go(8.0, 0.0, 0.0, false);
-        };
-        assert_eq!(brake(&|drive: &mut Drive| _ = drive.go(8.0, 0.0, 0.0, false), 0.0), NotAPair::NoSlope);
-        assert!(matches!(brake(&settled, 4.0), NotAPair::Cornering { share } if share > 60.0));
-        let unsure = |drive: &mut Drive| {
-            drive.slope(90.0, 0.3, 1.0);
-            drive.go(8.0, 0.0, 0.0, false);
-        };
-        assert!(matches!(brake(&unsure, 0.0), NotAPair::NotConverged { .. }));
-        let old = |drive: &mut Drive| {
-            drive.slope(90.0, 0.03, 20.0);
-            drive.go(8.0, 0.0, 0.0, false);
-        };
-        assert!(matches!(brake(&old, 0.0), NotAPair::TooOld { .. }));
-        let moving = |drive: &mut Drive| {
-            settled(drive);
-            drive.slope(70.0, 0.03, 0.0);
-            drive.go(2.0, 0.0, 0.0, false);
-        };
-        let reason = brake(&moving, 0.0);
-        assert!(matches!(reason, NotAPair::NotSettled { settled_s, .. } if settled_s < 2.1), "{reason:?}");
-        let changed = |drive: &mut Drive| {
-            settled(drive);
-            drive.estimates.surface_changes += 1;
-            drive.go(2.0, 0.0, 0.0, false);
-        };
-        assert!(matches!(brake(&changed, 0.0), NotAPair::NotSettled { .. }));
-    }
-
-    #[test]
-    fn a_change_noticed_right_after_the_braking_was_there_before() {
-        let mut drive = Drive::new();
-        drive.slope(90.0, 0.03, 1.0);
-        drive.go(8.0, 0.0, 0.0, false).go(1.0, 4.0, 0.0, true).go(3.0, -2.0, 0.0, false);
-        assert!(drive.only().pair().is_some());
-        drive.estimates.surface_changes += 1;
-        drive.go(1.0, 0.0, 0.0, false);
-        let reason = drive.only().not_a_pair;
-        assert!(matches!(reason, Some(NotAPair::SurfaceChanged { after_s }) if after_s > 2.0), "{reason:?}");
-    }
-
-    #[test]
-    fn what_all_slopes_share_is_no_uncertainty_of_one() {
-        let slope = Some(Estimate { value: 100.0, std: 5.0, age_s: 1.0 });
-        let mean = mean_slope(&[slope, slope, None, None], DrivenAxle::Front, 0.04).unwrap();
-        assert!((mean.std - 3.0).abs() < 1e-9);
-        assert_eq!(mean_slope(&[slope, None, None, None], DrivenAxle::Front, 0.0), None);
-    }
-}
+mod tests;

@@ -120,7 +120,8 @@ pub struct Mapping {
 }
 
 impl Mapping {
-    /// Roads that were braked on are like others up to this factor in roughness, and so much beyond it, m/s.
+    /// Roads that were braked on are like others up to this factor in roughness, and so much beyond it, m/s. Tuned
+    /// with the test `calibrate`.
     const ALIKE: (f64, f64) = (1.5, 0.01);
 
     /// From a checked configuration; `None` where [`MappingConfig::problem`] finds one.

@@ -163,6 +163,7 @@ impl Regression {
 
 /// Least χ² for a given τ² (York's equations: a is on both sides, iterated until it stays).
 fn solve(points: &[Point], shape: Shape, excess: f64) -> Option<Solution> {
+    /// A search that has not ended by then does not end.
     const ITERATIONS: usize = 200;
     let mut a = if shape == Shape::Constant { 0.0 } else { ordinary_slope(points, shape)? };
     for _ in 0..ITERATIONS {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::estimate::learned::Known;
 use crate::model::Vehicle;
 
 fn is_valid(estimator: &SlopeEstimator) -> bool {

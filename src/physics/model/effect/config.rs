@@ -1,7 +1,7 @@
 //! The `[[effect]]` tables: an effect with its numbers, read, checked and written.
 //!
 //! ```
-//! use gripd::model::effect::EffectConfig;
+//! use physics::model::effect::EffectConfig;
 //! #[derive(serde::Deserialize)]
 //! struct File {
 //!     effect: Vec<EffectConfig>,

@@ -1,8 +1,8 @@
 //! Drives a scenario: the truth at a fixed rate, and what the sensors say of it at their own times.
 //!
 //! ```
-//! use gripd::model::{Scenario, Simulation};
-//! # fn main() -> Result<(), gripd::model::ScenarioError> {
+//! use physics::model::{Scenario, Simulation};
+//! # fn main() -> Result<(), physics::model::ScenarioError> {
 //! let scenario = Scenario::parse(
 //!     r#"
 //!     duration_s = 1.0

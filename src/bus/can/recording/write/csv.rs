@@ -2,7 +2,7 @@
 
 use super::loss::Loss;
 use super::{Sink, loss_of_error};
-use crate::can::digits::{push_decimal, push_seconds, push_short_hexadecimal};
+use crate::can::recording::digits::{push_decimal, push_seconds, push_short_hexadecimal};
 use crate::can::recording::{LogError, TextOutput};
 use crate::can::{Frame, FrameKind};
 

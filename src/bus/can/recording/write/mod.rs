@@ -19,7 +19,8 @@ use std::path::Path;
 
 use self::channels::Channels;
 use super::{BUS_ERROR, Format, LogError, TextOutput};
-use crate::can::{Frame, FrameKind, candump};
+use crate::can::recording::candump;
+use crate::can::{Frame, FrameKind};
 
 /// Writes frames to a recording of any format, which is complete under its name or not there at all.
 ///

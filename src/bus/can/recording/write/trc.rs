@@ -3,8 +3,9 @@
 use super::loss::Loss;
 use super::start::Start;
 use super::{Sink, loss_of_error};
-use crate::can::digits::{push_bytes, push_decimal, push_hexadecimal, to_decimal};
+use crate::can::recording::digits::{push_bytes, push_decimal, push_hexadecimal};
 use crate::can::recording::{LogError, TextOutput, fd_code};
+use crate::can::words::to_decimal;
 use crate::can::{Frame, FrameKind};
 use physics::Micros;
 

@@ -1,0 +1,75 @@
+//! Recordings as they are explained: every reading at its own time, and what the audit of the chain says.
+
+use std::path::PathBuf;
+
+use crate::cli::Failure;
+use crate::cli::desk::progress::Progress;
+use crate::cli::desk::samples;
+use bus::Config;
+use bus::can::Frame;
+use bus::service::sensors;
+use bus::signals::Sampler;
+use lab::explain::Recording;
+use lab::explain::chain::{self, ChainReport};
+use physics::{Micros, Quantity};
+
+/// Everything that was read.
+pub struct Read {
+    /// The recordings.
+    pub recordings: Vec<Recording>,
+    /// The audit of each.
+    pub chain: Vec<ChainReport>,
+    /// Why some could not be read to their end.
+    pub broken: Vec<String>,
+}
+
+/// Reads all recordings.
+pub fn read(logs: &[PathBuf], config: &Config) -> Result<Read, Failure> {
+    let inputs = samples::inputs(config)?;
+    let mut read = Read { recordings: Vec::new(), chain: Vec::new(), broken: Vec::new() };
+    let progress = Progress::of_files(logs);
+    for path in logs {
+        // What is implausible is what there is to explain: nothing is taken out.
+        let mut unchecked = config.signals.sampling;
+        unchecked.cross_checks = false;
+        let mut sampler = Sampler::new(inputs.clone(), &unchecked);
+        let mut tracks = Tracks::new(path.display().to_string());
+        let take = |frame: &Frame, sampler: &Sampler| tracks.take(frame.time, sampler);
+        let samples = samples::of_recording(path, &mut sampler, &progress, &mut read.broken, take)?;
+        if tracks.recording.seconds() == 0.0 && read.broken.is_empty() {
+            return Err(samples::none_of(&inputs, path, "nothing to explain"));
+        }
+        read.chain.push(chain::audit(&samples, &config.vehicle, &sensors(&inputs)));
+        read.recordings.push(tracks.recording);
+    }
+    progress.finish();
+    Ok(read)
+}
+
+/// Readings as they come.
+struct Tracks {
+    recording: Recording,
+    start: Option<Micros>,
+    last: [Option<Micros>; Quantity::COUNT],
+}
+
+impl Tracks {
+    fn new(name: String) -> Self {
+        let recording = Recording { name, ..Recording::default() };
+        Self { recording, start: None, last: [None; Quantity::COUNT] }
+    }
+
+    /// Takes what a frame has brought.
+    fn take(&mut self, time: Micros, sampler: &Sampler) {
+        let start = *self.start.get_or_insert(time);
+        for quantity in Quantity::ALL {
+            let place = quantity as usize;
+            if let Some((time, value)) = sampler.newest(quantity)
+                && self.last[place].is_none_or(|last| time > last)
+            {
+                self.last[place] = Some(time);
+                self.recording.tracks[place].push(((time - start).seconds(), value));
+            }
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! `gripd identify`: the vehicle's parameters from recordings.
+
+mod recordings;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
+use serde::de::value::{Error as ValueError, StrDeserializer};
+use serde::de::{DeserializeOwned, IntoDeserializer};
+
+use super::output::{check_outputs, write_json, write_text};
+use super::progress::Progress;
+use super::{Failure, configuration};
+use lab::identify::{Identifier, IdentifyConfig, IdentifyError, LongitudinalInput, Method};
+use lab::pages::identify::{self as page, Story};
+use physics::Quantity;
+
+/// What is free, how and how often is searched: `[identify]` in the configuration, or the options here.
+#[derive(Args)]
+pub struct Identify {
+    /// Configuration of the car. What its [vehicle] table calls uncertain is identified.
+    #[arg(short, long)]
+    config: PathBuf,
+    /// Recordings of one car, in any format that `gripd convert` reads (`-` is the standard input), used together.
+    #[arg(required = true)]
+    logs: Vec<PathBuf>,
+    /// Write everything as JSON (`-`: to the standard output, instead of the text).
+    #[arg(long, value_name = "JSON")]
+    json: Option<PathBuf>,
+    /// Write a page with the answer, plots before and after, and how sure it is.
+    #[arg(long, value_name = "HTML")]
+    html: Option<PathBuf>,
+    /// Identify these, by their names in [vehicle]; `lateral_stiffness` means both axles' as one.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    parameters: Option<Vec<String>>,
+    /// How segments of the recordings are tied.
+    #[arg(long, value_parser = one_of::<Method>(&["auto", "free_run", "segments"]))]
+    method: Option<Method>,
+    /// What the longitudinal forces come from.
+    #[arg(long, value_parser = one_of::<LongitudinalInput>(&["torque", "wheel_speeds", "slips"]))]
+    drive: Option<LongitudinalInput>,
+    /// Search from so many starts.
+    #[arg(long, value_name = "N", value_parser = starts())]
+    starts: Option<usize>,
+}
+
+impl Identify {
+    /// Runs it.
+    pub fn run(self) -> Result<(), Failure> {
+        let config = configuration::load(&self.config)?;
+        check_outputs(
+            self.logs.iter().chain([&self.config]).chain(config.files()),
+            self.json.iter().chain(&self.html),
+        )?;
+        let used = self.settings(&configuration::identify(&self.config)?)?;
+        let (records, broken) = recordings::read(&self.logs, &config.clone().with_true_signals())?;
+        let progress = Progress::of_share();
+        let found = Identifier::new(&records, &config.vehicle, &used)
+            .and_then(|identifier| identifier.run(|stage, share| progress.at(stage, share)));
+        progress.finish();
+        let found = found.map_err(|error| failure(&error, &broken))?;
+        let offsets = Quantity::ALL
+            .map(|quantity| config.signals.quantities.get(&quantity).map_or(0.0, |config| config.offset));
+        let story = Story { offsets, used: &used, records: &records, found: &found };
+        // With `--json -` the standard output is for programs.
+        let to_stdout = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
+        if !to_stdout(&self.json) && !to_stdout(&self.html) {
+            let mut stdout = std::io::stdout().lock();
+            stdout.write_all(page::text(&story).as_bytes()).and_then(|()| stdout.flush())?;
+        }
+        if let Some(path) = &self.json {
+            write_json(path, &page::report(&story))?;
+        }
+        if let Some(path) = &self.html {
+            let html = page::html(&story).map_err(Failure::work)?;
+            write_text(path, &html)?;
+        }
+        // What could be read was worth its results; that something was lost is said all the same.
+        if broken.is_empty() { Ok(()) } else { Err(Failure::Work(broken.join("; "))) }
+    }
+
+    /// The configuration's table with the command line's changes.
+    fn settings(&self, table: &IdentifyConfig) -> Result<IdentifyConfig, Failure> {
+        let mut used = table.clone();
+        if let Some(names) = &self.parameters {
+            used.parameters = names.iter().map(|name| name.trim().to_owned()).collect();
+        }
+        used.method = self.method.unwrap_or(used.method);
+        used.drive = self.drive.or(used.drive);
+        used.starts = self.starts.unwrap_or(used.starts);
+        used.validate().map_err(Failure::usage)?;
+        Ok(used)
+    }
+}
+
+/// As many as the configuration takes.
+fn starts() -> impl TypedValueParser<Value = usize> {
+    RangedU64ValueParser::<usize>::new().range(1..=IdentifyConfig::MOST_STARTS as u64)
+}
+
+/// Words of the configuration's as an option.
+fn one_of<T>(words: &'static [&'static str]) -> impl TypedValueParser<Value = T>
+where
+    T: DeserializeOwned + Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(words).try_map(|word| {
+        let word: StrDeserializer<ValueError> = word.as_str().into_deserializer();
+        T::deserialize(word)
+    })
+}
+
+/// Who has to do something about it: who wrote the configuration, or who drove.
+fn failure(error: &IdentifyError, broken: &[String]) -> Failure {
+    match error {
+        IdentifyError::Parse(_)
+        | IdentifyError::Unknown(_)
+        | IdentifyError::Unusable { .. }
+        | IdentifyError::Setting { .. } => Failure::usage(error),
+        IdentifyError::NothingUsable { .. } | IdentifyError::NoEnd { .. } => {
+            let mut reasons = vec![error.to_string()];
+            reasons.extend_from_slice(broken);
+            Failure::Work(reasons.join("; "))
+        }
+    }
+}

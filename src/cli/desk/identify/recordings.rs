@@ -1,0 +1,37 @@
+//! Recordings to records: what the service would have seen of them, all kept in memory.
+
+use std::path::{Path, PathBuf};
+
+use crate::cli::Failure;
+use crate::cli::desk::progress::Progress;
+use crate::cli::desk::samples;
+use bus::Config;
+use bus::service::sensors;
+use bus::signals::Sampler;
+use lab::identify::Record;
+
+/// A record for each recording, and why some could not be read to their end.
+pub fn read(logs: &[PathBuf], config: &Config) -> Result<(Vec<Record>, Vec<String>), Failure> {
+    let inputs = samples::inputs(config)?;
+    let mut records = Vec::new();
+    let mut broken = Vec::new();
+    let progress = Progress::of_files(logs);
+    for path in logs {
+        let mut sampler = Sampler::new(inputs.clone(), &config.signals.sampling);
+        let samples = samples::of_recording(path, &mut sampler, &progress, &mut broken, |_, _| {})?;
+        if samples.is_empty() && broken.is_empty() {
+            return Err(samples::none_of(&inputs, path, "nothing to identify from"));
+        }
+        records.push(Record::new(&name(path), &samples, &sensors(&inputs)));
+    }
+    progress.finish();
+    Ok((records, broken))
+}
+
+/// What a recording is called where its folder does not matter.
+fn name(path: &Path) -> String {
+    if path.as_os_str() == "-" {
+        return "standard input".into();
+    }
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}

@@ -1,0 +1,120 @@
+//! An axle's measurement equation at a window's means.
+
+use super::model::Model;
+use super::state::{ANGLE_OFFSET, ANGLE_SCALE, AY_OFFSET, FRONT, Row, SPEED_SCALE, State, VY, YAW_OFFSET};
+use super::window::Means;
+use crate::estimate::belief::Belief;
+use crate::model::GRAVITY;
+
+/// Tuned with the tests `campaign` and `long_drives`.
+struct Tuning {
+    /// Up to this share of the lateral acceleration, yaw acceleration is that of driving round a bend.
+    steady: f64,
+    /// Where the curve is too steep to say how far it is bent.
+    most_bent: f64,
+    /// Deviation of a tire's shape from the straightest one, of its distance to the roundest.
+    shape_std: f64,
+    /// Mean and variance of the bend where more is in use than was believed to be there.
+    bent_anyhow: (f64, f64),
+}
+
+const TUNING: Tuning = Tuning { steady: 0.5, most_bent: 0.97, shape_std: 0.3, bent_anyhow: (2.0, 4.0) };
+
+/// One axle's equation at a window.
+pub struct Equation {
+    pub axle: usize,
+    /// Sensitivity to the state of the slip angle by the motion …
+    pub motion: Row,
+    /// … and of that less the one by the force.
+    pub h: Row,
+    /// What is to be zero, rad: slip angle by the force, less that by the motion.
+    pub residual: f64,
+    /// Slip angle by the motion, rad.
+    pub angle: f64,
+    /// Force sideways over the load, and with that along the car.
+    pub force: f64,
+    pub used: f64,
+    /// Slip angle by the stiffness alone, rad.
+    pub straight: f64,
+    /// What is not known of the bend, rad².
+    pub bend_variance: f64,
+    /// Noise by the data sheets, rad².
+    pub promised: f64,
+    /// The car turns as one that drives round a bend, forwards. Where it turns more, it may be a single brake that does
+    /// it, and the force is none of this axle's; backwards, with wheel speeds that have no sign, it turns the other way.
+    pub is_cornering: bool,
+}
+
+impl Equation {
+    /// What the slip angle is by the motion, less what it is by the force.
+    pub fn new(axle: usize, now: &Means, state: &State, model: &Model, belief: &Belief) -> Self {
+        let car = &model.car;
+        let x = &state.mean;
+        let front = axle == FRONT;
+        // Along the car to the axle, and how its inertia turns yaw acceleration into axle force.
+        let lever = if front { car.a } else { -car.b };
+        let turning = car.yaw_inertia / (car.mass * if front { car.b } else { -car.a });
+        let turned = turning * now.yaw_acceleration;
+        let force = (now.acceleration - x[AY_OFFSET] + turned) / GRAVITY;
+        let used = force.hypot(car.axle_forces(now.along)[axle - FRONT]);
+        let speed = now.speed * (1.0 + x[SPEED_SCALE]);
+        let along = (x[VY] + lever * (now.yaw_rate - x[YAW_OFFSET])) / speed;
+        let steered = if front { now.angle * (1.0 + x[ANGLE_SCALE]) - x[ANGLE_OFFSET] } else { 0.0 };
+        let angle = steered - along.atan();
+        let (bend, bend_variance) = model.expected_bend(used, belief);
+        let straight = x[axle] * force;
+        let mut motion = Row::zeros();
+        motion[VY] = -1.0 / speed;
+        motion[YAW_OFFSET] = lever / speed;
+        motion[SPEED_SCALE] = along;
+        if front {
+            motion[ANGLE_OFFSET] = -1.0;
+            motion[ANGLE_SCALE] = now.angle;
+        }
+        let mut h = motion;
+        h[axle] = -force * bend;
+        h[AY_OFFSET] = x[axle] * bend / GRAVITY;
+        Self {
+            axle,
+            motion,
+            h,
+            residual: straight * bend - angle,
+            angle,
+            force,
+            used,
+            straight,
+            bend_variance: straight * straight * bend_variance,
+            promised: model.promised_variance(axle, x[axle], turning, lever / speed, now),
+            is_cornering: turned.abs() < TUNING.steady * now.acceleration.abs()
+                && now.yaw_rate * now.acceleration > 0.0,
+        }
+    }
+}
+
+impl Model {
+    /// How far the axle's curve is bent where so much friction is in use: mean and variance over the frictions
+    /// believed. Drivers seldom use much of what there is.
+    fn expected_bend(&self, used: f64, belief: &Belief) -> (f64, f64) {
+        let bends = belief.expect(|mu| {
+            let share = used / mu;
+            let [least, most] = self.tires.at(share.min(TUNING.most_bent));
+            // The tire's own shape counts as doubt.
+            (if share < 1.0 { (1.0 - share).powi(4) } else { 0.0 }, [least, most - least])
+        });
+        match bends {
+            Some([(bend, variance), (spread, _)]) => (bend, variance + (TUNING.shape_std * spread).powi(2)),
+            None => TUNING.bent_anyhow,
+        }
+    }
+
+    /// Noise of an axle's equation as the sensors' data sheets promise it, rad².
+    fn promised_variance(&self, axle: usize, compliance: f64, turning: f64, lever: f64, now: &Means) -> f64 {
+        let averaged = 1.0 / now.samples.sqrt();
+        let force = (self.noise.acceleration * averaged).hypot(turning * now.yaw_acceleration_std) / GRAVITY;
+        let mut variance = (compliance * force).powi(2) + (lever * self.noise.yaw_rate * averaged).powi(2);
+        if axle == FRONT {
+            variance += (self.noise.road_angle * averaged).powi(2);
+        }
+        variance + self.config.slip_angle_noise.powi(2)
+    }
+}

@@ -1,0 +1,367 @@
+//! The filter: samples in, motion, stiffnesses and offsets out.
+
+use super::axle::{AxleMonitor, OtherCar};
+use super::bound::bent_limit;
+use super::config::CorneringConfig;
+use super::doubt::{Axle, Doubt, Surprises};
+use super::equation::Equation;
+use super::lasting;
+use super::model::{LateralMotion, Model};
+use super::single_brake::SingleBrake;
+use super::sliding::LateralLimit;
+use super::standstill::Standstill;
+use super::state::{ANGLE_OFFSET, AY_OFFSET, FRONT, REAR, STATES, State, UNKNOWN_VY, VY, YAW_OFFSET, prior};
+use super::window::{Means, Window, YawAcceleration};
+use crate::estimate::belief::Belief;
+use crate::estimate::kinematics::{Car, Cornering, Kinematics};
+use crate::estimate::learned::{Known, Learned, Trial};
+use crate::estimates::{Estimate, SensorOffsets};
+use crate::{Quantity, Sensors};
+
+/// Tuned: standing, creeping and blind driving with the tests `long_drives` and `faults`, what is given out with
+/// `real_cars`, the rest with no test on record.
+struct Tuning {
+    /// Samples are averaged over this time before each update, s.
+    window_s: f64,
+    /// A compliance stays within these, rad.
+    compliance_limits: (f64, f64),
+    /// A stiffness this uncertain (relative) is not given out at all.
+    unknown: f64,
+    /// Relative uncertainty that a compliance has again after a change of surface.
+    change_std: f64,
+    /// A bus sends less often than it is sampled: so many samples of a sensor that rests are worth one.
+    repeated: f64,
+    /// After driving so slowly that it may be backwards, where wheel speeds have no sign, that shows within this,
+    /// s.
+    forward_shows_s: f64,
+    /// By so much (rad) no tire has confirmed that the sideslip changed since the last window: that is a spin, or a
+    /// sensor that lies.
+    unseen: f64,
+    /// Driven blindly for so long (s), the surface may have become another one, …
+    blind_s: f64,
+    /// … and the stiffnesses be off by this share of themselves.
+    blind_std: f64,
+    /// A sample that stands for more than this share of a window ends it.
+    gap: f64,
+}
+
+const TUNING: Tuning = Tuning {
+    window_s: 0.4,
+    compliance_limits: (1.0 / 80.0, 1.0),
+    unknown: 0.25,
+    change_std: 0.4,
+    repeated: 4.0,
+    forward_shows_s: 3.0,
+    unseen: 0.05,
+    blind_s: 2.0,
+    blind_std: 0.2,
+    gap: 0.25,
+};
+
+/// The filter.
+#[derive(Clone, Debug)]
+pub struct CorneringEstimator {
+    model: Model,
+    pub(super) state: State,
+    axles: [AxleMonitor; 2],
+    window: Window,
+    yaw_acceleration: YawAcceleration,
+    single_brake: SingleBrake,
+    standstill: Standstill,
+    minimum_speed: f64,
+    /// The lateral velocity is known: a window has ended since the car began to drive.
+    running: bool,
+    /// For how long the car has been fast enough, s.
+    driving_s: f64,
+    surprises: Surprises,
+    age_s: f64,
+    informed: bool,
+    /// Seconds since the last sample that could be used at all, and whether there was one.
+    idle_s: f64,
+    seen: bool,
+    /// For how long the car has been driving, or may have, with sensors that told nothing of it, s.
+    blind_s: f64,
+    motion: Option<LateralMotion>,
+    limit: Option<LateralLimit>,
+    /// The stiffnesses when they were last known well. The surface may have changed since.
+    settled: [Option<Known>; 2],
+    /// What was taken up from an earlier drive is on trial.
+    trial: Option<Trial<STATES>>,
+}
+
+impl CorneringEstimator {
+    /// Starts from the vehicle's priors.
+    pub fn new(car: &Car, sensors: &Sensors, config: &CorneringConfig, minimum_speed: f64) -> Self {
+        let single_brake = SingleBrake::new(car, car.radius * sensors.noise_std(Quantity::WheelSpeedFl));
+        Self::at_start(Model::new(car, sensors, config), single_brake, minimum_speed)
+    }
+
+    fn at_start(model: Model, single_brake: SingleBrake, minimum_speed: f64) -> Self {
+        let axle = AxleMonitor::new(&model.config);
+        Self {
+            state: prior(&model.car, &model.config),
+            axles: [axle.clone(), axle],
+            window: Window::new(TUNING.window_s),
+            yaw_acceleration: YawAcceleration::default(),
+            single_brake,
+            standstill: Standstill::default(),
+            minimum_speed,
+            running: false,
+            driving_s: 0.0,
+            surprises: Surprises::NONE,
+            age_s: 0.0,
+            informed: false,
+            idle_s: 0.0,
+            seen: false,
+            blind_s: 0.0,
+            motion: None,
+            limit: None,
+            settled: [None; 2],
+            trial: None,
+            model,
+        }
+    }
+
+    /// Starts from what an earlier drive learned, less sure of it. Before the first sample only.
+    pub fn restore(&mut self, learned: &Learned) {
+        self.state = lasting::restored(learned, &self.model);
+        self.settled = learned.cornering;
+        self.trial = Some(Trial::new(prior(&self.model.car, &self.model.config), lasting::TRIAL));
+    }
+
+    /// Puts into `learned` what outlives the drive; motion and bank do not.
+    pub fn learn(&self, learned: &mut Learned) {
+        learned.cornering = self.settled;
+        if self.seen || self.trial.is_some() {
+            lasting::learn_errors(&self.state, learned);
+        }
+    }
+
+    /// Takes a sample; returns whether the cornering stiffness jumped. `longitudinal` is the acceleration along the
+    /// car, where it is known, and `belief` what is believed of the friction.
+    pub fn step(&mut self, now: &Kinematics, longitudinal: Option<f64>, belief: &Belief) -> bool {
+        self.age_s += now.elapsed_s;
+        self.idle_s += now.elapsed_s;
+        self.motion = None;
+        self.limit = None;
+        self.watch_standstill(now);
+        let Some(Cornering { speed, yaw_rate: r, lateral_acceleration: ay, road_angle: angle }) =
+            now.cornering(self.minimum_speed)
+        else {
+            self.driving_s = 0.0;
+            let is_slow = now.speed.is_some_and(|speed| speed < self.minimum_speed);
+            self.blind_s += if is_slow || !self.seen { 0.0 } else { now.elapsed_s };
+            self.stop(now.elapsed_s);
+            return false;
+        };
+        self.driving_s += now.elapsed_s;
+        if now.elapsed_s > TUNING.gap * TUNING.window_s {
+            self.blind_s += now.elapsed_s;
+            self.stop(now.elapsed_s);
+        }
+        (self.idle_s, self.seen) = (0.0, true);
+        let along = longitudinal.map_or(0.0, |a| self.model.car.longitudinal_force(a, speed));
+        let sample =
+            Means { speed, yaw_rate: r, acceleration: ay, angle, along, samples: 1.0, ..Means::default() };
+        self.single_brake.add(now, along);
+        let mut changed = false;
+        if let Some(mut means) = self.window.step(&sample, now.elapsed_s) {
+            self.yaw_acceleration.shrink(&mut means);
+            if std::mem::take(&mut self.blind_s) > TUNING.blind_s {
+                self.open(TUNING.blind_std);
+            }
+            changed = self.update(&means, belief);
+            self.running = true;
+        }
+        if self.running {
+            self.motion = Some(self.model.motion_at(&self.state, &self.window.path, &sample));
+        }
+        changed
+    }
+
+    /// Motion at the last sample, if the car moved and nothing was missing.
+    pub fn motion(&self) -> Option<LateralMotion> {
+        self.motion
+    }
+
+    /// Friction, at a sample by which an axle was found to slide.
+    pub fn limit(&self) -> Option<LateralLimit> {
+        self.limit.map(|limit| LateralLimit { is_sure: limit.is_sure && self.is_consistent(), ..limit })
+    }
+
+    /// Normalized cornering stiffness front and rear, 1/rad.
+    pub fn stiffness(&self) -> [Option<Estimate>; 2] {
+        [FRONT, REAR].map(|i| {
+            let compliance = self.state.mean[i];
+            let relative = self.state.std(i) / compliance;
+            let systematic = self.model.systematic_std[i - FRONT];
+            let relative = (relative * relative + systematic * systematic).sqrt();
+            (self.informed && relative < TUNING.unknown).then(|| Estimate {
+                value: 1.0 / compliance,
+                std: relative / compliance,
+                age_s: self.age_s,
+            })
+        })
+    }
+
+    /// Offsets of the sensors, with the same age as the motion's information.
+    pub fn offsets(&self) -> SensorOffsets {
+        let estimate = |i| {
+            let (value, std) = (self.state.mean[i], self.state.std(i));
+            self.seen.then_some(Estimate { value, std, age_s: self.idle_s })
+        };
+        SensorOffsets {
+            road_angle: estimate(ANGLE_OFFSET),
+            lateral_acceleration: estimate(AY_OFFSET),
+            yaw_rate: estimate(YAW_OFFSET),
+        }
+    }
+
+    /// Both of these stiffnesses, which are its own, are known well, and lately, and the filter agrees with itself.
+    pub fn are_valid(&self, stiffness: &[Option<Estimate>; 2]) -> bool {
+        let config = &self.model.config;
+        self.is_consistent()
+            && stiffness.iter().all(|stiffness| {
+                stiffness.is_some_and(|c| {
+                    c.std <= config.valid_relative_std * c.value && c.age_s <= config.valid_age_s
+                })
+            })
+    }
+
+    /// The sideslip is known well enough to be acted upon.
+    pub fn is_motion_valid(&self, speed: f64) -> bool {
+        self.is_consistent()
+            && self.driving_s > TUNING.forward_shows_s
+            && self.motion.is_some_and(|m| {
+                let unseen = (m.lateral_velocity - self.state.mean[VY]).abs();
+                m.lateral_velocity_std <= self.model.config.valid_sideslip_std * speed
+                    && unseen < TUNING.unseen * speed
+            })
+    }
+
+    /// Nothing speaks against what it says.
+    pub fn is_consistent(&self) -> bool {
+        self.doubt().is_none()
+    }
+
+    /// The first reason not to believe what it says: innovations are not about as large as the filter believes, on
+    /// the whole or lately, or the noise it had to assume for that is no sensor's.
+    pub fn doubt(&self) -> Option<Doubt> {
+        let axles = || [Axle::Front, Axle::Rear].into_iter().zip(&self.axles);
+        let of_axles = || axles().find_map(|(axle, monitor)| monitor.doubt(axle, &self.model.config));
+        self.surprises.doubt().or_else(of_axles)
+    }
+
+    /// A sensor lies, as its plausibility has it: the motion is anything, and is doubted for a while afterwards; who knows
+    /// what was learned from it.
+    pub fn distrust(&mut self) {
+        self.stop(0.0);
+        self.blind_s = f64::INFINITY;
+        self.surprises = Surprises::CONTRADICTION;
+    }
+
+    /// The surface changed, as this filter or another noticed: the stiffness may be anything near.
+    pub fn surface_changed(&mut self) {
+        self.open(TUNING.change_std);
+    }
+
+    /// The stiffnesses may be off by this share of themselves.
+    fn open(&mut self, relative_std: f64) {
+        for i in [FRONT, REAR] {
+            let std = relative_std * self.state.mean[i];
+            self.state.inflate(i, std * std);
+        }
+        self.axles.iter_mut().for_each(AxleMonitor::forget_evidence);
+    }
+
+    /// Standing still, the yaw rate sensor shows its offset.
+    fn watch_standstill(&mut self, now: &Kinematics) {
+        if let Some((yaw_rate, samples)) = self.standstill.step(now) {
+            let variance = TUNING.repeated * self.model.noise.yaw_rate.powi(2) / samples;
+            self.state.update_component(YAW_OFFSET, yaw_rate - self.state.mean[YAW_OFFSET], variance);
+        }
+    }
+
+    /// The motion is not known for a while; stiffness and sensor errors are kept.
+    fn stop(&mut self, elapsed_s: f64) {
+        self.window = Window::new(TUNING.window_s);
+        self.single_brake.stop();
+        if std::mem::take(&mut self.running) {
+            self.state.forget(VY, 0.0, UNKNOWN_VY);
+        }
+        self.model.walk(&mut self.state, elapsed_s);
+    }
+
+    /// From the last window's middle to this one's, then both axles' equations.
+    fn update(&mut self, now: &Means, belief: &Belief) -> bool {
+        if self.running {
+            let is_sliding = self.axles.iter().any(AxleMonitor::is_sliding);
+            self.model.predict(&mut self.state, now, is_sliding);
+        } else {
+            let r = now.yaw_rate - self.state.mean[YAW_OFFSET];
+            let vy = self.model.car.steady_lateral_velocity(now.speed, r, now.acceleration);
+            self.state.forget(VY, vy, UNKNOWN_VY);
+        }
+        let is_braked = self.single_brake.end(now.speed, now.path.time);
+        if is_braked && self.driving_s > TUNING.forward_shows_s {
+            return false;
+        }
+        let Ok(changed) = self.measure(now, belief) else {
+            self.start_afresh();
+            return false;
+        };
+        for i in [FRONT, REAR] {
+            let (low, high) = TUNING.compliance_limits;
+            self.state.mean[i] = self.state.mean[i].clamp(low, high);
+        }
+        if !self.state.is_sound() {
+            self.start_again();
+        }
+        if now.acceleration.abs() > AxleMonitor::INFORMATIVE {
+            self.age_s = 0.0;
+            self.informed = true;
+            lasting::settle(&self.state, self.model.config.valid_relative_std, &mut self.settled);
+        }
+        if changed {
+            self.surface_changed();
+        }
+        changed
+    }
+
+    /// Both axles' measurement updates; returns whether a stiffness jumped.
+    fn measure(&mut self, now: &Means, belief: &Belief) -> Result<bool, OtherCar> {
+        let front = Equation::new(FRONT, now, &self.state, &self.model, belief);
+        let rear = Equation::new(REAR, now, &self.state, &self.model, belief);
+        let [front_noise, rear_noise] = [(&front, 0), (&rear, 1)].map(|(e, i)| self.axles[i].variance(e));
+        self.limit =
+            bent_limit([(&front, front_noise), (&rear, rear_noise)], &self.state, &self.model, belief);
+        let (mut changed, mut surprised) = (false, false);
+        let [front_axle, rear_axle] = &mut self.axles;
+        let at_front = front_axle.update(&front, now, &mut self.state, &mut self.trial, belief)?;
+        // By the state that the front axle has corrected.
+        let rear = Equation::new(REAR, now, &self.state, &self.model, belief);
+        let at_rear = rear_axle.update(&rear, now, &mut self.state, &mut self.trial, belief)?;
+        for outcome in [at_front, at_rear] {
+            changed |= outcome.surface_changed;
+            if let Some(surprise) = outcome.surprise {
+                self.surprises.by(surprise);
+                surprised |= !outcome.surface_changed;
+            }
+        }
+        self.surprises.end_window(surprised);
+        Ok(changed)
+    }
+
+    /// Fresh readings contradict an earlier drive's numbers: another load or another sensor, perhaps. As
+    /// if there were none.
+    fn start_afresh(&mut self) {
+        let idle = (self.idle_s, self.seen);
+        self.start_again();
+        (self.idle_s, self.seen) = idle;
+    }
+
+    /// Numbers got out of hand: better to know nothing than to go on with them.
+    fn start_again(&mut self) {
+        *self = Self::at_start(self.model.clone(), self.single_brake.clone(), self.minimum_speed);
+    }
+}

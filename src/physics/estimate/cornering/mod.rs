@@ -1,0 +1,51 @@
+//! The joint lateral filter that is published: motion, both axles' cornering stiffness, and the
+//! errors of the sensors it stands on.
+//!
+//! The joint EKF of thesis (5.21) multiplies two unknowns, stiffness and slip angle, and is soon surer
+//! of both than it can be. Here the *measured* forces are the regressors: lateral acceleration and
+//! yaw acceleration give each axle's normalized force μ, and with the compliance κ = 1/k every
+//! equation is linear in what is unknown:
+//!
+//! ```text
+//! v̇_y = a_y − v_x r                                 kinematics: no tire in it
+//! δ − (v_y + a r)/v_x = κ_F μ_F                       μ_F = (a_y + J ṙ/(m b))/g
+//!   − (v_y − b r)/v_x = κ_R μ_R                       μ_R = (a_y − J ṙ/(m a))/g     (thesis 5.20)
+//! ```
+//!
+//! All of it holds for means over a window as it does for an instant, if only v_y's change from one
+//! window's mean to the next is integrated from every sample ([`window`]). Windows are long, because
+//! noise in a regressor pulls the compliance to zero, and what counts against it is how much the force
+//! *changes* from window to window. The yaw acceleration, in gentle driving mostly noise, is shrunk to
+//! its expectation for the same reason ([`window::YawAcceleration`]).
+//!
+//! Tires bend: near their limit they slip further than κ μ, by a factor that depends on how much of the friction is
+//! in use. What is believed of the friction says how far on average, and how far that may be off ([`bend`]). And
+//! tires slide: an axle whose slip angle its force does not account for at all is left out, and v_y goes on by its
+//! kinematics alone ([`sliding`]). How far an axle is bent beyond doubt bounds the friction ([`bound`]).
+//!
+//! Further states are the offsets of steering, accelerometer and gyro, the scales of speed and
+//! steering angle, and the road's bank, which turns v_y but is no tire force. Noise is learned from the
+//! innovations; a CUSUM detector per axle notices a change of surface.
+
+mod axle;
+mod bend;
+mod bound;
+mod config;
+mod doubt;
+mod equation;
+mod estimator;
+mod lasting;
+mod model;
+mod single_brake;
+mod sliding;
+mod standstill;
+mod state;
+#[cfg(test)]
+mod tests;
+mod window;
+
+pub use config::CorneringConfig;
+pub use doubt::{Axle, Doubt};
+pub use estimator::CorneringEstimator;
+pub use model::LateralMotion;
+pub use sliding::LateralLimit;

@@ -1,0 +1,18 @@
+//! Each command as its users meet it: what goes in, what comes out, and how it fails. And what the pages and the map of
+//! the rooms promise.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod calibrate;
+mod check;
+mod demo;
+mod errors;
+mod identify_cli;
+mod map;
+mod monitor;
+mod pages;
+mod parquet;
+mod replay;
+mod results;
+mod rooms;
+mod view;

@@ -1,0 +1,26 @@
+//! From frames to estimates: the sampler, the estimators, their faults, and what is published.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod accuracy;
+mod all_driven;
+mod allocations;
+mod effects;
+mod faults;
+mod filter;
+mod learned;
+mod model;
+mod plausibility;
+mod publish;
+mod sampler;
+mod signals;
+mod sim2_joint;
+mod sim3;
+mod simulate;
+mod thesis_lateral;
+mod watch;
+
+use testing::allocator::Counting;
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;

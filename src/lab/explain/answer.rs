@@ -1,4 +1,5 @@
-//! The answer put together: before and after, part by part.
+//! Puts the answer together. It compares the plain model with the extended one: free simulation, prediction,
+//! likelihood, numbers.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,5 @@
-//! A drive of the project's own simulator for the tests of the engine. (The proof has another: tests/concealed.)
+//! A drive of the project's own simulator, for the unit tests of explain. (tests/concealed has a simulator of its
+//! own.)
 
 use super::fit::{Data, Fit};
 use super::model::Model;

@@ -1,4 +1,4 @@
-//! What could be missing: every effect of the library that this bus and this drive could show.
+//! The candidates: every effect of the library that this bus and this drive could show.
 
 use super::model::{Chosen, Model};
 use super::predict::GriddedDrive;

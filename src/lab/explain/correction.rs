@@ -1,7 +1,7 @@
-//! What could be explained at all: forces and a moment that nobody knows, each varying as it likes.
+//! The upper bound of what effects could explain: two unknown forces and a moment, each a free course in time.
 //!
-//! It is no physics, and says how much physics is missing: the gain of a named effect is judged against
-//! it, and where nothing has a name it still helps to predict.
+//! These are no physics. They say how much is missing: the gain of a named effect is judged against theirs. Where no
+//! effect is named they still help to predict.
 
 use super::fit::{Data, Fit};
 use super::model::Chosen;

@@ -1,4 +1,4 @@
-//! The course of a chosen effect, and what it comes to in numbers.
+//! The smoothed course of a chosen effect, and the number that stands for it in the answer.
 
 use std::collections::BTreeMap;
 

@@ -1,6 +1,8 @@
-//! What of a long recording is searched for causes: minutes that between them hold every kind of driving, and those in
-//! which the plain model errs more than elsewhere, wherever they are. An hour of driving says a hundred times what
-//! a cause is; so it is found in minutes, and then fitted to, and proved by, all of it ([`super::long_recording`]).
+//! The part of a long recording in which causes are searched.
+//!
+//! It has some minutes of every kind of driving, and those minutes in which the plain model errs most. An hour of
+//! driving shows a cause a hundred times over. So the search takes minutes; the fit and the proof take all of the
+//! recording ([`super::long_recording`]).
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,5 +1,5 @@
-//! Is a course the road's and the weather's, or does it follow what the driver does? What follows the
-//! car's own motion is no wind and no bank: it is a term that is missing in the equations.
+//! Is a course exogenous? Wind, bank and grade do not depend on what the driver does. A course that follows from
+//! steering, speed and torque is a term that is missing in the equations.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};

@@ -1,4 +1,4 @@
-//! The whole job, from recordings to an answer.
+//! From recordings to the answer: fits the plain model, selects effects, judges.
 
 use super::candidates::library;
 use super::case::{Answer, Case};

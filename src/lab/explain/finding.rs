@@ -1,4 +1,4 @@
-//! A chosen effect in the words and numbers of the answer.
+//! A chosen effect as a finding of the answer: its probability, its numbers, its rivals.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,4 +1,4 @@
-//! Fitting a model to drives: its numbers and its noise, by the likelihood of predictions.
+//! Maximum-likelihood fit of a model to drives: its numbers and its noise, by the likelihood of the innovations.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! Noise of sensors and equations, learnt: what makes the readings most probable.
+//! Noise of sensors and equations, by maximum likelihood.
 
 use rayon::prelude::*;
 

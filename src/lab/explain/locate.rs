@@ -1,4 +1,4 @@
-//! Where two models differ in how well they predict: in which sensors, in which driving, and when.
+//! Where one model predicts better than another: in which sensors, in which driving, and when.
 
 use std::collections::BTreeMap;
 

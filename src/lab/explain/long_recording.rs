@@ -1,6 +1,8 @@
-//! A long recording: causes are searched for in an excerpt, and then everything is fitted to all of it, judged by all
-//! of it, and held against what of all of it was held out. Where what was found leaves a stretch unexplained that the
-//! excerpt does not have, that is added, and the search goes on.
+//! The search on a long recording.
+//!
+//! Causes are searched in an excerpt. Then the model is fitted to the whole recording, judged by it, and compared
+//! with its held-out part. A stretch that stays unexplained and is not in the excerpt is added, and the search goes
+//! on.
 
 use rayon::prelude::*;
 

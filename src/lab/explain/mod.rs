@@ -1,17 +1,18 @@
-//! Where recording and physics disagree, and why.
+//! Explains where a recording and the physics of the plain model disagree.
 //!
 //! ```text
 //! Recording ─► GriddedDrive ─┐
-//! [vehicle] ─► Model ─┴─► fit (the plain model) ─► naming (scan, refit) ─► select ─► locate, proof ─► Explanation
-//!                              └ predict: one filter, many cars side by side      └ correction: what nobody named
+//! [vehicle] ─► Model ────────┴─► fit (plain model) ─► naming (scan, refit) ─► select ─► locate, proof ─► Explanation
+//!                                 └ predict: one filter, many cars              └ correction: unknown forces
 //! ```
 //!
-//! Before any physics is blamed, the measurement [`chain`] is looked at. Then the plain model is fitted with
-//! all its uncertain numbers free, by the likelihood of its predictions: a filter holds it to the recording
-//! as tightly as sensors and equations allow, both learnt from the data, so that what the model misses is
-//! noise of the equations, and not forgotten. Every candidate effect is scored after all that the ordinary
-//! numbers could explain has been taken out, the best are fitted with everything else, and the one that the
-//! data make most probable is taken; then the next, until nothing is left that held-out data confirm.
+//! The audit of the measurement [`chain`] comes first. Then the plain model is fitted with all its uncertain numbers
+//! free, by the likelihood of its predictions. A filter holds it to the recording as tightly as the noise of sensors
+//! and equations allows; both are learnt from the data. So what the model misses shows as process noise.
+//!
+//! Every candidate effect is scored after the ordinary numbers have explained what they can. The best are fitted with
+//! everything else, and the most probable one is taken. Then the next one is searched, until held-out data confirm
+//! none.
 
 mod answer;
 #[cfg(test)]

@@ -1,5 +1,7 @@
-//! Which effect is it? Every candidate is scored after all that ordinary numbers could explain is taken
-//! out; the best ones are fitted together with everything else.
+//! Scores and refits candidates.
+//!
+//! A scan gives the gain of each candidate to first order, after the ordinary numbers have explained what they can.
+//! The best candidates are fitted together with everything else.
 
 use std::collections::BTreeMap;
 

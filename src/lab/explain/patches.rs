@@ -1,5 +1,7 @@
-//! Patches of another surface with clear edges. A filter that estimates how much of the road is different
-//! finds out where that is; how different it is, and where exactly it begins and ends, a fit tells better.
+//! Patches of another surface with clear edges.
+//!
+//! A filter estimates the share of the road that is different, and so finds the patches. A fit then tells better how
+//! different they are, and where they begin and end.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,4 @@
-//! The proof on data that nobody has looked at: a free simulation with and without what was found.
+//! The proof on held-out data: a free simulation with and without the findings.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,5 @@
-//! Choosing forward: the best effect, then what is best beside it, until nothing is left that the data
-//! ask for and held-out data confirm.
+//! Forward selection of effects. It takes the best effect, then the best one beside it, until the evidence is too
+//! small or held-out data do not confirm it.
 
 use std::collections::BTreeSet;
 

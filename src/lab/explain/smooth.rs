@@ -1,4 +1,4 @@
-//! How a course went, seen from the end of the drive: Rauch, Tung and Striebel's smoother over a pass.
+//! The courses of a drive by fixed-interval smoothing (Rauch, Tung and Striebel) over a pass of the filter.
 
 use nalgebra::{DMatrix, DVector};
 

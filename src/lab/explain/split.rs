@@ -1,4 +1,4 @@
-//! What is fitted to and what is kept for the proof: fixed before anything is looked at.
+//! The split into training and held-out blocks. It is fixed before any model is fitted.
 
 use super::predict::GriddedDrive;
 

@@ -1,4 +1,4 @@
-//! What it all came to: does what has a name explain what there is to explain?
+//! The verdict: do the named effects explain what the unknown forces could?
 
 use super::fit::{Data, Fit};
 use super::naming::OF_A_COURSE;

@@ -1,4 +1,4 @@
-//! Vectors and matrices of the filtered states, and what is done with them everywhere.
+//! Vectors and matrices of the filtered states.
 
 use super::car::{BODY_STATES, MOST_LIVE};
 

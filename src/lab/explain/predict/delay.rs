@@ -1,5 +1,5 @@
-//! How late sensors and torques usually are: no chain is exact to the millisecond, and each reading is
-//! sampled, averaged and filtered before its frame goes out.
+//! How late sensors and torques usually are. Each reading is sampled, averaged and filtered before its frame goes
+//! out, so a few milliseconds are ordinary.
 
 use physics::Quantity;
 

@@ -1,4 +1,4 @@
-//! The filter that holds a car to a recording as tightly as sensors and equations allow.
+//! The extended Kalman filter that holds a car to a recording.
 
 use super::algebra::{Column, FILTERED, Gain, Square, dot};
 use super::car::{self, BODY_STATES, ExtendedCar, Instant, State};

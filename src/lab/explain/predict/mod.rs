@@ -1,8 +1,8 @@
-//! The car simulated beside a recording, and held to it as tightly as the noise allows.
+//! Prediction: a car is simulated along a recording, and a filter corrects it by the innovations.
 //!
 //! ```text
 //! Recording ─► GriddedDrive (inputs on a grid, readings at their own times)
-//!                └─► Pass: one filter, many cars (Trajectory) side by side ─► BlockSums by block
+//!                └─► pass: one filter, the Trajectory of each car ─► BlockSums
 //! ```
 
 mod algebra;

@@ -1,4 +1,4 @@
-//! How much the sensors and the equations err.
+//! The noise of sensors and equations.
 
 use super::car::{BODY_STATES, MOST_LIVE};
 use super::drive::GriddedDrive;

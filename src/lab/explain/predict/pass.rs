@@ -1,9 +1,8 @@
-//! One pass over a drive: a filter holds the car to the recording, and other cars, a little different,
-//! are held to it by the same gains.
+//! One pass of the filter over a drive, with other cars beside it.
 //!
-//! With the gains kept, what a car of the trajectory says minus what the first one says is the exact effect of
-//! their difference on the innovations, whatever states and delays it has; so derivatives by any number
-//! of any effect come by differences, all with one pass and without storing the drive.
+//! The filter is made for one car. The others differ in one number each, and are corrected by the same gains. So the
+//! difference of their innovations is the exact effect of that number, whatever states and delays it has. One pass
+//! gives all derivatives by differences, and the drive need not be stored.
 
 use std::ops::Range;
 
@@ -41,16 +40,16 @@ impl Other {
 /// goes its own way. Physical: longer than any delay.
 const AHEAD_S: f64 = 1.0;
 
-/// The cars beside the one that the filter is made for.
+/// The cars beside the one of the filter.
 #[derive(Clone, Copy, Default)]
 pub struct Beside<'a> {
-    /// Those whose differences are looked at together.
+    /// Those whose differences are regressed on together: the numbers of a fit.
     pub together: &'a [Other],
-    /// Those of which each is looked at beside the former only: so many take so many times one's time.
+    /// Candidates. Each is regressed on beside the former only, so the cost is linear in their count.
     pub alone: &'a [Other],
 }
 
-/// Goes over a drive with the car that the filter is made for, and others beside it.
+/// One pass over all runs of a drive.
 pub fn pass(
     (number, drive): (usize, &GriddedDrive),
     car: &ExtendedCar,
@@ -62,7 +61,7 @@ pub fn pass(
     runs.flat_map(|run| pass_run((number, drive), *run, car, beside, noise, &mut options)).collect()
 }
 
-/// Goes over one run of a drive.
+/// One pass over a run of a drive.
 pub fn pass_run(
     (number, drive): (usize, &GriddedDrive),
     (from, to): (usize, usize),

@@ -1,9 +1,9 @@
 //! Where wheels slide: they spin under too much torque, or lock.
 //!
-//! In the model a wheel turns as its force makes it slip, there and then. A wheel beyond its tire's limit does not: what
-//! the road does not take of its torque turns it faster and faster, it guides the car no more, and while it comes back
-//! its own spin drives the car. So until it slides most, the car's longitudinal motion alone is compared: it tells the
-//! friction that is used up. While it comes back nothing is.
+//! In the model a wheel has no inertia of its own: it turns as its force makes it slip. A wheel beyond the limit of
+//! its tire does not. The torque that the road does not take turns it faster and faster, it has no side force, and on
+//! its way back its spin drives the car. Until the wheels slide most, only the car's longitudinal motion is compared:
+//! it tells the friction that is used. On their way back nothing is compared.
 
 use super::super::tuning::TUNING;
 use super::grid::{Measured, SLOWEST_MPS, STEP_S};

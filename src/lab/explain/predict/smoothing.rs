@@ -1,5 +1,5 @@
-//! Inputs on a grid. Noise of an input would act as a force: it is smoothed away over as long as the input's
-//! own movement allows.
+//! Inputs on a grid, smoothed. Noise of an input would act on the car as a force. The window is as long as the
+//! input's own movement allows.
 
 use super::grid::STEP_S;
 

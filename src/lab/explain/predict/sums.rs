@@ -1,4 +1,4 @@
-//! What a pass over a drive shall say, and what it says.
+//! What a pass over a drive is asked for, and what it gives.
 
 use nalgebra::DMatrix;
 
@@ -30,7 +30,7 @@ impl UsedReadings {
     }
 }
 
-/// What a pass shall also say.
+/// What a pass gives beside its sums.
 #[derive(Default)]
 pub struct PassOptions<'a> {
     /// Which readings the filter may look at.
@@ -77,7 +77,7 @@ impl BlockOutput {
     }
 }
 
-/// What the first car said of a reading.
+/// The innovation of a reading.
 #[derive(Clone, Copy, Debug)]
 pub struct Innovation {
     /// Time, s.

@@ -1,4 +1,4 @@
-//! A car on its way beside a recording: what it says of each reading, and what it is told.
+//! A car's trajectory beside a recording: it predicts each reading, and is corrected.
 
 use super::algebra::{Column, FILTERED, Gain, dot};
 use super::car::{self, BODY_STATES, Before, ExtendedCar, Inputs, Instant, State};

@@ -1,4 +1,4 @@
-//! The magic formula looked up: a filter asks it a hundred thousand times, its shape unchanged.
+//! The magic formula from a table. A filter evaluates it a hundred thousand times with the same shape.
 
 use physics::model::tire::{Curve, MagicFormula, Shape};
 

@@ -1,4 +1,4 @@
-//! From one instant to the next.
+//! One integration step.
 
 use super::{BODY_STATES, Compute, EFFECT_STATES, ExtendedCar, Instant, MOST_LIVE};
 use physics::model::effect::Recorded;

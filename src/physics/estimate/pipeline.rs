@@ -27,16 +27,24 @@ struct Tuning {
     one_change_s: f64,
     /// Nobody knows whether the car moved during a gap as long as this, s.
     gap_s: f64,
-    /// Slips of two driven wheels that agree differ by less than this share of the larger.
+    /// Slips of two driven wheels that agree differ by less than this share of the larger, …
     agreeing: f64,
+    /// … or by so many deviations of their noise.
+    agreeing_noise: f64,
     /// Normalized force (rms) at which the slopes are fully excited.
     full_excitation: f64,
     /// Time constant of the excitation, s.
     excitation_memory_s: f64,
 }
 
-const TUNING: Tuning =
-    Tuning { one_change_s: 2.0, gap_s: 1.0, agreeing: 0.4, full_excitation: 0.1, excitation_memory_s: 10.0 };
+const TUNING: Tuning = Tuning {
+    one_change_s: 2.0,
+    gap_s: 1.0,
+    agreeing: 0.4,
+    agreeing_noise: 3.0,
+    full_excitation: 0.1,
+    excitation_memory_s: 10.0,
+};
 
 /// Runs the estimators on a sample. Never allocates after construction.
 #[derive(Clone, Debug)]
@@ -262,8 +270,8 @@ impl Pipeline {
             return;
         }
         self.excitation[0].step(mu / count, block.duration_s);
-        let agrees =
-            most - least < TUNING.agreeing * least.abs().max(most.abs()) + 3.0 * slip_variance.sqrt();
+        let agrees = most - least
+            < TUNING.agreeing * least.abs().max(most.abs()) + TUNING.agreeing_noise * slip_variance.sqrt();
         if !agrees {
             return;
         }

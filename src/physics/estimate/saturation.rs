@@ -48,6 +48,12 @@ struct Tuning {
     top: f64,
     /// After so many points of running away the wheel spins.
     spinning: u32,
+    /// Slip runs away with a step clear by so many deviations (by chance one in 370 at most), …
+    clear_step: f64,
+    /// … of which the line through the origin expects this share of the force, or more, …
+    worth_a_look: f64,
+    /// … and the force moves by less than this share of that.
+    moved_without_force: f64,
     /// Samples are averaged over this time, s: a wheel spins up and is caught within half a second.
     block_s: f64,
     /// A sample that comes later than this after the last one comes after a gap, s.
@@ -80,6 +86,9 @@ const TUNING: Tuning = Tuning {
     scatter: 0.06,
     top: 0.97,
     spinning: 3,
+    clear_step: 3.0,
+    worth_a_look: 0.15,
+    moved_without_force: 0.3,
     block_s: 0.1,
     gap_s: 0.05,
     together_s: 0.5,
@@ -175,8 +184,10 @@ impl WheelSaturation {
         let Some(last) = self.count.checked_sub(1).and_then(|i| self.points.get(i)) else { return };
         let grown = point.slip - last.slip;
         let expected = (last.mu * grown / last.slip).abs();
-        let clear = grown.abs() > 3.0 * (point.slip_std + last.slip_std) && last.slip > 0.0;
-        let away = clear && expected > 0.15 * last.mu && (point.mu - last.mu).abs() < 0.3 * expected;
+        let clear = grown.abs() > TUNING.clear_step * (point.slip_std + last.slip_std) && last.slip > 0.0;
+        let away = clear
+            && expected > TUNING.worth_a_look * last.mu
+            && (point.mu - last.mu).abs() < TUNING.moved_without_force * expected;
         self.running_away = if away { self.running_away.saturating_add(1) } else { 0 };
     }
 

@@ -76,6 +76,7 @@ impl Excess {
     pub fn sliding(&self) -> f64 {
         let std = self.variance.sqrt();
         let prior = self.at_limit.min(TUNING.likeliest);
+        // Both distributions in round numbers: 0.4 is 1/√2π, the density of a normal one and the slope of its sum.
         let normal = |std: f64| (-0.5 * (self.angle / std).powi(2)).exp() * 0.4 / std;
         let (share, wider) = TUNING.wrong;
         let erring = (1.0 - share) * normal(std) + share * normal(wider * std);

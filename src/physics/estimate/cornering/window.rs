@@ -60,6 +60,9 @@ pub struct Window {
 }
 
 impl Window {
+    /// Fewer samples have no scatter about their line. Statistical.
+    const FEWEST: f64 = 4.0;
+
     /// A window of `length_s` seconds.
     pub fn new(length_s: f64) -> Self {
         Self { length_s, ..Self::default() }
@@ -94,7 +97,7 @@ impl Window {
         let means = self.means();
         let path = self.path.with(&means.path, |now, mean| now - mean);
         *self = Self { path, ..Self::new(self.length_s) };
-        (means.samples >= 4.0).then_some(means)
+        (means.samples >= Self::FEWEST).then_some(means)
     }
 
     fn means(&self) -> Means {

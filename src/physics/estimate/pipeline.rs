@@ -117,9 +117,9 @@ impl Pipeline {
         self
     }
 
-    /// Starts from what an earlier drive learned of this car, taken for less sure than it was. To be called
-    /// before the first sample. Nothing of it is given out, let alone as valid, before this drive has
-    /// measured the same; and what its first readings contradict is forgotten.
+    /// Starts from what an earlier drive learned of this car, with wider deviations. To be called before the first
+    /// sample. Nothing of it is given out before this drive has measured the same quantity, and what the first
+    /// readings contradict is forgotten.
     pub fn restore(&mut self, learned: &Learned) {
         self.slope.restore(learned);
         if let Some(overall) = &mut self.overall_slope {
@@ -191,7 +191,7 @@ impl Pipeline {
         self.latest.dropped_frames = count;
     }
 
-    /// Sensors contradict each other: one of them lies, and all that stands on them may.
+    /// Sensors contradict each other: one of them is wrong, and every estimate may be.
     fn believe_nothing(&mut self) {
         self.cornering.distrust();
         self.friction.surface_changed();
@@ -246,8 +246,8 @@ impl Pipeline {
         self.latest.slope_valid = now.speed.is_some() && are_valid;
     }
 
-    /// The brush regression on the mean of the driven wheels, where these agree: one that is braked on its own, or
-    /// runs on another surface, makes of two curves one that no road has.
+    /// The brush regression on the mean of the driven wheels, if these agree. A wheel braked alone or on another
+    /// surface would mix two curves into one that no road has.
     fn curve(&mut self, block: &Block, points: &[Option<TractionPoint>; 4]) {
         let offsets = self.slope.offsets();
         let mut count = 0.0;

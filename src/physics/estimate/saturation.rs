@@ -4,10 +4,9 @@
 //! Where a stretch of the slip curve is seen along which the slip grows by a multiple and the force
 //! stays, its force is the friction: no model of the tire is needed, and none is assumed.
 //!
-//! Two things look alike and are kept apart. A softer surface lets the slip jump at constant force,
-//! but it jumps: no slips lie between, it stays afterwards, and force/slip does not fall below what
-//! surfaces have. And the spinning wheel takes a part of
-//! the torque for itself: F_x = (τ − J ω̇)/r.
+//! Two things must be told apart from it. On a softer surface the slip jumps at constant force: there are no points
+//! between, it stays, and force/slip remains that of a surface. And a spinning wheel takes part of the torque itself:
+//! F_x = (τ − J ω̇)/r.
 //!
 //! [`WheelSaturation`] takes points of the slip curve of either sign, so that braking can use it where
 //! the brake torque of a wheel and the car's speed are known; [`SaturationDetector`] feeds it with the
@@ -283,7 +282,7 @@ impl SaturationDetector {
         }
         self.since_spinning_s += now.elapsed_s;
         if now.elapsed_s > TUNING.gap_s {
-            // What lies on both sides of a gap is no one stretch.
+            // Points before and after a gap are not one stretch.
             self.wheels.iter_mut().for_each(WheelSaturation::reset);
         }
         let Some(block) = self.blocks.step(now) else { return };
@@ -363,7 +362,7 @@ impl SaturationDetector {
             both = Some(match both {
                 Some(other) => LimitFriction {
                     mu: 0.5 * (other.mu + seen.mu),
-                    // The wheels share most of what is not known; where they differ, that is not either.
+                    // The wheels share most of their errors; their difference counts as a further one.
                     std: other.std.max(seen.std).hypot(0.5 * (other.mu - seen.mu)),
                     age_s: other.age_s.max(seen.age_s),
                 },

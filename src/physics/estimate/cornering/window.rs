@@ -134,8 +134,8 @@ impl YawAcceleration {
     /// Windows that are remembered. Tuned, no test on record.
     const MEMORY: f64 = 100.0;
 
-    /// Replaces the measured yaw acceleration by its expectation, given how much of what is measured
-    /// is noise: an error that remains is then independent of the value, and does not bias a slope.
+    /// Replaces the measured yaw acceleration by its expectation, given the share of noise in it. The remaining error
+    /// is then independent of the value and does not bias a slope.
     pub fn shrink(&mut self, means: &mut Means) {
         self.total += (means.yaw_acceleration.powi(2) - self.total) / Self::MEMORY;
         self.noise += (means.yaw_acceleration_std.powi(2) - self.noise) / Self::MEMORY;

@@ -1,11 +1,11 @@
 //! What is believed of mu_max: a weight for each friction that a road can have.
 //!
-//! Three things happen to it. What was measured ([`Belief::learn_measured`]) or used ([`Belief::learn_used`])
-//! rules frictions out. Such evidence goes on for as long as a wheel is at its limit, and its error is the same
-//! all the while: a model that is off, a sensor's offset. So the same evidence again changes nothing: each
-//! friction keeps the least weight that any of it left. Time passes, and the road may have become another one,
-//! unseen: every friction gets back some of what all have on average ([`Belief::forget`]). And evidence may
-//! contradict all that was believed: then the road has become another one, and the newest is believed alone.
+//! Three things change it. Evidence rules frictions out: what was measured ([`Belief::learn_measured`]) or used
+//! ([`Belief::learn_used`]). It repeats itself while a wheel stays at its limit, and with the same error (of a model,
+//! of a sensor's offset), so that the same evidence must not count twice: each friction keeps the least weight that
+//! any evidence left it. Time passes, and the road may change unseen: every friction gets back some of the average
+//! weight ([`Belief::forget`]). Evidence contradicts the belief: the road is another one, and only the newest
+//! evidence counts.
 
 /// Lowest friction that there is a cell for. Physical: no road is more slippery than wet ice.
 const LOWEST: f64 = 0.02;
@@ -21,9 +21,8 @@ pub const HIGHEST: f64 = LOWEST + CELL * CELLS as f64;
 /// with the test `campaign`.
 const CONTRADICTED: f64 = 0.05;
 
-/// A friction of this weight or more beside the likeliest one's is within the interval, however much weight is
-/// beyond it: all that a use of friction leaves is as likely, and of that nothing is taken off. Tuned with the test
-/// `campaign`.
+/// A friction with this weight or more, relative to the likeliest one, is inside the interval, however much weight
+/// lies beyond it: after a use of friction all that it leaves is equally likely. Tuned with the test `campaign`.
 const LIKELY: f64 = 0.5;
 
 /// On either side of the interval there is this share of the weight, or less. Statistical: the interval is one of
@@ -87,10 +86,10 @@ impl Belief {
         (self.sum, self.most) = (total(&self.weight), 1.0);
     }
 
-    /// At least this much is in use, give or take half a cell. What is ruled out below that goes evenly between it
-    /// and what was known to be there: if the road got worse since, what is in use now may be all of it.
+    /// At least this much is in use, within half a cell. The weight ruled out below is spread evenly between this use
+    /// and the least friction known before: the road may have got worse, and this use may be all there is.
     pub fn learn_used(&mut self, used: f64) -> Use {
-        // More than any road has is all of it.
+        // A use beyond the highest cell counts as that cell.
         let used = used.min(middle(CELLS - 1));
         let known = self.low();
         // The first cell of which a part is possible.
@@ -120,7 +119,7 @@ impl Belief {
 
     /// This was measured, with standard deviations downwards and upwards. True if it contradicted what was believed.
     pub fn learn_measured(&mut self, mu: f64, std: [f64; 2]) -> bool {
-        // Narrower than a cell it would fall between two.
+        // A deviation narrower than a cell would fall between two.
         let [down, up] = std.map(|std| std.max(0.5 * CELL));
         let mu = mu.clamp(middle(0), middle(CELLS - 1));
         let possible = |other: f64| {
@@ -145,7 +144,7 @@ impl Belief {
         below / self.sum
     }
 
-    /// Means and variances of what depends on the friction; `of` says its weight beside the belief's, and the values.
+    /// Means and variances of functions of the friction. `of` gives a further weight and the values at a friction.
     /// `None` if nothing has weight.
     pub fn expect<const K: usize>(&self, of: impl Fn(f64) -> (f64, [f64; K])) -> Option<[(f64, f64); K]> {
         let (mut sum, mut first, mut second) = (0.0, [0.0; K], [0.0; K]);
@@ -236,7 +235,7 @@ fn cells_below(mu: f64) -> usize {
     (((mu - LOWEST) / CELL - 0.5).ceil().max(0.0) as usize).min(CELLS)
 }
 
-/// Numbers taken side by side: one after the other each would wait for the one before.
+/// Numbers summed side by side: in a single chain each addition would wait for the one before.
 const ABREAST: usize = 8;
 
 /// Their sum.

@@ -63,7 +63,7 @@ struct Sums {
     braking: Option<bool>,
 }
 
-/// Sums of quantities, of their squares, and of their products with time: side by side, as a processor takes them.
+/// Sums of the quantities, of their squares, and of their products with time, side by side for vector instructions.
 #[derive(Clone, Copy, Debug, Default)]
 struct Lines {
     sum: [f64; LINES],

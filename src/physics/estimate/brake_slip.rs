@@ -1,9 +1,9 @@
 //! How far the wheels slip while braking.
 //!
-//! No wheel rolls freely then. What goes on is the speed from before, by the accelerometer, with what gravity and
-//! its offset added to it while the wheels still rolled; and no axle is faster than the car. That holds for some
-//! seconds, and tells a wheel near its limit, which slips much further than its stiffness has it, from one that is
-//! braked less. Where the ABS works, one wheel is at its limit; here is whether the others are.
+//! No wheel rolls freely then. The accelerometer carries the speed from before the braking on; its offset and the
+//! grade were learned while the wheels still rolled, and no axle is faster than the car. This holds for some seconds.
+//! It tells a wheel near its limit, which slips much further than its stiffness predicts, from one that brakes less.
+//! When the ABS works one wheel is at its limit; this estimator tells whether the others are.
 
 use super::kinematics::{Car, Kinematics};
 use crate::Wheel;

@@ -26,10 +26,27 @@ struct Tuning {
     doubted: f64,
     /// A logarithm moves by at most this in one step: further off, its linearization is not true.
     stride: f64,
+    /// Blocks that the learned noise remembers.
+    noise_memory: f64,
+    /// Drift and threshold of the CUSUM, in standard deviations: one false alarm in 10⁷ white blocks.
+    cusum: (f64, f64),
+    /// Normalized innovations count in the CUSUM up to this.
+    clip: f64,
+    /// No block tells the normalized force better than this, variance.
+    least_noise: f64,
 }
 
-const TUNING: Tuning =
-    Tuning { unknown: 0.5, disagreement: 0.15, tells_more: 0.5, doubted: 1.5, stride: 0.3 };
+const TUNING: Tuning = Tuning {
+    unknown: 0.5,
+    disagreement: 0.15,
+    tells_more: 0.5,
+    doubted: 1.5,
+    stride: 0.3,
+    noise_memory: 200.0,
+    cusum: (1.0, 8.0),
+    clip: 4.0,
+    least_noise: 1e-8,
+};
 
 /// The regression of the driven axle, on slips whose offset is taken off.
 #[derive(Clone, Debug)]
@@ -79,8 +96,8 @@ impl BrushEstimator {
             config: config.clone(),
             initial_stiffness,
             filter: Gaussian::new([0.0; 3], [0.0; 3]),
-            cusum: Cusum::new(1.0, 8.0),
-            noise: LearnedNoise::new(200.0),
+            cusum: Cusum::new(TUNING.cusum.0, TUNING.cusum.1),
+            noise: LearnedNoise::new(TUNING.noise_memory),
             informed: false,
             raised: None,
             above: 0.0,
@@ -168,7 +185,7 @@ impl BrushEstimator {
     fn regress(&mut self, theta: &Vector3<f64>, slip: f64, slip_std: f64, mu: f64, mu_std: f64) {
         let regressor = vector![slip, -slip * slip.abs() / 3.0, slip.powi(3) / 27.0];
         let h = self.to_state(theta) * regressor;
-        let promised = mu_std * mu_std + (theta[0] * slip_std).powi(2) + 1e-8;
+        let promised = mu_std * mu_std + (theta[0] * slip_std).powi(2) + TUNING.least_noise;
         let residual = mu - regressor.dot(theta);
         let variance = self.noise.variance(promised);
         let expected = self.filter.innovation(&h, residual, variance);
@@ -189,7 +206,7 @@ impl BrushEstimator {
         {
             self.raised = None;
         }
-        let evidence = expected.normalized().clamp(-4.0, 4.0) * mu.signum();
+        let evidence = expected.normalized().clamp(-TUNING.clip, TUNING.clip) * mu.signum();
         if self.cusum.step(evidence).is_some() {
             self.surface_changed();
         }

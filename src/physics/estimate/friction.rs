@@ -1,11 +1,11 @@
 //! What is published as friction (thesis ch. 9): what is used, a lower bound from it, and a value of
 //! mu_max only where something measured it.
 //!
-//! A slip curve leaves its tangent noticeably above about half of mu_max. Below that mu_max is not
-//! observable: only the bound is known, and that is what is said.
+//! A slip curve leaves its tangent noticeably above about half of mu_max. Below that mu_max is not observable: only
+//! the lower bound is known and published.
 //!
-//! All evidence goes into one [`Belief`], which ages: with surfaces that last T₀ on average, friction that was
-//! measured or used T seconds ago is by now that of another surface with probability 1 − exp(−T/T₀).
+//! All evidence goes into one [`Belief`], which ages: if surfaces last T₀ on average, the surface of T seconds ago is
+//! gone with probability 1 − exp(−T/T₀).
 
 use super::abs_braking::AbsFriction;
 use super::belief::{Belief, HIGHEST, Use};
@@ -41,17 +41,17 @@ struct Tuning {
     abs_settles_s: f64,
     /// What other wheels may have where nobody sees whether they slip, relative.
     abs_unseen_reserve: f64,
-    /// On a road more slippery than this the one will do for all.
+    /// On a road more slippery than this one wheel speaks for all.
     abs_slippery: f64,
     /// A braking that ended counts for so long, s.
     abs_told_s: f64,
-    /// A car whose path bends by so much more or less than it turns is spinning, m/s².
+    /// The car spins if a_y and v r differ by more than this, m/s².
     spinning: f64,
     /// Deviation of a sideways limit: absolute (sensors), and of its value (load transfer, longitudinal forces).
     lateral_std: (f64, f64),
-    /// With this much of the force along the car across it, or less, the slip curve is one of driving straight on.
+    /// Up to this lateral share of the longitudinal force the slip curve is that of driving straight on.
     straight: f64,
-    /// What the curve said longer ago may have been of another surface, s.
+    /// Older evidence of the curve may be of another surface, s.
     brush_lasts_s: f64,
     /// Model error of a brush at no use of friction, relative; it falls to zero at full use. A brush fitted to a
     /// real tire's curve at 60 % use is off by half.
@@ -90,7 +90,7 @@ pub struct FrictionMonitor {
     belief: Belief,
     /// What was measured last.
     measured: Option<Measured>,
-    /// Seconds since the bound from what is used was last as high as it is.
+    /// Seconds since the use of friction last reached the bound.
     bound_age_s: f64,
     /// What is used while the ABS works, smoothed further.
     abs_used: f64,
@@ -182,7 +182,7 @@ impl FrictionMonitor {
         friction
     }
 
-    /// What of the use is surely one.
+    /// The part of a use that is certain.
     fn surely(used: f64) -> f64 {
         ((1.0 - TUNING.sharing) * used - TUNING.margin).max(0.0)
     }
@@ -222,7 +222,7 @@ impl FrictionMonitor {
             brush.filter(|brush| !brush.is_bound && !brush.is_doubted && brush.age_s < TUNING.brush_lasts_s);
         let (Some(brush), Some([along, across])) = (brush, self.smoothed) else { return };
         let using = (Self::surely(along.abs()) / brush.mu).min(1.0);
-        // What is used across the car is missing along it, and looks like a curve that bends early.
+        // Lateral force takes from the longitudinal one, which looks like a curve that bends early.
         let is_straight = across.abs() < TUNING.straight * along.abs();
         // Using more than the curve allows, in whatever direction, refutes it.
         let is_refuted = || self.belief.interval().0 > brush.mu + 1.96 * brush.std;
@@ -249,7 +249,7 @@ impl FrictionMonitor {
         };
         let weight = 1.0 - self.abs_settling.left(now.elapsed_s);
         self.abs_used += weight * (used - self.abs_used);
-        // While the brakes build up, the tires at their limit are not all of them.
+        // While the brake pressure builds up not all tires are at their limit.
         let is_settled = used - self.abs_used < TUNING.abs_settled * used;
         let is_braking = now.abs == Some(true) && working_s > TUNING.abs_builds_up_s && along < 0.0;
         if !is_braking || !is_settled || Self::is_spinning(now) {
@@ -257,7 +257,7 @@ impl FrictionMonitor {
         }
         let reserve = match evidence.brakes_at_limit {
             Some(false) => return,
-            // So little force does not slip enough to tell.
+            // On a slippery road wheels slip too little to tell.
             None if used > TUNING.abs_slippery => TUNING.abs_unseen_reserve * used,
             _ if across.abs() > TUNING.straight * along.abs() => TUNING.abs_reserve * used,
             _ => 0.0,
@@ -279,7 +279,7 @@ impl FrictionMonitor {
         );
     }
 
-    /// Does the car turn otherwise than its path does? Then its wheels pull in directions of their own.
+    /// Do yaw rate and curvature of the path disagree? Then the wheels pull in different directions.
     fn is_spinning(now: &Kinematics) -> bool {
         let turning = now.speed.zip(now.yaw_rate).map_or(0.0, |(speed, yaw_rate)| speed * yaw_rate);
         (turning - now.lateral_acceleration.unwrap_or(0.0)).abs() > TUNING.spinning
@@ -292,7 +292,7 @@ impl FrictionMonitor {
         self.take(Measured { mu, source, age_s: 0.0, is_sure }, is_another || says_more);
     }
 
-    /// What says less than is known adds its doubts and not its value.
+    /// A measurement wider than the belief changes the belief but not the published value.
     fn take(&mut self, measured: Measured, says_more: bool) {
         if says_more || self.measured.is_none_or(|before| before.source == measured.source) {
             self.measured = Some(measured);

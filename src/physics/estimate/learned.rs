@@ -1,10 +1,9 @@
 //! What outlives a drive: the numbers of sensors and tires that the next drive may start with.
 //!
-//! Friction is not among them, nor any bound of it: it belongs to the road, and the road is another one
-//! when the car starts again. Nobody knows how long the car stood, whether it was loaded, or whether its
-//! tires were changed. So what is taken up again is taken for less sure than it was (each estimator says by
-//! how much, and never for as sure as would count as valid), and it is on trial: the first readings that
-//! contradict it take it back ([`Trial`]).
+//! Friction and its bounds are not among them: they belong to the road, and the next drive may begin on another one.
+//! Nobody knows how long the car stood, whether it was loaded, or whether its tires were changed. So each estimator
+//! widens the restored deviations, always beyond what counts as valid, and the numbers are on trial: the first
+//! readings that contradict them take them back ([`Trial`]).
 
 use nalgebra::SMatrix;
 
@@ -198,11 +197,11 @@ pub(super) struct Trial<const N: usize> {
 }
 
 impl<const N: usize> Trial<N> {
-    /// A reading this many standard deviations off contradicts, … Statistical: by chance one reading in 150,000,
-    /// and one trial of 80 readings in 2,000.
+    /// A reading this many standard deviations off contradicts. Statistical: by chance one reading in 150,000, and
+    /// one trial of 80 readings in 2,000.
     const CONTRADICTION: f64 = 4.5;
-    /// … if what was expected of it came from the state by at least this share (variance): a bump on the road says
-    /// nothing of what the state was. Tuned with the test `learned`.
+    /// It does so only if at least this share of the innovation's variance is the state's: a bump on the road says
+    /// nothing of the state. Tuned with the test `learned`.
     const SHARE: f64 = 0.5;
 
     /// For so many readings.

@@ -1,20 +1,20 @@
 //! Slip slope of all wheels together, where none rolls freely: with all wheels driven.
 //!
-//! With no wheel to compare with, the speed is that which the accelerometer carries on, while driving and while
-//! braking. Five things are estimated at once: the speed; what the accelerometer does not feel (the grade, and its
-//! own offset); by which share it feels too much (the car's nose dives, its gain); by how much later it tells than
-//! the wheels do; and the compliance. With the wheels' mean speed W, the felt acceleration a and the normalized force
-//! μ of all tires
+//! No wheel tells the speed, so the accelerometer carries it on, while driving and while braking. The filter has five
+//! states: the speed v; what the accelerometer does not feel, β (the grade and its own offset); its error of gain, γ
+//! (the nose dives in braking); its delay against the wheel speeds, d; and the compliance c. With the wheels' mean
+//! speed W, the measured acceleration a and the normalized force μ of all tires
 //!
 //! v' = (1 + γ) a + β,  W = v − d a + c (1 + μ / 3 mu_max) μ W
 //!
-//! A slip and a delay look alike but for the speed: c μ W grows with it, d a does not. So one braking says little, and
-//! several from different speeds say more; how much, the covariance tells. The force is that which accelerates the
-//! car and overcomes the air: an accelerometer feels it on any grade. The mean of four slips is the mean force over
-//! the stiffness, however brakes and drive share it out, as long as the tires are alike.
+//! A slip and a delay differ by the speed only: c μ W grows with it, d a does not. One braking says little, several
+//! from different speeds say more; the covariance accounts for that. The force accelerates the car and overcomes the
+//! air: an accelerometer feels it on any grade. The mean of four slips is the mean force over the stiffness, however
+//! brakes and drive share it out, if the tires are alike.
 //!
-//! Two such filters run side by side: one that is sure of its compliance, and one that takes the road for another
-//! soon. Where the quick one contradicts the steady one, the road has changed, and the steady one goes on from it.
+//! Two such filters run side by side. The compliance of the steady one hardly walks, that of the quick one walks
+//! fast. When the quick one contradicts the steady one the surface has changed, and the steady one starts from the
+//! quick one's state.
 //!
 //! (No source: the thesis's car has an undriven axle. The bend of the curve is its brush model's, thesis 4.2.)
 

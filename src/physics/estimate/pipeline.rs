@@ -27,16 +27,24 @@ struct Tuning {
     one_change_s: f64,
     /// Nobody knows whether the car moved during a gap as long as this, s.
     gap_s: f64,
-    /// Slips of two driven wheels that agree differ by less than this share of the larger.
+    /// Slips of two driven wheels that agree differ by less than this share of the larger, …
     agreeing: f64,
+    /// … or by so many deviations of their noise.
+    agreeing_noise: f64,
     /// Normalized force (rms) at which the slopes are fully excited.
     full_excitation: f64,
     /// Time constant of the excitation, s.
     excitation_memory_s: f64,
 }
 
-const TUNING: Tuning =
-    Tuning { one_change_s: 2.0, gap_s: 1.0, agreeing: 0.4, full_excitation: 0.1, excitation_memory_s: 10.0 };
+const TUNING: Tuning = Tuning {
+    one_change_s: 2.0,
+    gap_s: 1.0,
+    agreeing: 0.4,
+    agreeing_noise: 3.0,
+    full_excitation: 0.1,
+    excitation_memory_s: 10.0,
+};
 
 /// Runs the estimators on a sample. Never allocates after construction.
 #[derive(Clone, Debug)]
@@ -109,9 +117,9 @@ impl Pipeline {
         self
     }
 
-    /// Starts from what an earlier drive learned of this car, taken for less sure than it was. To be called
-    /// before the first sample. Nothing of it is given out, let alone as valid, before this drive has
-    /// measured the same; and what its first readings contradict is forgotten.
+    /// Starts from what an earlier drive learned of this car, with wider deviations. To be called before the first
+    /// sample. Nothing of it is given out before this drive has measured the same quantity, and what the first
+    /// readings contradict is forgotten.
     pub fn restore(&mut self, learned: &Learned) {
         self.slope.restore(learned);
         if let Some(overall) = &mut self.overall_slope {
@@ -183,7 +191,7 @@ impl Pipeline {
         self.latest.dropped_frames = count;
     }
 
-    /// Sensors contradict each other: one of them lies, and all that stands on them may.
+    /// Sensors contradict each other: one of them is wrong, and every estimate may be.
     fn believe_nothing(&mut self) {
         self.cornering.distrust();
         self.friction.surface_changed();
@@ -238,8 +246,8 @@ impl Pipeline {
         self.latest.slope_valid = now.speed.is_some() && are_valid;
     }
 
-    /// The brush regression on the mean of the driven wheels, where these agree: one that is braked on its own, or
-    /// runs on another surface, makes of two curves one that no road has.
+    /// The brush regression on the mean of the driven wheels, if these agree. A wheel braked alone or on another
+    /// surface would mix two curves into one that no road has.
     fn curve(&mut self, block: &Block, points: &[Option<TractionPoint>; 4]) {
         let offsets = self.slope.offsets();
         let mut count = 0.0;
@@ -262,8 +270,8 @@ impl Pipeline {
             return;
         }
         self.excitation[0].step(mu / count, block.duration_s);
-        let agrees =
-            most - least < TUNING.agreeing * least.abs().max(most.abs()) + 3.0 * slip_variance.sqrt();
+        let agrees = most - least
+            < TUNING.agreeing * least.abs().max(most.abs()) + TUNING.agreeing_noise * slip_variance.sqrt();
         if !agrees {
             return;
         }

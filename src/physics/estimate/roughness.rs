@@ -1,10 +1,10 @@
 //! How rough the road is (thesis 3.3.1): by how much more the wheels' speeds scatter than their sensors do.
 //!
-//! A softer slope may be gravel or snow, less friction may be ice: gravel shakes the wheels, snow and ice do not. What
-//! counts is the scatter of the difference between front and rear wheel of a side about its trend, a quarter of a
-//! second at a time: the car's own acceleration is not in it. The scatter is of the road and of the wheel's suspension,
-//! and has no meaning across cars; it is given as a speed of the rim. A calibrated mapping from slope to friction knows how
-//! rough its roads were, and says nothing on others ([`Mapping::holds_on`](super::mapping::Mapping::holds_on)).
+//! A soft slope may be gravel or snow; gravel shakes the wheels, snow and ice do not. Roughness is the scatter of the
+//! difference between front and rear wheel of a side about its trend over a block: the car's own acceleration cancels
+//! out. It depends on the suspension as well as on the road, so it does not compare across cars; its unit is the
+//! speed of the rim. A calibrated mapping from slope to friction knows how rough its roads were and gives nothing on
+//! others ([`Mapping::holds_on`](super::mapping::Mapping::holds_on)).
 
 use super::block::Block;
 use crate::estimates::Estimate;

@@ -4,10 +4,9 @@
 //! Where a stretch of the slip curve is seen along which the slip grows by a multiple and the force
 //! stays, its force is the friction: no model of the tire is needed, and none is assumed.
 //!
-//! Two things look alike and are kept apart. A softer surface lets the slip jump at constant force,
-//! but it jumps: no slips lie between, it stays afterwards, and force/slip does not fall below what
-//! surfaces have. And the spinning wheel takes a part of
-//! the torque for itself: F_x = (τ − J ω̇)/r.
+//! Two things must be told apart from it. On a softer surface the slip jumps at constant force: there are no points
+//! between, it stays, and force/slip remains that of a surface. And a spinning wheel takes part of the torque itself:
+//! F_x = (τ − J ω̇)/r.
 //!
 //! [`WheelSaturation`] takes points of the slip curve of either sign, so that braking can use it where
 //! the brake torque of a wheel and the car's speed are known; [`SaturationDetector`] feeds it with the
@@ -48,6 +47,12 @@ struct Tuning {
     top: f64,
     /// After so many points of running away the wheel spins.
     spinning: u32,
+    /// Slip runs away with a step clear by so many deviations (by chance one in 370 at most), …
+    clear_step: f64,
+    /// … of which the line through the origin expects this share of the force, or more, …
+    worth_a_look: f64,
+    /// … and the force moves by less than this share of that.
+    moved_without_force: f64,
     /// Samples are averaged over this time, s: a wheel spins up and is caught within half a second.
     block_s: f64,
     /// A sample that comes later than this after the last one comes after a gap, s.
@@ -80,6 +85,9 @@ const TUNING: Tuning = Tuning {
     scatter: 0.06,
     top: 0.97,
     spinning: 3,
+    clear_step: 3.0,
+    worth_a_look: 0.15,
+    moved_without_force: 0.3,
     block_s: 0.1,
     gap_s: 0.05,
     together_s: 0.5,
@@ -175,8 +183,10 @@ impl WheelSaturation {
         let Some(last) = self.count.checked_sub(1).and_then(|i| self.points.get(i)) else { return };
         let grown = point.slip - last.slip;
         let expected = (last.mu * grown / last.slip).abs();
-        let clear = grown.abs() > 3.0 * (point.slip_std + last.slip_std) && last.slip > 0.0;
-        let away = clear && expected > 0.15 * last.mu && (point.mu - last.mu).abs() < 0.3 * expected;
+        let clear = grown.abs() > TUNING.clear_step * (point.slip_std + last.slip_std) && last.slip > 0.0;
+        let away = clear
+            && expected > TUNING.worth_a_look * last.mu
+            && (point.mu - last.mu).abs() < TUNING.moved_without_force * expected;
         self.running_away = if away { self.running_away.saturating_add(1) } else { 0 };
     }
 
@@ -272,7 +282,7 @@ impl SaturationDetector {
         }
         self.since_spinning_s += now.elapsed_s;
         if now.elapsed_s > TUNING.gap_s {
-            // What lies on both sides of a gap is no one stretch.
+            // Points before and after a gap are not one stretch.
             self.wheels.iter_mut().for_each(WheelSaturation::reset);
         }
         let Some(block) = self.blocks.step(now) else { return };
@@ -352,7 +362,7 @@ impl SaturationDetector {
             both = Some(match both {
                 Some(other) => LimitFriction {
                     mu: 0.5 * (other.mu + seen.mu),
-                    // The wheels share most of what is not known; where they differ, that is not either.
+                    // The wheels share most of their errors; their difference counts as a further one.
                     std: other.std.max(seen.std).hypot(0.5 * (other.mu - seen.mu)),
                     age_s: other.age_s.max(seen.age_s),
                 },

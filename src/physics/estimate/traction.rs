@@ -38,9 +38,9 @@ pub struct Traction {
 impl Traction {
     /// Share of the geometric correction for curves that is taken for uncertain. Tuned, no test on record.
     const GEOMETRY_STD: f64 = 0.05;
-    /// Drive torque and acceleration may contradict each other by this much, m/s², before brakes are suspected that
-    /// the bus does not tell of: with an accelerometer, which feels no grade, and with the wheels' acceleration,
-    /// which contains it. Tuned with the test `accuracy`.
+    /// Beyond this difference of drive torque and acceleration, m/s², brakes are suspected where the bus does not
+    /// report them: with an accelerometer, which feels no grade, and with the wheels' acceleration, which contains
+    /// it. Tuned with the test `accuracy`.
     const UNEXPLAINED_DECELERATION: [f64; 2] = [0.4, 1.0];
 
     /// For this car and these sensors.

@@ -59,12 +59,12 @@ pub struct Outcome {
 pub struct OtherCar;
 
 impl AxleMonitor {
-    /// A residual beyond three standard deviations (this is the square) counts less than it would. Statistical: one
-    /// healthy residual in 370.
-    const OUTLIER: f64 = 9.0;
-    /// A window surprises with a normalized innovation (squared) beyond this. Statistical: four deviations, one
+    /// An innovation with an NIS beyond this counts less than it would. Statistical: three deviations, one
+    /// healthy window in 370.
+    const OUTLIER_NIS: f64 = 9.0;
+    /// Gate: a window surprises with an NIS beyond this. Statistical: four deviations, one
     /// healthy window in 16,000.
-    const SURPRISING: f64 = 16.0;
+    const GATE_NIS: f64 = 16.0;
     /// Lateral acceleration from which a window tells something of the stiffness, m/s². Tuned, no test on record.
     pub const INFORMATIVE: f64 = 0.4;
 
@@ -87,7 +87,7 @@ impl AxleMonitor {
         self.sliding.is_sure()
     }
 
-    /// The stiffness is open again: a jump before says nothing of one to come.
+    /// The stiffness is open again: the CUSUM starts from zero.
     pub fn forget_evidence(&mut self) {
         self.cusum.reset();
     }
@@ -127,11 +127,11 @@ impl AxleMonitor {
             self.noise.learn(&expected, promised);
         }
         let settled = state.std(axle) < TUNING.settled * state.mean[axle];
-        let doubted = (expected.nis() / Self::OUTLIER).max(1.0) / (1.0 - sliding);
+        let doubted = (expected.nis() / Self::OUTLIER_NIS).max(1.0) / (1.0 - sliding);
         state.update(&h, residual, variance * redundancy * doubted);
         // Steered fast to and fro, sensors a few milliseconds apart disagree in ways that look like softness.
         let steady = now.acceleration.abs() > now.acceleration_spread;
-        let surprise = (expected.nis() > Self::SURPRISING).then(|| Doubt::Surprise {
+        let surprise = (expected.nis() > Self::GATE_NIS).then(|| Doubt::Surprise {
             axle: if axle == FRONT { Axle::Front } else { Axle::Rear },
             deviations: expected.normalized() * force.signum(),
         });
@@ -142,7 +142,7 @@ impl AxleMonitor {
         Ok(Outcome { surprise, surface_changed })
     }
 
-    /// Its innovations have not been about as large as believed, or the noise assumed for that is no sensor's.
+    /// Its innovations are larger than expected, or the noise that explains them is no sensor's.
     pub fn doubt(&self, axle: Axle, config: &CorneringConfig) -> Option<Doubt> {
         let (nis, scale) = (self.noise.nis(), self.noise.scale());
         let beyond = |number: f64, limit: f64| number >= limit || number.is_nan();

@@ -8,9 +8,9 @@
 //! brush                                     h = 3 (1 − ∛(1 − y)) / y
 //! ```
 //!
-//! Nobody tells us the shape of the tires on the car. These two are the straightest and the roundest of the usual
-//! ones: what is estimated stands on the first, what is claimed of the friction on the second. Beyond their peaks
-//! curves fall, the more the larger the shape factor: what slides far may have had more than it uses now.
+//! The shape of the car's tires is not known. These two are the straightest and the roundest usual ones: the
+//! estimates use the first, bounds of the friction the second. Beyond its peak a curve falls, the more the larger its
+//! shape factor: a tire that slides far may have had more friction than it uses now.
 
 /// Shape factor of the magic formula. Physical: near the 1.3 of Bakker, Nyborg and Pacejka (1987) for lateral
 /// forces.

@@ -1,7 +1,7 @@
-//! What axles tell of the friction that slip further than their forces account for.
+//! Bounds of the friction by axles that slip further than their forces account for.
 //!
-//! How much further, the tire's curve turns into a share of the friction ([`Bend`](super::bend::Bend)): what is in use,
-//! over that share, is what there is at most.
+//! The tire's curve ([`Bend`](super::bend::Bend)) turns the ratio of slip angle to straight slip angle into the share
+//! of the friction in use. The force over the least such share is an upper bound of the friction.
 
 use super::equation::Equation;
 use super::model::Model;
@@ -27,9 +27,9 @@ const TUNING: Tuning = Tuning { spinning: 0.55, bent_from: 0.75, sideways: 0.7, 
 /// An axle's equation at a window, with its variance as it was learned, rad².
 pub type Measured<'a> = (&'a Equation, f64);
 
-/// The friction by axles that slip further than their forces account for: by the motion as it is believed, and by
-/// how much further one slips than the other, δ − (a + b) r/v_x. That needs no lateral velocity, which nobody
-/// knows well while both bend; the other slips as far as its own force has it, or further.
+/// The narrowest bound. Each axle gives two: one by its slip angle in the estimated motion, one by how much further
+/// it slips than the other axle, δ − (a + b) r/v_x. The second needs no lateral velocity, which is poorly known while
+/// both axles bend; it takes the other axle's slip angle as that of its stiffness, the least it can be.
 pub fn bent_limit(
     [front, rear]: [Measured; 2],
     state: &State,
@@ -52,8 +52,8 @@ pub fn bent_limit(
     narrowest.map(|limit: LateralLimit| LateralLimit { is_sure: !is_spinning, ..limit })
 }
 
-/// The friction by an axle whose slip angle is `angle`, which moves with the state by `row`, if that is surely
-/// more than its stiffness alone has it: how much more, with all that is not known of both taken off.
+/// The bound by an axle with slip angle `angle`, whose sensitivity to the state is `row`, if the angle surely exceeds
+/// that of the stiffness alone. Both angles' deviations are taken off.
 fn bound_by(
     equation: &Equation,
     angle: f64,

@@ -7,14 +7,14 @@ use std::fmt;
 pub enum Doubt {
     /// Sensors contradict each other, or did a moment ago.
     Sensors,
-    /// A window's slip angle was not what the filter expected.
+    /// A window's innovation was beyond the gate.
     Surprise {
         /// Whose.
         axle: Axle,
         /// By so many of its standard deviations, positive: too little for the force.
         deviations: f64,
     },
-    /// What an axle measures is further off than the filter believes, and has been for a while.
+    /// The innovations of an axle have been larger than expected for a while.
     TooSure {
         /// Whose.
         axle: Axle,

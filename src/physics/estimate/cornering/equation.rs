@@ -8,7 +8,7 @@ use crate::model::GRAVITY;
 
 /// Tuned with the tests `campaign` and `long_drives`.
 struct Tuning {
-    /// Up to this share of the lateral acceleration, yaw acceleration is that of driving round a bend.
+    /// Up to this share of the lateral acceleration, a yaw acceleration is that of driving round a bend.
     steady: f64,
     /// Where the curve is too steep to say how far it is bent.
     most_bent: f64,
@@ -23,15 +23,15 @@ const TUNING: Tuning = Tuning { steady: 0.5, most_bent: 0.97, shape_std: 0.3, be
 /// One axle's equation at a window.
 pub struct Equation {
     pub axle: usize,
-    /// Sensitivity to the state of the slip angle by the motion …
+    /// Sensitivity of the motion's slip angle to the state …
     pub motion: Row,
-    /// … and of that less the one by the force.
+    /// … and of the difference between it and the force's.
     pub h: Row,
-    /// What is to be zero, rad: slip angle by the force, less that by the motion.
+    /// Residual of the equation, rad: the force's slip angle less the motion's.
     pub residual: f64,
     /// Slip angle by the motion, rad.
     pub angle: f64,
-    /// Force sideways over the load, and with that along the car.
+    /// Lateral force over the load, and the total one with the longitudinal.
     pub force: f64,
     pub used: f64,
     /// Slip angle by the stiffness alone, rad.
@@ -40,13 +40,13 @@ pub struct Equation {
     pub bend_variance: f64,
     /// Noise by the data sheets, rad².
     pub promised: f64,
-    /// The car turns as one that drives round a bend, forwards. Where it turns more, it may be a single brake that does
-    /// it, and the force is none of this axle's; backwards, with wheel speeds that have no sign, it turns the other way.
+    /// The car drives forwards round a bend. A larger yaw acceleration may come from a single brake, and is then no
+    /// lateral force of this axle; a car that rolls backwards, with wheel speeds without sign, turns the other way.
     pub is_cornering: bool,
 }
 
 impl Equation {
-    /// What the slip angle is by the motion, less what it is by the force.
+    /// Compares the slip angle by the motion with that by the force.
     pub fn new(axle: usize, now: &Means, state: &State, model: &Model, belief: &Belief) -> Self {
         let car = &model.car;
         let x = &state.mean;
@@ -92,8 +92,8 @@ impl Equation {
 }
 
 impl Model {
-    /// How far the axle's curve is bent where so much friction is in use: mean and variance over the frictions
-    /// believed. Drivers seldom use much of what there is.
+    /// How far the axle's curve is bent with this friction in use: mean and variance over the believed frictions,
+    /// weighted towards low use, because drivers seldom use much of what there is.
     fn expected_bend(&self, used: f64, belief: &Belief) -> (f64, f64) {
         let bends = belief.expect(|mu| {
             let share = used / mu;

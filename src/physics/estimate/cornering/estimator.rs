@@ -29,13 +29,12 @@ struct Tuning {
     unknown: f64,
     /// Relative uncertainty that a compliance has again after a change of surface.
     change_std: f64,
-    /// A bus sends less often than it is sampled: so many samples of a sensor that rests are worth one.
+    /// The bus sends less often than it is sampled: so many samples of a sensor at rest count as one.
     repeated: f64,
-    /// After driving so slowly that it may be backwards, where wheel speeds have no sign, that shows within this,
-    /// s.
+    /// Wheel speeds have no sign. After driving slowly it shows within this time, s, whether the car rolls backwards.
     forward_shows_s: f64,
-    /// By so much (rad) no tire has confirmed that the sideslip changed since the last window: that is a spin, or a
-    /// sensor that lies.
+    /// A larger change of sideslip (rad) since the last window, unconfirmed by the tires, is a spin or a wrong
+    /// sensor.
     unseen: f64,
     /// Driven blindly for so long (s), the surface may have become another one, …
     blind_s: f64,
@@ -79,7 +78,7 @@ pub struct CorneringEstimator {
     /// Seconds since the last sample that could be used at all, and whether there was one.
     idle_s: f64,
     seen: bool,
-    /// For how long the car has been driving, or may have, with sensors that told nothing of it, s.
+    /// For how long the car may have driven without usable sensors, s.
     blind_s: f64,
     motion: Option<LateralMotion>,
     limit: Option<LateralLimit>,
@@ -217,7 +216,7 @@ impl CorneringEstimator {
         }
     }
 
-    /// Both of these stiffnesses, which are its own, are known well, and lately, and the filter agrees with itself.
+    /// Both of these stiffnesses, its own, are known well and lately, and the filter is consistent.
     pub fn are_valid(&self, stiffness: &[Option<Estimate>; 2]) -> bool {
         let config = &self.model.config;
         self.is_consistent()
@@ -239,7 +238,7 @@ impl CorneringEstimator {
             })
     }
 
-    /// Nothing speaks against what it says.
+    /// There is no doubt.
     pub fn is_consistent(&self) -> bool {
         self.doubt().is_none()
     }
@@ -252,15 +251,15 @@ impl CorneringEstimator {
         self.surprises.doubt().or_else(of_axles)
     }
 
-    /// A sensor lies, as its plausibility has it: the motion is anything, and is doubted for a while afterwards; who knows
-    /// what was learned from it.
+    /// A sensor failed its plausibility check: the motion is unknown, and what was learned from it is doubted for a
+    /// while.
     pub fn distrust(&mut self) {
         self.stop(0.0);
         self.blind_s = f64::INFINITY;
         self.surprises = Surprises::CONTRADICTION;
     }
 
-    /// The surface changed, as this filter or another noticed: the stiffness may be anything near.
+    /// This estimator or another noticed a change of surface: the stiffnesses are open again.
     pub fn surface_changed(&mut self) {
         self.open(TUNING.change_std);
     }
@@ -352,15 +351,15 @@ impl CorneringEstimator {
         Ok(changed)
     }
 
-    /// Fresh readings contradict an earlier drive's numbers: another load or another sensor, perhaps. As
-    /// if there were none.
+    /// Readings contradict an earlier drive's numbers (another load or sensor, perhaps): starts as if there were
+    /// none.
     fn start_afresh(&mut self) {
         let idle = (self.idle_s, self.seen);
         self.start_again();
         (self.idle_s, self.seen) = idle;
     }
 
-    /// Numbers got out of hand: better to know nothing than to go on with them.
+    /// The state is not sound any more: starts from the priors.
     fn start_again(&mut self) {
         *self = Self::at_start(self.model.clone(), self.single_brake.clone(), self.minimum_speed);
     }

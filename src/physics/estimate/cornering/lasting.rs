@@ -11,9 +11,8 @@ use crate::estimate::learned::{ERRORS, Known, Learned};
 const BETWEEN_DRIVES: f64 = 0.25;
 /// Beyond this many times what it may be at all, an error is not known. Tuned with the test `learned`.
 const FORGOTTEN: f64 = 1.5;
-/// Stiffnesses and errors are taken up as independent of each other. With variances these many times
-/// what they were they are nowhere surer than they were together, however they were correlated:
-/// P ≤ diag((1 + c) P₁, (1 + 1/c) P₂), here for c = 4.
+/// Restored stiffnesses and errors are independent of each other. Multiplied by these factors their variances bound
+/// the covariance they had, however they were correlated: P ≤ diag((1 + c) P₁, (1 + 1/c) P₂), here for c = 4.
 const APART: (f64, f64) = (5.0, 1.25);
 /// Readings (two for each window) for which an earlier drive's numbers are on trial. Tuned with the test `learned`.
 pub const TRIAL: u32 = 80;
@@ -39,7 +38,7 @@ pub fn restored(learned: &Learned, model: &Model) -> State {
     let correlation = learned.correlation();
     let errors = learned.errors().map(|error| error.map(|e| (e.value, APART.1.sqrt() * e.std)));
     for (place, i) in PLACES.into_iter().enumerate() {
-        // What is known much worse than the data sheet has it is not known.
+        // An error known much worse than by its data sheet counts as unknown.
         let known = |place: usize| {
             let std = errors[place]?.1;
             (std < FORGOTTEN * fresh.std(PLACES[place])).then_some(std)

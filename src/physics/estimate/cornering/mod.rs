@@ -12,16 +12,15 @@
 //!   − (v_y − b r)/v_x = κ_R μ_R                       μ_R = (a_y − J ṙ/(m a))/g     (thesis 5.20)
 //! ```
 //!
-//! All of it holds for means over a window as it does for an instant, if only v_y's change from one
-//! window's mean to the next is integrated from every sample ([`window`]). Windows are long, because
-//! noise in a regressor pulls the compliance to zero, and what counts against it is how much the force
-//! *changes* from window to window. The yaw acceleration, in gentle driving mostly noise, is shrunk to
-//! its expectation for the same reason ([`window::YawAcceleration`]).
+//! The equations hold for means over a window as well, if v_y's change from one window's mean to the next is
+//! integrated from every sample ([`window`]). Windows are long because noise in a regressor pulls the compliance to
+//! zero; only changes of the force from window to window work against that. For the same reason the yaw acceleration,
+//! mostly noise in gentle driving, is shrunk to its expectation ([`window::YawAcceleration`]).
 //!
-//! Tires bend: near their limit they slip further than κ μ, by a factor that depends on how much of the friction is
-//! in use. What is believed of the friction says how far on average, and how far that may be off ([`bend`]). And
-//! tires slide: an axle whose slip angle its force does not account for at all is left out, and v_y goes on by its
-//! kinematics alone ([`sliding`]). How far an axle is bent beyond doubt bounds the friction ([`bound`]).
+//! Tires bend: near their limit they slip further than κ μ, by a factor that depends on the share of the friction in
+//! use ([`bend`]); the belief over the friction gives the factor's mean and variance. Tires slide: an axle whose slip
+//! angle its force does not explain at all is left out, and v_y follows its kinematics alone ([`sliding`]). An axle
+//! that is bent beyond doubt bounds the friction ([`bound`]).
 //!
 //! Further states are the offsets of steering, accelerometer and gyro, the scales of speed and
 //! steering angle, and the road's bank, which turns v_y but is no tire force. Noise is learned from the

@@ -1,4 +1,4 @@
-//! What the filter's equations are made of, and its time update.
+//! The constants of the filter's equations, and its time update.
 
 use nalgebra::SMatrix;
 
@@ -16,7 +16,7 @@ struct Tuning {
     /// What the equations leave out (timing of the sensors, relaxation, load transfer), relative: no amount of data
     /// takes it away.
     model_std: f64,
-    /// Far off its direction of travel, a car's wheels tell its speed badly, m/s²/√Hz.
+    /// Process noise while an axle slides, m/s²/√Hz: at large slip angles the wheels measure the speed badly.
     sliding_noise: f64,
     /// Correlation of both stiffnesses' walks: it is the same surface.
     walks_together: f64,
@@ -45,7 +45,7 @@ pub struct Model {
     pub noise: SensorNoise,
     /// How tires bend.
     pub tires: Bend,
-    /// What no data take away of a stiffness's deviation, relative, front and rear.
+    /// Systematic deviation of the stiffnesses, relative, front and rear: no amount of data reduces it.
     pub systematic_std: [f64; 2],
 }
 

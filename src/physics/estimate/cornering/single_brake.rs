@@ -1,10 +1,10 @@
 //! Does a single wheel brake, and turn the car?
 //!
-//! ESP turns a car by braking single wheels. The axles' equations know no such moment and take it for a lateral force:
-//! a stiffness comes out several times too high. But what brakes slips. The wheels of an axle roll as fast as the curve
-//! has them, once the difference of their radii is known; where one is slower though neither driver nor engine slows
-//! or drives it, it is braked alone. What a driver's brakes do in a curve, where the loads differ, is not told from that,
-//! and left to the equations.
+//! ESP turns a car by braking single wheels. The axles' equations know no such moment and take it for a lateral
+//! force: a stiffness comes out several times too high. But a braked wheel slips. Once the difference of the radii is
+//! known, the curve gives the speed of both wheels of an axle; a wheel that is slower, though neither driver nor
+//! engine brakes or drives it, is braked alone. The driver's own braking in a curve, where the loads differ, looks
+//! the same and is left to the equations.
 
 use nalgebra::vector;
 

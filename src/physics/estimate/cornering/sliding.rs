@@ -1,11 +1,11 @@
 //! Is an axle sliding?
 //!
-//! A slip angle larger than the force accounts for has two explanations: the filter errs, or the axle is near its
-//! limit, where any slip angle goes with the same force. Under the first the excess is distributed about zero, now
-//! and then further off than the filter believes (a banked curve begins); under the second it may be anything above.
-//! Both are weighed by Bayes's rule. How likely sliding is beforehand, the belief over the friction says.
+//! A slip angle larger than the force accounts for has two explanations: the filter is off, or the axle is near its
+//! limit, where any slip angle goes with the same force. In the first case the excess scatters about zero, sometimes
+//! wider than the filter believes (a banked curve begins); in the second it may have any positive size. Bayes's rule
+//! weighs both; the belief over the friction gives the prior of sliding.
 //!
-//! While an axle slides, its equation says nothing of motion and stiffness. What it says of the friction is told in
+//! While an axle slides, its equation says nothing of motion and stiffness; what it says of the friction see
 //! [`bound`](super::bound).
 
 use super::bend::Bend;
@@ -76,6 +76,7 @@ impl Excess {
     pub fn sliding(&self) -> f64 {
         let std = self.variance.sqrt();
         let prior = self.at_limit.min(TUNING.likeliest);
+        // Both distributions in round numbers: 0.4 is 1/√2π, the density of a normal one and the slope of its sum.
         let normal = |std: f64| (-0.5 * (self.angle / std).powi(2)).exp() * 0.4 / std;
         let (share, wider) = TUNING.wrong;
         let erring = (1.0 - share) * normal(std) + share * normal(wider * std);

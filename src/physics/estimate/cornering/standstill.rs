@@ -1,17 +1,17 @@
 //! The car stands, and the yaw rate sensor shows its offset.
 //!
-//! Wheels that creep send zero, too: most sensors see nothing below a walking pace. So what is read in one second
-//! counts only once the wheels have stood for another.
+//! Most wheel sensors send zero below a walking pace, too. So the readings of one second count only after the wheels
+//! have stood for another.
 
 use crate::estimate::kinematics::Kinematics;
 
 /// Tuned with the test `long_drives`: wheels that creep.
 struct Tuning {
-    /// All wheels slower than this: they stand, or creep, m/s.
+    /// With all wheels slower than this the car stands or creeps, m/s.
     standing_below: f64,
-    /// So long it takes until the car has swung back, s.
+    /// The car needs this time to swing back after a stop, s.
     swings_s: f64,
-    /// What is read belongs together for so long, s.
+    /// Readings are averaged over this time, s.
     together_s: f64,
 }
 

@@ -60,6 +60,9 @@ pub struct Window {
 }
 
 impl Window {
+    /// Fewer samples have no scatter about their line. Statistical.
+    const FEWEST: f64 = 4.0;
+
     /// A window of `length_s` seconds.
     pub fn new(length_s: f64) -> Self {
         Self { length_s, ..Self::default() }
@@ -94,7 +97,7 @@ impl Window {
         let means = self.means();
         let path = self.path.with(&means.path, |now, mean| now - mean);
         *self = Self { path, ..Self::new(self.length_s) };
-        (means.samples >= 4.0).then_some(means)
+        (means.samples >= Self::FEWEST).then_some(means)
     }
 
     fn means(&self) -> Means {
@@ -131,8 +134,8 @@ impl YawAcceleration {
     /// Windows that are remembered. Tuned, no test on record.
     const MEMORY: f64 = 100.0;
 
-    /// Replaces the measured yaw acceleration by its expectation, given how much of what is measured
-    /// is noise: an error that remains is then independent of the value, and does not bias a slope.
+    /// Replaces the measured yaw acceleration by its expectation, given the share of noise in it. The remaining error
+    /// is then independent of the value and does not bias a slope.
     pub fn shrink(&mut self, means: &mut Means) {
         self.total += (means.yaw_acceleration.powi(2) - self.total) / Self::MEMORY;
         self.noise += (means.yaw_acceleration_std.powi(2) - self.noise) / Self::MEMORY;

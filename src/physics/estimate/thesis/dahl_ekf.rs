@@ -33,12 +33,18 @@ struct Tuning {
     walk: [f64; 5],
     /// σ₀ and μ stay within these.
     limits: [(f64, f64); 2],
+    /// Standard deviation of the deflection at the start, m.
+    deflection_std: f64,
+    /// After a gap this long the motion is another one, s.
+    gap_s: f64,
 }
 
 const TUNING: Tuning = Tuning {
     start: [(50.0, 30.0), (0.5, 0.3)],
     walk: [1e-4, 0.05, 0.5, 1.0, 0.02],
     limits: [(1.0, 1e3), (0.01, 2.0)],
+    deflection_std: 1e-3,
+    gap_s: 0.5,
 };
 
 /// z, v, ω, σ₀, μ.
@@ -214,8 +220,8 @@ impl DahlEkf {
     pub fn observe(&mut self, torque: f64, speed: f64, omega: f64, elapsed_s: f64) {
         let [sigma_std, mu_std] = TUNING.start.map(|(_, std)| std);
         let [sigma, mu] = self.start;
-        if !self.started || elapsed_s > 0.5 || !self.filter.is_sound() {
-            let std = [1e-3, self.noise[0].sqrt(), self.noise[1].sqrt(), sigma_std, mu_std];
+        if !self.started || elapsed_s > TUNING.gap_s || !self.filter.is_sound() {
+            let std = [TUNING.deflection_std, self.noise[0].sqrt(), self.noise[1].sqrt(), sigma_std, mu_std];
             self.filter = Gaussian::new([0.0, speed, omega, sigma, mu], std);
             self.started = true;
             return;

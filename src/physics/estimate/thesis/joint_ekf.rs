@@ -36,16 +36,22 @@ impl JointEkf {
     /// Below this lateral acceleration nothing is learned of C_y, m/s². Tuned, no test on record.
     const INFORMATIVE: f64 = 0.3;
 
+    /// Standard deviations of v_y (m/s) and r (rad/s) of which nothing is known yet. Tuned, no test on record.
+    const UNKNOWN_MOTION: [f64; 2] = [0.3, 0.05];
+    /// No data sheet knows the stiffness better than this, relative. Tuned, no test on record.
+    const LEAST_PRIOR_STD: f64 = 0.1;
+
     /// Starts from the mean of the vehicle's front and rear priors.
     pub fn new(car: &Car, sensors: &Sensors, config: &JointEkfConfig, minimum_speed: f64) -> Self {
         let [front, rear] = car.cornering_prior;
         let value = 0.5 * (front.0 + rear.0);
-        let prior = (value, front.1.max(rear.1).max(0.1 * value));
+        let prior = (value, front.1.max(rear.1).max(Self::LEAST_PRIOR_STD * value));
+        let [vy_std, yaw_std] = Self::UNKNOWN_MOTION;
         let variance = |quantity| sensors.noise_std(quantity).powi(2);
         Self {
             car: car.clone(),
             config: config.clone(),
-            state: Gaussian::new([0.0, 0.0, prior.0], [0.3, 0.05, prior.1]),
+            state: Gaussian::new([0.0, 0.0, prior.0], [vy_std, yaw_std, prior.1]),
             prior,
             yaw_variance: variance(Quantity::YawRate),
             acceleration_variance: variance(Quantity::LateralAcceleration),
@@ -79,7 +85,8 @@ impl JointEkf {
             self.informed = true;
         }
         if !self.state.is_sound() {
-            self.state = Gaussian::new([0.0, r, self.prior.0], [0.3, 0.05, self.prior.1]);
+            let [vy_std, yaw_std] = Self::UNKNOWN_MOTION;
+            self.state = Gaussian::new([0.0, r, self.prior.0], [vy_std, yaw_std, self.prior.1]);
         }
     }
 
@@ -101,7 +108,8 @@ impl JointEkf {
     fn restart(&mut self, r: f64) {
         let variance = self.state.covariance[(2, 2)];
         let stiffness = self.state.mean[2];
-        self.state = Gaussian::new([self.car.b * r, r, stiffness], [0.3, 0.05, 0.0]);
+        let [vy_std, yaw_std] = Self::UNKNOWN_MOTION;
+        self.state = Gaussian::new([self.car.b * r, r, stiffness], [vy_std, yaw_std, 0.0]);
         self.state.covariance[(2, 2)] = variance;
         self.running = true;
     }

@@ -26,6 +26,12 @@ struct Tuning {
     change_std: f64,
     /// Windows that the learned noise remembers.
     noise_memory: f64,
+    /// A slope is at first uncertain by this share of itself at least.
+    least_prior_std: f64,
+    /// Drift and threshold of the CUSUM, in standard deviations: one false alarm in 10⁷ white windows.
+    cusum: (f64, f64),
+    /// Normalized innovations count in the CUSUM up to this.
+    clip: f64,
 }
 
 const TUNING: Tuning = Tuning {
@@ -36,6 +42,9 @@ const TUNING: Tuning = Tuning {
     walk: 0.01,
     change_std: 0.5,
     noise_memory: 50.0,
+    least_prior_std: 0.3,
+    cusum: (1.0, 8.0),
+    clip: 4.0,
 };
 
 /// One axle's regression of slip angle on normalized lateral force.
@@ -73,8 +82,8 @@ impl LateralSlopeEstimator {
     /// Starts from the vehicle's priors.
     pub fn new(car: &Car, minimum_speed: f64) -> Self {
         let axles = car.cornering_prior.map(|(value, std)| AxleSlope {
-            filter: Gaussian::new([1.0 / value], [std.max(0.3 * value) / (value * value)]),
-            cusum: Cusum::new(1.0, 8.0),
+            filter: Gaussian::new([1.0 / value], [std.max(TUNING.least_prior_std * value) / (value * value)]),
+            cusum: Cusum::new(TUNING.cusum.0, TUNING.cusum.1),
             noise: LearnedNoise::new(TUNING.noise_memory),
             window: Window::default(),
             age_s: 0.0,
@@ -134,7 +143,7 @@ impl AxleSlope {
         self.age_s = 0.0;
         self.informed = true;
         let evidence = expected.normalized() / self.noise.redundancy().sqrt();
-        if self.cusum.step(evidence.clamp(-4.0, 4.0)).is_some() {
+        if self.cusum.step(evidence.clamp(-TUNING.clip, TUNING.clip)).is_some() {
             let std = TUNING.change_std * self.filter.mean[0];
             self.filter.inflate(0, std * std);
         }

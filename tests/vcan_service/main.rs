@@ -32,6 +32,7 @@ mod traffic;
 #[path = "../vcan_support/mod.rs"]
 mod vcan_support;
 mod view;
+mod wrong_bus;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

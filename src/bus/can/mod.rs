@@ -6,6 +6,7 @@ mod digits;
 mod error_report;
 mod frame;
 mod interface;
+mod link_news;
 mod memory;
 mod raw_socket;
 pub mod recording;

@@ -2,6 +2,7 @@
 
 pub mod bus;
 pub mod candump;
+mod clock;
 mod digits;
 mod error_report;
 mod frame;

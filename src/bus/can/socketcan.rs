@@ -7,6 +7,7 @@
 //! - *Removed*: one read gets `ENODEV`; the socket is dead for good, even when an interface of the same
 //!   name is created again. So it is closed, and the name looked up until it is back.
 //! - Both wake a waiting reader by an error condition only, not by readability: we wait for both.
+//! - *The clock is set*: the kernel's stamps jump; what is given out does not ([`SteadyClock`]).
 //! - A send can get (and thereby clear) the error that was meant for the reader: it tells the reader.
 //! - *Renamed*: the socket stays with the interface, whatever it is called then, and the name may be another
 //!   interface's at once. It is the name that was asked for (two adapters may come up the other way round), so the
@@ -21,6 +22,9 @@ use tokio::io::unix::AsyncFd;
 use tokio::task::coop;
 use tokio::time::{Instant, sleep_until};
 
+use physics::Micros;
+
+use super::clock::SteadyClock;
 use super::link_news::LinkNews;
 use super::raw_socket::{Buffers, RawSocket, Received};
 use super::{CanId, ErrorReport, Event, Frame, FrameKind, InterfaceName, OpenError, Reception, SendError};
@@ -67,6 +71,7 @@ pub struct SocketCan {
     /// `None` where the kernel does not tell.
     news: Option<LinkNews>,
     buffers: Buffers,
+    clock: SteadyClock,
     /// State of the interface as far as we know, and as far as the caller knows.
     link: Link,
     told: Option<Link>,
@@ -102,6 +107,7 @@ impl SocketCan {
             index: 0,
             news: LinkNews::subscribe(),
             buffers: Buffers::new(),
+            clock: SteadyClock::start(),
             link: Link::Gone,
             told: None,
             held: None,
@@ -122,6 +128,11 @@ impl SocketCan {
     /// was asked for); `None` while the interface is gone.
     pub fn receive_buffer(&self) -> Option<usize> {
         self.socket.as_ref().and_then(|socket| socket.get_ref().receive_buffer())
+    }
+
+    /// As [`Bus::now`](super::Bus::now).
+    pub fn now(&self) -> Option<Micros> {
+        self.clock.now()
     }
 
     /// As [`Bus::retune`](super::Bus::retune).
@@ -216,10 +227,14 @@ impl SocketCan {
             self.drops = drops;
             lost
         });
+        let frame = received.frame.map(|mut frame| {
+            frame.time = self.clock.steady(frame.time);
+            frame
+        });
         if lost == 0 {
-            return received.frame.map(event_of);
+            return frame.map(event_of);
         }
-        self.held = received.frame;
+        self.held = frame;
         Some(Event::Dropped(lost))
     }
 

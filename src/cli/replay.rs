@@ -311,7 +311,7 @@ impl Totals {
             skipped_lines: self.skipped_lines,
             dropped_by_recorder: self.dropped,
             time_backwards: self.time_backwards,
-            faults: engine.sampler().counts().iter().collect(),
+            faults: engine.fault_counts().iter().collect(),
         }
     }
 }

@@ -10,6 +10,7 @@
     reason = "helpers of tests may fail loudly"
 )]
 
+mod bad_day;
 mod faults;
 mod isolation;
 mod lateness;
@@ -94,7 +95,7 @@ fn published_ids() -> Vec<CanId> {
 
 /// Is it one of the messages that gripd publishes?
 fn is_published(frame: &Frame) -> bool {
-    (0x6A0..=0x6A5).contains(&frame.id.number()) && !frame.id.is_extended()
+    (0x6A0..=0x6A6).contains(&frame.id.number()) && !frame.id.is_extended()
 }
 
 fn data(number: u32, bytes: &[u8]) -> Frame {

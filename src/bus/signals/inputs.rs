@@ -29,6 +29,8 @@ pub(super) struct MessageInput {
     /// Bytes that a frame must have.
     pub(super) length: usize,
     pub(super) is_fd: bool,
+    /// As the DBC has it.
+    pub(super) cycle: Option<Micros>,
     pub(super) counter: Option<Counter>,
     pub(super) checksum: Option<Checksum>,
     pub(super) mappings: Vec<Mapping>,
@@ -98,6 +100,13 @@ impl Inputs {
     /// sensor, quantization included.
     pub fn noise_std(&self, quantity: Quantity) -> Option<f64> {
         self.traits[quantity as usize].map(|traits| traits.noise_std)
+    }
+
+    /// After so long without any frame no required quantity has a value.
+    pub fn longest_timeout(&self) -> Micros {
+        let required = Quantity::ALL.into_iter().filter(|quantity| quantity.is_required());
+        let timeouts = required.filter_map(|quantity| self.traits[quantity as usize]).map(|t| t.timeout);
+        timeouts.max().unwrap_or_default()
     }
 
     /// The name in the DBC of the message that carries this identifier, if it is needed.

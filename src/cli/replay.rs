@@ -15,7 +15,7 @@ use super::tables::{EstimatesTable, SamplesTable, TableFormat};
 use bus::Config;
 use bus::can::Frame;
 use bus::can::recording::{Format, LogError, Reader, Writer};
-use bus::service::saved::Refusal;
+use bus::service::saved::{Claim, Refusal};
 use bus::service::{Engine, SavedState, Sink};
 use physics::{Estimates, Sample};
 
@@ -87,7 +87,14 @@ impl Replay {
         )?;
         let mut engine = Engine::new(&config)?;
         let state = self.state.as_deref().map(|path| SavedState::new(path, &config));
+        let claim = state.as_ref().map(SavedState::claim);
         if let Some(state) = &state {
+            if matches!(claim, Some(Claim::Taken)) {
+                let path = state.path().display();
+                return Err(Failure::work(format_args!(
+                    "{path}: another gripd has this file: stop it first"
+                )));
+            }
             take_up(state, &mut engine)?;
         }
         let driven_before_s = engine.driving_s();

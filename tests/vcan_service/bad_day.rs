@@ -87,10 +87,17 @@ fn slow_inputs_lose_nothing() {
     let gripd = Gripd::start(&demo_car(), interface.0);
     let _car = Traffic::start(interface.0, recording);
     candump.wait_for_more(7 * 30, "publishing");
-    std::thread::sleep(Duration::from_secs(3));
+    let mut hiccup = Duration::ZERO;
+    let begun = Instant::now();
+    while begun.elapsed() < Duration::from_secs(3) {
+        let before = Instant::now();
+        std::thread::sleep(Duration::from_millis(2));
+        hiccup = hiccup.max(before.elapsed());
+    }
     let tally = gripd.end(SIGTERM);
-    println!("{tally:?}");
-    assert_eq!((tally.late, tally.unsent), (0, 0));
+    println!("{tally:?}; {hiccup:?} without the guest");
+    // Where the guest itself stood still for longer, some may be too late, and that is right.
+    assert!(tally.unsent == 0 && (tally.late == 0 || hiccup > Duration::from_millis(60)), "{tally:?}");
 }
 
 /// GIVEN somebody who sends our identifiers THEN that is told while it lasts, said once, and counted.

@@ -29,7 +29,7 @@ fn it_takes_neither_its_own_frames_nor_those_of_a_second_one_for_input() {
         candump.published().len() == first.published + second.published + forged.len()
     });
     // Each tells of the other.
-    assert!(first.foreign >= second.published && second.foreign > 1000, "{first:?} {second:?}");
+    assert!(first.foreign > 300 && second.foreign > 300, "{first:?} {second:?}");
     // What both publish does not depend on the other: each frame is there twice, with its counter.
     let of = |id: CanId| -> Vec<Vec<u8>> {
         let frames = candump.frames();

@@ -20,6 +20,7 @@ mod live_soak;
 mod log;
 mod metrics;
 mod monitor;
+mod others;
 mod process;
 #[path = "../support/program.rs"]
 mod program;

@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn without_a_pause_all_go_at_once() {
         let sent = sent(1000, &[]);
-        assert_eq!(sent.len(), 50);
+        assert!((50..=51).contains(&sent.len()));
         assert!(sent.iter().all(|(due, at)| at - due <= 1), "{sent:?}");
     }
 

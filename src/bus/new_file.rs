@@ -1,9 +1,11 @@
 //! Files that appear under their name only when they are complete.
 
 use std::ffi::{OsStr, OsString};
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, Write};
+use std::os::fd::AsRawFd;
 use std::os::unix::ffi::OsStrExt;
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt, fchown};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -22,24 +24,51 @@ pub struct NewFile {
 }
 
 impl NewFile {
-    /// Creates it beside `path`, with the permissions of the file it is to replace.
+    /// Creates it beside `path`, with the permissions (and, where that is allowed, the owner) of the file it is to
+    /// replace.
     ///
     /// # Errors
-    /// If the folder does not let us, or `path` is a folder.
+    /// If the folder does not let us, `path` is a folder, or the kernel would not let us write the file that is there:
+    /// a read-only one, or one behind another user's symbolic link in a folder for all (`fs.protected_symlinks`).
     pub fn create(path: &Path) -> io::Result<Self> {
         match fs::metadata(path) {
             Ok(there) if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
             Ok(there) if !there.is_file() => {
                 Ok(Self { file: OpenOptions::new().write(true).open(path)?, aside: None })
             }
-            existing => {
-                let (file, aside) = Aside::create(path)?;
-                if let Ok(there) = existing {
-                    file.set_permissions(there.permissions())?;
+            Ok(_) => {
+                // Asks the kernel, which follows links by its own rules; changes nothing. With `create`, for it has
+                // rules of its own for what is there already (`fs.protected_regular`).
+                let old = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
+                let (file, aside) = Aside::create(&name_of(&old, path), 0o600)?;
+                let there = old.metadata()?;
+                let own = file.metadata()?;
+                if (there.uid(), there.gid()) != (own.uid(), own.gid()) {
+                    // Only root may give files away.
+                    let _ = fchown(&file, Some(there.uid()), Some(there.gid()));
                 }
+                file.set_permissions(there.permissions())?;
                 Ok(Self { file, aside: Some(aside) })
             }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                let (file, aside) = Aside::create(path, 0o666)?;
+                Ok(Self { file, aside: Some(aside) })
+            }
+            // Who may not look at it may not replace it.
+            Err(error) => Err(error),
         }
+    }
+
+    /// The same, for the eyes of its user only, whatever was there before.
+    ///
+    /// # Errors
+    /// As [`Self::create`].
+    pub fn create_private(path: &Path) -> io::Result<Self> {
+        let new = Self::create(path)?;
+        if new.aside.is_some() {
+            new.file.set_permissions(Permissions::from_mode(0o600))?;
+        }
+        Ok(new)
     }
 
     /// Where to write.
@@ -116,11 +145,10 @@ struct Aside {
 }
 
 impl Aside {
-    fn create(path: &Path) -> io::Result<(File, Self)> {
-        // Through symbolic links: the file they point to is to be replaced, not the link.
-        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    fn create(target: &Path, mode: u32) -> io::Result<(File, Self)> {
+        let target = target.to_owned();
         let temporary = temporary_name(&target).ok_or(io::ErrorKind::InvalidFilename)?;
-        let file = OpenOptions::new().write(true).create_new(true).open(&temporary)?;
+        let file = OpenOptions::new().write(true).create_new(true).mode(mode).open(&temporary)?;
         begun().push(temporary.clone());
         Ok((file, Self { temporary, target }))
     }
@@ -148,6 +176,13 @@ impl Drop for Aside {
             self.forget();
         }
     }
+}
+
+/// The name of an open file behind all symbolic links: it is to be replaced, not the link. As the kernel has it: a
+/// link could be another one by now.
+fn name_of(file: &File, path: &Path) -> PathBuf {
+    let name = fs::read_link(format!("/proc/self/fd/{}", file.as_raw_fd()));
+    name.or_else(|_| fs::canonicalize(path)).unwrap_or_else(|_| path.to_owned())
 }
 
 /// What is being written, under its hidden names.
@@ -210,7 +245,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("state");
         // As if the power had gone.
-        let (file, mut aside) = Aside::create(&path).unwrap();
+        let (file, mut aside) = Aside::create(&path, 0o666).unwrap();
         drop(file);
         aside.forget();
         let others =
@@ -238,6 +273,69 @@ mod tests {
         new.commit().unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "new");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    fn mode(path: &Path) -> u32 {
+        fs::metadata(path).unwrap().permissions().mode() & 0o777
+    }
+
+    fn write(new: NewFile, text: &[u8]) {
+        new.writer().unwrap().write_all(text).unwrap();
+        new.commit().unwrap();
+    }
+
+    #[test]
+    fn modes_are_kept_through_links_and_a_private_file_is_private() {
+        let folder = tempfile::tempdir().unwrap();
+        let [path, link] = ["file", "link"].map(|name| folder.path().join(name));
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        for of_file in [0o600, 0o640, 0o644] {
+            fs::write(&path, "old").unwrap();
+            fs::set_permissions(&path, Permissions::from_mode(of_file)).unwrap();
+            write(NewFile::create(&link).unwrap(), b"new");
+            assert_eq!((mode(&path), fs::read(&path).unwrap()), (of_file, b"new".to_vec()));
+            assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        }
+        write(NewFile::create_private(&path).unwrap(), b"state");
+        assert_eq!(mode(&path), 0o600);
+        fs::remove_file(&path).unwrap();
+        write(NewFile::create_private(&path).unwrap(), b"state");
+        assert_eq!(mode(&path), 0o600);
+    }
+
+    /// GIVEN a folder for all with a link of somebody else's, to a file that only we can reach, THEN what the kernel
+    /// refuses a shell is refused, and the file stays as it is.
+    #[test]
+    fn another_users_link_in_a_folder_for_all_is_not_followed() {
+        let folder = tempfile::tempdir().unwrap();
+        let (all, own) = (folder.path().join("all"), folder.path().join("own"));
+        fs::create_dir(&all).unwrap();
+        fs::create_dir(&own).unwrap();
+        fs::set_permissions(folder.path(), Permissions::from_mode(0o755)).unwrap();
+        fs::set_permissions(&all, Permissions::from_mode(0o1777)).unwrap();
+        fs::set_permissions(&own, Permissions::from_mode(0o700)).unwrap();
+        let (target, link) = (own.join("file"), all.join("link"));
+        fs::write(&target, "mine").unwrap();
+        fs::set_permissions(&target, Permissions::from_mode(0o600)).unwrap();
+        for there in [true, false] {
+            std::os::unix::fs::symlink(&target, &link).unwrap();
+            if std::os::unix::fs::lchown(&link, Some(12_345), None).is_err() {
+                return println!("skipped: only root can make another user's link");
+            }
+            let shell = OpenOptions::new().write(true).create(true).truncate(false).open(&link);
+            let Err(refused) = shell else {
+                return println!("skipped: fs.protected_symlinks is 0, or not of this file system");
+            };
+            let error = NewFile::create(&link).map(drop).unwrap_err();
+            assert_eq!(error.kind(), refused.kind());
+            assert_eq!(fs::read_dir(&all).unwrap().count(), 1);
+            if there {
+                assert_eq!((mode(&target), fs::read(&target).unwrap()), (0o600, b"mine".to_vec()));
+                fs::remove_file(&target).unwrap();
+            }
+            assert!(there || !target.exists(), "made through a link that leads nowhere");
+            fs::remove_file(&link).unwrap();
+        }
     }
 
     #[test]

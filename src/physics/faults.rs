@@ -1,11 +1,12 @@
-//! What can be wrong, as the bit field that `GRIP_STATUS.Faults` and the CSV carry.
+//! What can be wrong, as the bit field that the CSV carries. On the bus its lower 16 bits are `GRIP_STATUS.Faults`, those
+//! above them `GRIP_STATUS_2.Faults`.
 
 use bitflags::bitflags;
 
 bitflags! {
     /// Faults seen since the last published status. Bit numbers are part of the published interface.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-    pub struct Faults: u16 {
+    pub struct Faults: u32 {
         /// A configured quantity is older than its time-out.
         const TIMEOUT = 1 << 0;
         /// A value came as not available, or its quality bit denied it.
@@ -38,12 +39,32 @@ bitflags! {
         const INCONSISTENT = 1 << 14;
         /// A reload was refused, or the saved state was not usable; the last good one is in use.
         const CONFIG = 1 << 15;
+        /// Somebody else sends frames with an identifier that we publish on.
+        const FOREIGN_SENDER = 1 << 16;
+        /// A needed identifier comes much more often than it should: somebody else sends it, too.
+        const SENT_TWICE = 1 << 17;
+        /// The service ends: nothing follows.
+        const ENDING = 1 << 18;
     }
 }
 
 impl Faults {
+    /// How many bits there are.
+    pub const COUNT: usize = 19;
+
     /// Names of the bits that are set, in bit order, lower case as in `--stats`.
     pub fn names(self) -> impl Iterator<Item = String> {
         self.iter_names().map(|(name, _)| name.to_ascii_lowercase())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bits_are_those_below_their_count() {
+        assert_eq!(Faults::all().bits(), (1 << Faults::COUNT) - 1);
+        assert_eq!(Faults::all().names().count(), Faults::COUNT);
     }
 }

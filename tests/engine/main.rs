@@ -6,6 +6,7 @@ mod accuracy;
 mod all_driven;
 mod allocations;
 mod effects;
+mod fault_bits;
 mod faults;
 mod filter;
 mod learned;

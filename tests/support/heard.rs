@@ -55,7 +55,7 @@ pub fn of<'a>(frames: &'a [Frame], message: &str) -> impl Iterator<Item = &'a Fr
 /// The faults that each status frame tells.
 pub fn faults(frames: &[Frame]) -> Vec<Faults> {
     let status = of(frames, "GRIP_STATUS");
-    status.map(|frame| Faults::from_bits_retain(bits(frame, "Faults") as u16)).collect()
+    status.map(|frame| Faults::from_bits_retain(bits(frame, "Faults") as u32)).collect()
 }
 
 /// What every receiver checks: each message's counter counts, and each checksum is right.

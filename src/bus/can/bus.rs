@@ -5,6 +5,8 @@ use std::io;
 use nix::errno::Errno;
 use thiserror::Error;
 
+use physics::Micros;
+
 use super::{CanId, ErrorReport, Frame, InterfaceName, MemoryBus, SocketCan};
 
 /// What comes from a bus: frames, and everything that can happen to it.
@@ -120,6 +122,15 @@ impl Bus {
         match self {
             Bus::SocketCan(socket) => socket.try_send(frame),
             Bus::Memory(memory) => memory.try_send(frame),
+        }
+    }
+
+    /// How late it is on the clock that the frames of this bus are stamped by; `None` where there is no such clock
+    /// (frames in memory keep the time that their sender gave them). Steps of the system's clock do not show.
+    pub fn now(&self) -> Option<Micros> {
+        match self {
+            Bus::SocketCan(socket) => socket.now(),
+            Bus::Memory(_) => None,
         }
     }
 

@@ -3,8 +3,9 @@
 use std::fmt;
 use std::str::FromStr;
 
+use nix::errno::Errno;
 use nix::ifaddrs::getifaddrs;
-use nix::net::if_::InterfaceFlags;
+use nix::net::if_::{InterfaceFlags, if_nametoindex};
 
 use super::OpenError;
 
@@ -28,6 +29,15 @@ impl InterfaceName {
         str::from_utf8(&self.bytes[..usize::from(self.length)]).unwrap_or_default()
     }
 
+    /// Does the interface with this number still have this name? Allocates nothing. Where the kernel cannot be
+    /// asked (no descriptor is left), nothing speaks against it.
+    pub(super) fn is_still(&self, index: u32) -> bool {
+        match if_nametoindex(self.as_str()) {
+            Ok(now) => now == index,
+            Err(errno) => errno != Errno::ENODEV,
+        }
+    }
+
     /// The interface as it is now; `None` when there is none of that name.
     ///
     /// Asks the kernel by netlink, which unlike `/sys` always means the process's own network
@@ -38,7 +48,7 @@ impl InterfaceName {
             InterfaceState {
                 is_up: entry.flags.contains(InterfaceFlags::IFF_UP),
                 is_can: hardware.is_none_or(|link| link.hatype() == CAN_HARDWARE),
-                index: nix::net::if_::if_nametoindex(self.as_str()).unwrap_or(0),
+                index: if_nametoindex(self.as_str()).unwrap_or(0),
             }
         })
     }
@@ -97,6 +107,9 @@ mod tests {
             return println!("skipped: no loopback interface here");
         };
         assert!(!lo.is_can && lo.index > 0);
+        let name: InterfaceName = "lo".parse().unwrap();
+        assert!(name.is_still(lo.index) && !name.is_still(lo.index + 1));
+        assert!(!"no_such_if".parse::<InterfaceName>().unwrap().is_still(lo.index));
         assert_eq!("no_such_if".parse::<InterfaceName>().unwrap().look_up(), None);
     }
 }

@@ -2,9 +2,11 @@
 
 pub mod bus;
 mod candump_line;
+mod clock;
 mod error_report;
 mod frame;
 mod interface;
+mod link_news;
 mod memory;
 mod raw_socket;
 #[cfg(feature = "desk")]

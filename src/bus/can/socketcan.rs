@@ -7,7 +7,11 @@
 //! - *Removed*: one read gets `ENODEV`; the socket is dead for good, even when an interface of the same
 //!   name is created again. So it is closed, and the name looked up until it is back.
 //! - Both wake a waiting reader by an error condition only, not by readability: we wait for both.
+//! - *The clock is set*: the kernel's stamps jump; what is given out does not ([`SteadyClock`]).
 //! - A send can get (and thereby clear) the error that was meant for the reader: it tells the reader.
+//! - *Renamed*: the socket stays with the interface, whatever it is called then, and the name may be another
+//!   interface's at once. It is the name that was asked for (two adapters may come up the other way round), so the
+//!   name's index is compared whenever the kernel has news of its links, and before each frame that is sent.
 
 use std::io;
 use std::time::Duration;
@@ -18,6 +22,10 @@ use tokio::io::unix::AsyncFd;
 use tokio::task::coop;
 use tokio::time::{Instant, sleep_until};
 
+use physics::Micros;
+
+use super::clock::SteadyClock;
+use super::link_news::LinkNews;
 use super::raw_socket::{Buffers, RawSocket, Received};
 use super::{CanId, ErrorReport, Event, Frame, FrameKind, InterfaceName, OpenError, Reception, SendError};
 
@@ -58,7 +66,12 @@ pub struct SocketCan {
     config: SocketCanConfig,
     /// `None` while the interface is gone.
     socket: Option<AsyncFd<RawSocket>>,
+    /// The interface that the socket is bound to.
+    index: u32,
+    /// `None` where the kernel does not tell.
+    news: Option<LinkNews>,
     buffers: Buffers,
+    clock: SteadyClock,
     /// State of the interface as far as we know, and as far as the caller knows.
     link: Link,
     told: Option<Link>,
@@ -91,7 +104,10 @@ impl SocketCan {
         let mut bus = Self {
             config,
             socket: None,
+            index: 0,
+            news: LinkNews::subscribe(),
             buffers: Buffers::new(),
+            clock: SteadyClock::start(),
             link: Link::Gone,
             told: None,
             held: None,
@@ -112,6 +128,11 @@ impl SocketCan {
     /// was asked for); `None` while the interface is gone.
     pub fn receive_buffer(&self) -> Option<usize> {
         self.socket.as_ref().and_then(|socket| socket.get_ref().receive_buffer())
+    }
+
+    /// As [`Bus::now`](super::Bus::now).
+    pub fn now(&self) -> Option<Micros> {
+        self.clock.now()
     }
 
     /// As [`Bus::retune`](super::Bus::retune).
@@ -145,15 +166,19 @@ impl SocketCan {
                 self.wait_for_interface().await;
                 continue;
             };
-            let received = match self.link {
-                Link::Up => receive(socket, &mut self.buffers).await,
-                Link::Down | Link::Gone => tokio::select! {
-                    received = receive(socket, &mut self.buffers) => received,
-                    () = sleep_until(self.next_look) => {
-                        self.look_again();
-                        continue;
-                    }
-                },
+            let is_up = self.link == Link::Up;
+            let received = tokio::select! {
+                biased;
+                // First: what else is there to be read may be another bus's.
+                () = next(&mut self.news) => {
+                    self.stay_with_the_name();
+                    continue;
+                }
+                received = receive(socket, &mut self.buffers) => received,
+                () = sleep_until(self.next_look), if !is_up => {
+                    self.look_again();
+                    continue;
+                }
             };
             match received {
                 Ok(received) => {
@@ -176,6 +201,7 @@ impl SocketCan {
             FrameKind::Fd { .. } if !self.config.fd => return Err(SendError::NoFd),
             _ => {}
         }
+        self.stay_with_the_name();
         let Some(socket) = &self.socket else { return Err(SendError::Gone) };
         socket.get_ref().send(frame).map_err(|errno| match errno {
             Errno::ENOBUFS | Errno::EAGAIN | Errno::ENOMEM | Errno::EINTR => SendError::Busy,
@@ -201,10 +227,14 @@ impl SocketCan {
             self.drops = drops;
             lost
         });
+        let frame = received.frame.map(|mut frame| {
+            frame.time = self.clock.steady(frame.time);
+            frame
+        });
         if lost == 0 {
-            return received.frame.map(event_of);
+            return frame.map(event_of);
         }
-        self.held = received.frame;
+        self.held = frame;
         Some(Event::Dropped(lost))
     }
 
@@ -229,19 +259,34 @@ impl SocketCan {
         }
     }
 
+    /// Lets go of an interface that has another name now. The one that has ours is looked for like one that was
+    /// made anew.
+    fn stay_with_the_name(&mut self) {
+        if self.socket.is_some() && !self.config.interface.is_still(self.index) {
+            self.disconnect();
+        }
+    }
+
     fn disconnect(&mut self) {
         self.socket = None;
+        self.held = None;
         self.link = Link::Gone;
         self.drops = 0;
         self.pause = FIRST_PAUSE;
         self.next_look = Instant::now() + FIRST_PAUSE;
     }
 
-    /// The link was down: is it up? That it is gone, the socket itself would have told.
+    /// The link was down: is it up, and still the one of that name? That it is gone, the socket itself would have
+    /// told.
     fn look_again(&mut self) {
         self.next_look = Instant::now() + LOOK_WHILE_DOWN;
-        if self.config.interface.look_up().is_some_and(|state| state.is_up) {
-            self.link = Link::Up;
+        match self.config.interface.look_up() {
+            Some(state) if state.index == self.index => {
+                if state.is_up {
+                    self.link = Link::Up;
+                }
+            }
+            _ => self.disconnect(),
         }
     }
 
@@ -269,15 +314,27 @@ impl SocketCan {
             Err(OpenError::Refused { source, .. }) if is_gone(&source) => return Ok(()),
             result => result?,
         };
+        // Renamed between the look and the binding.
+        if !interface.is_still(state.index) {
+            return Ok(());
+        }
         let socket = watch(raw).map_err(|source| OpenError::Refused {
             interface,
             step: "watch the socket in this runtime",
             source,
         })?;
         self.socket = Some(socket);
+        self.index = state.index;
         self.link = if state.is_up { Link::Up } else { Link::Down };
         self.pause = FIRST_PAUSE;
         Ok(())
+    }
+}
+
+async fn next(news: &mut Option<LinkNews>) {
+    match news {
+        Some(news) => news.next().await,
+        None => std::future::pending().await,
     }
 }
 

@@ -16,6 +16,10 @@ use crate::can::CanId;
 
 /// No real DBC file comes near this, MiB.
 const LARGEST_FILE_MIB: u64 = 64;
+/// The attributes that are looked at.
+const ATTRIBUTES: [&str; 4] =
+    ["\"VFrameFormat\"", "\"SystemMessageLongSymbol\"", "\"SystemSignalLongSymbol\"", "\"GenMsgCycleTime\""];
+const CYCLE_TIME: &str = "GenMsgCycleTime";
 /// So many lines that make no sense are named one by one.
 const STRAYS_NAMED: usize = 10;
 
@@ -66,6 +70,7 @@ pub(super) struct Source {
     pub long_message_names: HashMap<CanId, String>,
     pub long_signal_names: HashMap<SignalKey, String>,
     pub frame_formats: HashMap<CanId, String>,
+    pub cycles_ms: HashMap<CanId, f64>,
     pub warnings: Vec<Warning>,
 }
 
@@ -233,9 +238,7 @@ impl Reader {
         let wanted = match statement.keyword {
             "VAL_" | "SIG_VALTYPE_" | "SG_MUL_VAL_" => true,
             "BA_DEF_" => text.contains("\"VFrameFormat\""),
-            "BA_" => ["\"VFrameFormat\"", "\"SystemMessageLongSymbol\"", "\"SystemSignalLongSymbol\""]
-                .iter()
-                .any(|attribute| text.contains(attribute)),
+            "BA_" => ATTRIBUTES.iter().any(|attribute| text.contains(attribute)),
             _ => false,
         };
         if !wanted {
@@ -287,6 +290,11 @@ impl Reader {
                 ("SystemMessageLongSymbol", AttributeValue::String(name)) => {
                     self.source.long_message_names.insert(id, name);
                 }
+                (CYCLE_TIME, value) => {
+                    // Zero is what editors write where there is none.
+                    let cycle = number(&value).filter(|cycle| (1.0..=60_000.0).contains(cycle));
+                    self.source.cycles_ms.extend(cycle.map(|cycle| (id, cycle)));
+                }
                 _ => {}
             }
         }
@@ -297,6 +305,15 @@ impl Reader {
                 self.source.long_signal_names.insert((id, attribute.signal_name), name);
             }
         }
+    }
+}
+
+fn number(value: &AttributeValue) -> Option<f64> {
+    match value {
+        AttributeValue::Uint(number) => Some(*number as f64),
+        AttributeValue::Int(number) => Some(*number as f64),
+        AttributeValue::Double(number) => Some(*number),
+        AttributeValue::String(_) => None,
     }
 }
 

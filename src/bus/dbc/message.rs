@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::signal::Signal;
 use crate::can::CanId;
+use physics::Micros;
 
 /// A validated message. All its signals can be decoded.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +17,8 @@ pub struct Message {
     pub length: usize,
     /// Goes as an FD frame: longer than 8 bytes, or marked so by the file.
     pub is_fd: bool,
+    /// `GenMsgCycleTime`, where the file gives one to this very message.
+    pub cycle: Option<Micros>,
     /// In the order of the file.
     pub signals: Vec<Signal>,
     /// The file it comes from.

@@ -165,7 +165,9 @@ impl Validator {
         let format = self.source.frame_formats.get(&id);
         let is_fd = length > 8 || format.is_some_and(|f| f.ends_with("CAN_FD"));
         let file = self.file.clone();
-        self.result.messages.push(Message { name, id, length, is_fd, signals, file, line: raw.line });
+        let cycle = self.source.cycles_ms.get(&id).map(|cycle| physics::Micros::from_seconds(1e-3 * cycle));
+        let line = raw.line;
+        self.result.messages.push(Message { name, id, length, is_fd, cycle, signals, file, line });
     }
 
     /// How to decode the signal, or why that cannot be done.

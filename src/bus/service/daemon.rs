@@ -8,11 +8,12 @@ use std::time::Duration;
 
 use tokio::time::{Interval, MissedTickBehavior};
 
-use super::run::reception;
+use super::rounds::{Rounds, Verdict};
+use super::run::{input_reception, output_reception};
 use super::said::Said;
 use super::{Engine, Fresh, Health, Keeper, Reloads, Sink, Survived, systemd};
 use crate::can::{Bus, Event, Frame, Reception, SendError};
-use physics::{Estimates, Faults, Sample};
+use physics::{Estimates, Faults, Micros, Sample};
 
 /// Something that frames come from and go to: a bus, or a stand-in with the same manners.
 pub trait Link {
@@ -23,6 +24,11 @@ pub trait Link {
     /// # Errors
     /// If the frame could not be taken; it is then gone.
     fn try_send(&mut self, frame: &Frame) -> Result<(), SendError>;
+    /// How late it is on the clock that its frames are stamped by; `None` if it has none. Only of a link with a clock
+    /// can a round be too late, and only such a one has receivers that wait.
+    fn now(&self) -> Option<Micros> {
+        None
+    }
     /// Receives something else from now on; one that hands on everything has nothing to do.
     ///
     /// # Errors
@@ -41,6 +47,10 @@ impl Link for Bus {
         Bus::try_send(self, frame)
     }
 
+    fn now(&self) -> Option<Micros> {
+        Bus::now(self)
+    }
+
     fn retune(&mut self, reception: Reception) -> io::Result<()> {
         Bus::retune(self, reception)
     }
@@ -55,6 +65,10 @@ pub struct Tally {
     pub published: u64,
     /// Frames that could not be sent.
     pub unsent: u64,
+    /// Frames that were not sent because they would have been too late.
+    pub late: u64,
+    /// Frames of somebody else with an identifier that we publish on.
+    pub foreign: u64,
     /// Frames lost before they could be read.
     pub dropped: u64,
 }
@@ -92,7 +106,8 @@ pub async fn serve<L: Link>(
     shutdown: impl Future<Output = ()>,
 ) -> Tally {
     let Service { engine, mut input, mut output, mut keeper, report_every_s, mut reloads, health } = service;
-    let mut daemon = Daemon::new(engine, health);
+    let mut daemon = Daemon::new(engine, health, output.is_none());
+    let mut beat = daemon.beat();
     let mut shutdown = pin!(shutdown);
     let mut watchdog = systemd::watchdog_period().and_then(every);
     let mut report = every(Duration::from_secs(report_every_s));
@@ -113,21 +128,37 @@ pub async fn serve<L: Link>(
                     Ok(())
                 });
                 daemon.reloaded(accepted);
+                beat = daemon.beat();
             }
             // Before the input, which may never be silent: this one only has news of its state.
             event = next(&mut output) => daemon.output(event),
             event = input.recv() => {
                 daemon.input(event, observer);
+                let now = input.now();
                 let target = output.as_mut().unwrap_or(&mut input);
-                daemon.send(target, observer);
+                daemon.send(now, target, observer, false);
                 daemon.show();
                 if let Some(keeper) = &mut keeper {
                     keeper.offer(&daemon.engine);
                 }
             }
+            // After the input: all that came is read when it is these branches' turn.
+            () = daemon.waits.over() => {
+                let now = input.now();
+                daemon.send(now, output.as_mut().unwrap_or(&mut input), observer, true);
+            }
+            () = tick(&mut beat) => {
+                let now = input.now();
+                daemon.idle(now, observer);
+                daemon.send(now, output.as_mut().unwrap_or(&mut input), observer, true);
+                daemon.show();
+            }
         }
     }
     systemd::stopping();
+    if let Some(now) = input.now() {
+        daemon.farewell(now, output.as_mut().unwrap_or(&mut input), observer);
+    }
     daemon.report();
     if let Some(keeper) = keeper {
         keeper.finish(&daemon.engine);
@@ -137,13 +168,40 @@ pub async fn serve<L: Link>(
 
 struct Daemon {
     engine: Engine,
-    /// Frames on their way out; emptied after each frame that comes in.
-    outbox: Vec<Frame>,
+    /// What is on its way out.
+    rounds: Rounds,
+    waits: Waits,
+    /// The input is where we publish, too.
+    shares: bool,
+    /// The link that we publish on is up.
+    can_send: bool,
     tally: Tally,
     said: Said,
     /// What systemd was last told of the input.
     status: &'static str,
     health: Option<Arc<Health>>,
+}
+
+/// What a round that is held waits for.
+#[derive(Clone, Copy, Debug)]
+enum Waits {
+    /// There is none.
+    Not,
+    /// That nothing more is there to be read.
+    Input,
+    /// The time at which it may go.
+    Until(tokio::time::Instant),
+}
+
+impl Waits {
+    async fn over(self) {
+        match self {
+            Self::Not => std::future::pending().await,
+            // With the budget gone the input may have more than it said.
+            Self::Input => tokio::task::consume_budget().await,
+            Self::Until(time) => tokio::time::sleep_until(time).await,
+        }
+    }
 }
 
 /// Collects what the engine publishes, and shows estimates to the observer.
@@ -163,16 +221,44 @@ impl<S: Sink> Sink for Collect<'_, S> {
 }
 
 impl Daemon {
-    fn new(engine: Engine, health: Option<Arc<Health>>) -> Self {
-        let (outbox, status) = (Vec::with_capacity(16), "starting");
-        Self { engine, outbox, tally: Tally::default(), said: Said::default(), status, health }
+    fn new(engine: Engine, health: Option<Arc<Health>>, shares: bool) -> Self {
+        Self {
+            engine,
+            rounds: Rounds::new(),
+            waits: Waits::Not,
+            shares,
+            can_send: false,
+            tally: Tally::default(),
+            said: Said::default(),
+            status: "starting",
+            health,
+        }
+    }
+
+    /// As often as rounds are due.
+    fn beat(&self) -> Option<Interval> {
+        every(Duration::from_micros(self.engine.publisher().period().0.unsigned_abs()))
+    }
+
+    /// Somebody else's frame under our own name? Own ones do not come back.
+    fn is_foreign(&self, frame: &Frame) -> bool {
+        frame.is_data() && self.engine.publisher().ids().contains(&frame.id)
+    }
+
+    fn foreign(&mut self, frame: &Frame) {
+        self.tally.foreign += 1;
+        self.engine.report(Faults::FOREIGN_SENDER);
+        self.said.foreign(frame.id);
     }
 
     fn input(&mut self, event: Event, observer: &mut impl Sink) {
         match event {
+            Event::Frame(frame) if self.shares && self.is_foreign(&frame) => self.foreign(&frame),
             Event::Frame(frame) => {
                 self.tally.received += 1;
-                self.engine.frame(&frame, &mut Collect { outbox: &mut self.outbox, observer });
+                let held = self.rounds.frames.len();
+                self.engine.frame(&frame, &mut Collect { outbox: &mut self.rounds.frames, observer });
+                self.replace(held);
                 self.said.doubts(&self.engine);
             }
             Event::Dropped(count) => {
@@ -185,12 +271,13 @@ impl Daemon {
                 self.said.error("input", error);
             }
             Event::Up => {
+                self.engine.set_lasting(Faults::BUS_DOWN, false);
                 self.set_up(true);
                 self.tell("the input interface is up");
                 self.said.link("input", event);
             }
             Event::Down | Event::Gone => {
-                self.engine.report(Faults::BUS_DOWN);
+                self.engine.set_lasting(Faults::BUS_DOWN, true);
                 self.set_up(false);
                 self.tell("waiting for the input interface");
                 self.said.link("input", event);
@@ -198,7 +285,48 @@ impl Daemon {
         }
     }
 
-    fn set_up(&self, up: bool) {
+    /// While nothing comes.
+    fn idle(&mut self, now: Option<Micros>, observer: &mut impl Sink) {
+        if let Some(now) = now.filter(|_| self.can_send) {
+            let held = self.rounds.frames.len();
+            self.engine.idle(now, &mut Collect { outbox: &mut self.rounds.frames, observer });
+            self.replace(held);
+        }
+    }
+
+    /// The last round.
+    fn farewell(&mut self, now: Micros, link: &mut impl Link, observer: &mut impl Sink) {
+        if self.can_send {
+            let held = self.rounds.frames.len();
+            self.engine.farewell(now, &mut Collect { outbox: &mut self.rounds.frames, observer });
+            self.replace(held);
+            self.hand_over(link, observer);
+        }
+    }
+
+    /// If there is a newer round now than the one that was held, that one is given up.
+    fn replace(&mut self, held: usize) {
+        if self.rounds.frames.len() > held {
+            self.give_up(held);
+            self.rounds.told = self.engine.told();
+        }
+    }
+
+    /// So many frames would be too late: they are dropped, and that is told.
+    fn give_up(&mut self, count: usize) {
+        if count > 0 {
+            self.rounds.frames.drain(..count);
+            self.tally.late += count as u64;
+            self.engine.untold(self.rounds.told);
+            self.engine.report(Faults::DROPPED);
+            self.said.late(self.tally.late);
+        }
+    }
+
+    fn set_up(&mut self, up: bool) {
+        if self.shares {
+            self.can_send = up;
+        }
         if let Some(health) = &self.health {
             health.set_input_up(up);
         }
@@ -220,7 +348,8 @@ impl Daemon {
         let Fresh { config, engine, state, learned: kept } = fresh;
         let before = std::mem::replace(&mut self.engine, engine);
         let learned = before.learned();
-        let survived = self.engine.take_over(before, &mut Collect { outbox: &mut self.outbox, observer });
+        let survived =
+            self.engine.take_over(before, &mut Collect { outbox: &mut self.rounds.frames, observer });
         if let (Survived::Nothing, Some(kept)) = (survived, kept) {
             self.engine.restore(&kept);
         }
@@ -254,7 +383,11 @@ impl Daemon {
 
     fn output(&mut self, event: Event) {
         match event {
-            Event::Up | Event::Down | Event::Gone => self.said.link("output", event),
+            Event::Up | Event::Down | Event::Gone => {
+                self.can_send = event == Event::Up;
+                self.said.link("output", event);
+            }
+            Event::Frame(frame) if self.is_foreign(&frame) => self.foreign(&frame),
             Event::Error(error) => {
                 self.engine.report(Faults::BUS_ERROR);
                 self.said.error("output", error);
@@ -263,9 +396,38 @@ impl Daemon {
         }
     }
 
+    /// Sends the round that there is, if it may go now.
+    fn send(
+        &mut self,
+        now: Option<Micros>,
+        link: &mut impl Link,
+        observer: &mut impl Sink,
+        all_is_read: bool,
+    ) {
+        self.waits = Waits::Not;
+        if self.rounds.frames.is_empty() {
+            return;
+        }
+        let Some(now) = now else { return self.hand_over(link, observer) };
+        let period = self.engine.publisher().period();
+        match self.rounds.judge(now, period, all_is_read) {
+            Verdict::Nothing => {}
+            Verdict::Now => {
+                self.hand_over(link, observer);
+                self.rounds.went(now, period);
+            }
+            Verdict::TooLate => self.give_up(self.rounds.frames.len()),
+            Verdict::OnceAllIsRead => self.waits = Waits::Input,
+            Verdict::After(wait) => {
+                let wait = Duration::from_micros(wait.0.unsigned_abs());
+                self.waits = Waits::Until(tokio::time::Instant::now() + wait);
+            }
+        }
+    }
+
     /// What cannot be sent now is dropped: later it would be a stale value with a live counter.
-    fn send(&mut self, link: &mut impl Link, observer: &mut impl Sink) {
-        for frame in &self.outbox {
+    fn hand_over(&mut self, link: &mut impl Link, observer: &mut impl Sink) {
+        for frame in &self.rounds.frames {
             match link.try_send(frame) {
                 Ok(()) => {
                     self.tally.published += 1;
@@ -274,17 +436,17 @@ impl Daemon {
                 Err(error) => {
                     self.tally.unsent += 1;
                     self.engine.report(Faults::BUS_ERROR);
-                    self.engine.untold();
+                    self.engine.untold(self.rounds.told);
                     self.said.unsent(self.tally.unsent, &error);
                 }
             }
         }
-        self.outbox.clear();
+        self.rounds.frames.clear();
     }
 
     fn report(&self) {
-        let Tally { received, published, unsent, dropped } = self.tally;
-        tracing::info!(received, published, unsent, dropped, "frames so far; {}", self.status);
+        let Tally { received, published, unsent, late, foreign, dropped } = self.tally;
+        tracing::info!(received, published, unsent, late, foreign, dropped, "frames so far; {}", self.status);
     }
 }
 
@@ -312,8 +474,10 @@ async fn next_reload(reloads: &mut Option<Reloads>) -> Result<Fresh, String> {
 /// Filters and buffers of what the new configuration needs, before it takes over.
 fn retune<L: Link>(fresh: &Fresh, input: &mut L, output: Option<&mut L>) -> Result<(), String> {
     let refused = |error| format!("the kernel does not take the receive filters: {error}");
-    input.retune(reception(&fresh.config, fresh.engine.ids())).map_err(refused)?;
-    output.map_or(Ok(()), |output| output.retune(reception(&fresh.config, &[]))).map_err(refused)
+    let publishes = output.is_none();
+    input.retune(input_reception(&fresh.config, &fresh.engine, publishes)).map_err(refused)?;
+    let own = output_reception(&fresh.config, &fresh.engine);
+    output.map_or(Ok(()), |output| output.retune(own)).map_err(refused)
 }
 
 fn every(period: Duration) -> Option<Interval> {

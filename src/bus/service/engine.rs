@@ -29,10 +29,16 @@ pub struct Engine {
     origin: Origin,
     period: Micros,
     next_publication: Option<Micros>,
+    /// After so long without any frame no required quantity is there any more.
+    silence: Micros,
+    /// Nothing has come for that long.
+    is_silent: bool,
     /// Faults since the last publication.
     faults: Faults,
-    /// How often each was reported from outside.
+    /// How often each was reported from outside, or began in the estimators.
     reported: FaultCounts,
+    /// What the estimators say of themselves, of the last sample.
+    doubted: Faults,
     /// Faults of the last publication.
     told: Faults,
     /// Faults that every publication tells until they are taken back.
@@ -103,7 +109,10 @@ impl Engine {
             return Err(SetupError::OwnIdentifier { id: *id });
         }
         let pipeline = Pipeline::new(&config.vehicle, &sensors(&inputs), &config.estimators);
+        let silence = inputs.longest_timeout();
         Ok(Self {
+            silence,
+            is_silent: false,
             sampler: Sampler::new(inputs, &config.signals.sampling),
             pipeline,
             period: publisher.period(),
@@ -117,6 +126,7 @@ impl Engine {
             next_publication: None,
             faults: Faults::empty(),
             reported: FaultCounts::default(),
+            doubted: Faults::empty(),
             told: Faults::empty(),
             lasting: Faults::empty(),
             dropped: 0,
@@ -165,7 +175,8 @@ impl Engine {
         self.publisher.follow(&before.publisher);
         self.next_publication = before.next_publication.filter(|_| self.period == before.period);
         self.faults |= before.faults;
-        self.reported = before.reported;
+        (self.reported, self.doubted) = (before.reported, before.doubted);
+        self.lasting = before.lasting;
         self.dropped = before.dropped;
         self.pipeline.set_dropped_frames(self.dropped);
         self.counts = before.counts;
@@ -198,6 +209,7 @@ impl Engine {
         if self.sampler.push(frame) == Pushed::Ignored {
             return;
         }
+        self.is_silent = false;
         self.drain(sink);
         // Not the frame's time: one that comes late must not bring the last round once more.
         if let Some(now) = self.sampler.now() {
@@ -211,19 +223,53 @@ impl Engine {
         self.drain(sink);
     }
 
+    /// Now and then while frames come live, or do not, once all that came is here: when it has been silent for so long
+    /// that nothing is known any more, rounds go on all the same, with everything not available.
+    pub fn idle(&mut self, now: Micros, sink: &mut impl Sink) {
+        let Some(newest) = self.sampler.now().filter(|_| self.counts.samples > 0) else { return };
+        if now - newest <= self.silence || !self.is_due(now) {
+            return;
+        }
+        if !std::mem::replace(&mut self.is_silent, true) {
+            self.reported.record(Faults::TIMEOUT);
+        }
+        self.faults |= Faults::TIMEOUT;
+        let nothing = Self::nothing_since(self.pipeline.latest());
+        self.publish(now, nothing, sink);
+    }
+
+    /// A last round, with everything not available, if there was any before it.
+    pub fn farewell(&mut self, now: Micros, sink: &mut impl Sink) {
+        if self.counts.samples == 0 {
+            return;
+        }
+        self.report(Faults::ENDING);
+        let nothing = Self::nothing_since(self.pipeline.latest());
+        self.publish(now, nothing, sink);
+    }
+
     /// Something is wrong with the bus; it shows in the next status frame.
     pub fn report(&mut self, faults: Faults) {
         self.faults |= faults;
         self.reported.record(faults);
     }
 
-    /// What was published last did not get through: the next status frame tells of its faults once more.
-    pub fn untold(&mut self) {
-        self.faults |= self.told;
+    /// The faults of the round that was published last.
+    pub fn told(&self) -> Faults {
+        self.told
     }
 
-    /// Something is wrong that lasts, or (`false`) is wrong no more: every status frame tells it meanwhile.
+    /// A round that told these faults did not get through: the next one tells them once more.
+    pub fn untold(&mut self, told: Faults) {
+        self.faults |= told;
+    }
+
+    /// Something is wrong that lasts, or (`false`) is wrong no more: every status frame tells it meanwhile. It is
+    /// counted when it begins.
     pub fn set_lasting(&mut self, faults: Faults, wrong: bool) {
+        if wrong {
+            self.report(faults - self.lasting);
+        }
         self.lasting.set(faults, wrong);
     }
 
@@ -262,12 +308,17 @@ impl Engine {
         self.sampler.counts().get(fault) + self.reported.get(fault)
     }
 
+    /// How often each fault began or was reported.
+    pub fn fault_counts(&self) -> FaultCounts {
+        self.reported.plus(self.sampler.counts())
+    }
+
     /// The publisher, for those who read what it sends.
     pub fn publisher(&self) -> &Publisher {
         &self.publisher
     }
 
-    /// The sampler, for its fault counts.
+    /// The sampler, for what it knows of the inputs.
     pub fn sampler(&self) -> &Sampler {
         &self.sampler
     }
@@ -277,6 +328,9 @@ impl Engine {
             self.counts.samples += 1;
             let estimates = self.pipeline.step(&sample);
             self.faults |= estimates.faults;
+            let doubted = estimates.faults - sample.faults;
+            self.reported.record(doubted - self.doubted);
+            self.doubted = doubted;
             sink.estimates(&sample, estimates);
         }
     }
@@ -302,19 +356,24 @@ impl Engine {
 
     /// Publication runs on frame time, on multiples of the period: a replay publishes what the live
     /// run did, wherever either began. Nothing is published before the first sample, and nothing
-    /// while no frames come: a receiver sees silence, never a stale value with a live counter.
+    /// while no frames come ([`Engine::idle`] does that): never a stale value with a live counter.
     fn publish_if_due(&mut self, now: Micros, sink: &mut impl Sink) {
-        if self.counts.samples == 0 {
+        if self.counts.samples == 0 || !self.is_due(now) {
             return;
         }
+        let estimates = self.current(now);
+        self.publish(now, estimates, sink);
+    }
+
+    fn is_due(&mut self, now: Micros) -> bool {
         let due = *self.next_publication.get_or_insert_with(|| now.next_multiple_of(self.period));
         // After the clock was set back, the next multiple lies far ahead: start again.
         let stepped_back = due - now > self.period;
-        if now < due && !stepped_back {
-            return;
-        }
+        now >= due || stepped_back
+    }
+
+    fn publish(&mut self, now: Micros, mut estimates: Estimates, sink: &mut impl Sink) {
         self.next_publication = Some((now + Micros(1)).next_multiple_of(self.period));
-        let mut estimates = self.current(now);
         self.told = std::mem::take(&mut self.faults);
         estimates.faults |= self.told | self.lasting;
         let sent = &mut self.counts.frames_out;

@@ -15,10 +15,12 @@ pub struct Health {
     received: AtomicU64,
     published: AtomicU64,
     unsent: AtomicU64,
+    late: AtomicU64,
+    foreign: AtomicU64,
     dropped: AtomicU64,
     samples: AtomicU64,
     /// By bit.
-    faults: [AtomicU64; 16],
+    faults: [AtomicU64; Faults::COUNT],
     state: AtomicU64,
     input_up: AtomicBool,
     accepted: AtomicU64,
@@ -31,6 +33,8 @@ impl Health {
         self.received.store(tally.received, Relaxed);
         self.published.store(tally.published, Relaxed);
         self.unsent.store(tally.unsent, Relaxed);
+        self.late.store(tally.late, Relaxed);
+        self.foreign.store(tally.foreign, Relaxed);
         self.dropped.store(tally.dropped, Relaxed);
         self.samples.store(engine.counts().samples, Relaxed);
         for (bit, count) in self.faults.iter().enumerate() {
@@ -59,6 +63,13 @@ impl Display for Health {
         number("frames_received_total", "counter", "Needed frames received.", count(&self.received))?;
         number("frames_published_total", "counter", "Frames published.", count(&self.published))?;
         number("frames_unsent_total", "counter", "Frames that could not be sent.", count(&self.unsent))?;
+        number("frames_late_total", "counter", "Frames dropped because they were late.", count(&self.late))?;
+        number(
+            "frames_foreign_total",
+            "counter",
+            "Frames of others with an identifier of gripd's.",
+            count(&self.foreign),
+        )?;
         number(
             "frames_dropped_total",
             "counter",

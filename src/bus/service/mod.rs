@@ -8,6 +8,7 @@ mod endpoint;
 mod engine;
 mod health;
 mod reload;
+mod rounds;
 mod run;
 mod said;
 pub mod saved;

@@ -36,11 +36,9 @@ pub async fn run(
 ) -> Result<Tally, ServiceError> {
     let mut engine = Engine::new(config)?;
     let name = interface.unwrap_or(&config.bus.interface);
-    let input = open(name, reception(config, engine.ids()))?;
-    let output = match config.publish.interface.as_deref() {
-        Some(other) if other != name => Some(open(other, reception(config, &[]))?),
-        _ => None,
-    };
+    let output = config.publish.interface.as_deref().filter(|other| *other != name);
+    let input = open(name, input_reception(config, &engine, output.is_none()))?;
+    let output = output.map(|other| open(other, output_reception(config, &engine))).transpose()?;
     tracing::info!(
         input = name,
         output = config.publish.interface.as_deref().unwrap_or(name),
@@ -88,10 +86,21 @@ fn lock_memory() {
     }
 }
 
-/// What a socket is to receive for these identifiers.
-pub(super) fn reception(config: &Config, ids: &[CanId]) -> Reception {
+/// What the input's socket is to receive: what is needed and, if that is where we publish, whatever comes under our own
+/// identifiers. Own frames do not come back, so that those are somebody else's.
+pub(super) fn input_reception(config: &Config, engine: &Engine, publishes: bool) -> Reception {
+    let own = engine.publisher().ids().iter().filter(|_| publishes);
+    reception(config, engine.ids().iter().chain(own).copied().collect())
+}
+
+/// What the socket of an output of its own is to receive: what comes under our own identifiers.
+pub(super) fn output_reception(config: &Config, engine: &Engine) -> Reception {
+    reception(config, engine.publisher().ids().to_vec())
+}
+
+fn reception(config: &Config, ids: Vec<CanId>) -> Reception {
     let receive_buffer = Some(config.bus.receive_buffer_bytes).filter(|bytes| *bytes > 0);
-    Reception { ids: Some(ids.to_vec()), fd: config.bus.fd, receive_buffer }
+    Reception { ids: Some(ids), fd: config.bus.fd, receive_buffer }
 }
 
 fn open(name: &str, reception: Reception) -> Result<Bus, ServiceError> {

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::Engine;
 use super::throttle::{Allowed, Quota, Throttle};
-use crate::can::{BusState, ErrorReport, Event, SendError};
+use crate::can::{BusState, CanId, ErrorReport, Event, SendError};
 use physics::Faults;
 use physics::estimate::Doubt;
 
@@ -13,10 +13,14 @@ use physics::estimate::Doubt;
 pub(super) struct Said {
     dropped: Throttle,
     unsent: Throttle,
+    late: Throttle,
+    /// Of somebody else under our name once is enough: the metrics count.
+    foreign: bool,
     bus_off: Throttle,
     bus_state: Throttle,
     link: Quota,
     contradiction: Throttle,
+    sent_twice: Throttle,
     doubt: Throttle,
     /// What was doubted a frame ago.
     doubted: Faults,
@@ -37,6 +41,23 @@ impl Said {
     pub(super) fn unsent(&mut self, total: u64, error: &SendError) {
         if self.unsent.pass(Instant::now()).is_some() {
             tracing::warn!(total, "a frame was not sent: {error}");
+        }
+    }
+
+    /// A round would have been too late.
+    pub(super) fn late(&mut self, total: u64) {
+        if self.late.pass(Instant::now()).is_some() {
+            tracing::warn!(total, "a round was dropped, it would have been too late: we are too slow");
+        }
+    }
+
+    /// Somebody else sends what only we should.
+    pub(super) fn foreign(&mut self, id: CanId) {
+        if !std::mem::replace(&mut self.foreign, true) {
+            tracing::warn!(
+                "another node sends {id}, which is gripd's: no receiver can tell whom to believe. Find it (a second \
+                 gripd, a replay?), or give gripd other identifiers in [publish.ids]"
+            );
         }
     }
 
@@ -73,12 +94,21 @@ impl Said {
 
     /// Why sensors or the estimators are not believed, when that begins. To be called after each frame.
     pub(super) fn doubts(&mut self, engine: &Engine) {
-        let now = engine.latest_faults() & (Self::CONTRADICTION | Faults::INCONSISTENT);
+        let now = engine.latest_faults() & (Self::CONTRADICTION | Faults::INCONSISTENT | Faults::SENT_TWICE);
         let begun = now - std::mem::replace(&mut self.doubted, now);
         if begun.is_empty() {
             return;
         }
-        if begun.intersects(Self::CONTRADICTION)
+        if begun.contains(Faults::SENT_TWICE)
+            && let Some((message, id)) = engine.sampler().sent_twice()
+            && let Some(withheld) = self.sent_twice.pass(Instant::now())
+        {
+            tracing::warn!(
+                withheld,
+                "{message} ({id}) comes more often than it should: two nodes send it, and it is not used. If that is \
+                 right, switch it off: [signals.sampling] rate_watch = false"
+            );
+        } else if begun.intersects(Self::CONTRADICTION)
             && let Some(reason) = engine.sampler().contradiction()
             && let Some(withheld) = self.contradiction.pass(Instant::now())
         {

@@ -302,6 +302,7 @@ fn entry<'m>(messages: &'m mut Vec<MessageInput>, message: &Message) -> &'m mut 
             name: message.name.clone(),
             length: message.length,
             is_fd: message.is_fd,
+            cycle: message.cycle,
             counter: None,
             checksum: None,
             mappings: Vec::new(),

@@ -293,11 +293,21 @@ pub struct SamplerConfig {
     pub start_ms: f64,
     /// Watch for stuck and contradicting sensors. (Range and rate are watched in any case.)
     pub cross_checks: bool,
+    /// Watch how often each message comes: one that comes more than 1.3 times as often as it did, or as the DBC
+    /// says, is sent by two nodes, and not used. To be switched off where time runs faster than in the car.
+    pub rate_watch: bool,
 }
 
 impl Default for SamplerConfig {
     fn default() -> Self {
-        Self { period_ms: 10.0, lag_ms: 20.0, timeout_ms: 200.0, start_ms: 500.0, cross_checks: true }
+        Self {
+            period_ms: 10.0,
+            lag_ms: 20.0,
+            timeout_ms: 200.0,
+            start_ms: 500.0,
+            cross_checks: true,
+            rate_watch: true,
+        }
     }
 }
 

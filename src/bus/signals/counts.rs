@@ -7,13 +7,13 @@ use physics::Faults;
 /// Occurrences of each fault since the start. Conditions that last (a time-out, a stuck sensor) count
 /// once each time they begin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct FaultCounts([u64; 16]);
+pub struct FaultCounts([u64; Faults::COUNT]);
 
 impl FaultCounts {
     /// Counts every fault in the set once.
     #[inline]
     pub fn record(&mut self, faults: Faults) {
-        let mut bits = faults.bits();
+        let mut bits = (faults & Faults::all()).bits();
         while bits != 0 {
             self.0[bits.trailing_zeros() as usize] += 1;
             bits &= bits - 1;
@@ -22,7 +22,15 @@ impl FaultCounts {
 
     /// Occurrences of one fault; of several, their sum.
     pub fn get(&self, faults: Faults) -> u64 {
-        (0..16).filter(|bit| faults.bits() & (1 << bit) != 0).map(|bit| self.0[bit]).sum()
+        (0..Faults::COUNT).filter(|bit| faults.bits() & (1 << bit) != 0).map(|bit| self.0[bit]).sum()
+    }
+
+    /// What was counted here and there.
+    pub fn plus(mut self, other: &Self) -> Self {
+        for (count, more) in self.0.iter_mut().zip(other.0) {
+            *count += more;
+        }
+        self
     }
 
     /// Every fault that occurred, by its name in `--stats`, in bit order.

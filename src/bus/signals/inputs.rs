@@ -85,6 +85,13 @@ impl Inputs {
         self.traits[quantity as usize].map(|traits| traits.noise_std)
     }
 
+    /// After so long without any frame no required quantity has a value.
+    pub fn longest_timeout(&self) -> Micros {
+        let required = Quantity::ALL.into_iter().filter(|quantity| quantity.is_required());
+        let timeouts = required.filter_map(|quantity| self.traits[quantity as usize]).map(|t| t.timeout);
+        timeouts.max().unwrap_or_default()
+    }
+
     /// The name in the DBC of the message that carries this identifier, if it is needed.
     pub fn message_name(&self, id: CanId) -> Option<&str> {
         let index = self.ids.binary_search(&id).ok()?;

@@ -3,7 +3,7 @@
 use super::checks::{Checksum, Counter};
 use crate::can::CanId;
 use crate::dbc::{Codec, Mux};
-use physics::Quantity;
+use physics::{Micros, Quantity};
 
 /// A message that carries configured quantities.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +13,8 @@ pub(super) struct MessageInput {
     /// Bytes that a frame must have.
     pub(super) length: usize,
     pub(super) is_fd: bool,
+    /// Time between two frames as the DBC has it.
+    pub(super) cycle: Option<Micros>,
     pub(super) counter: Option<Counter>,
     pub(super) checksum: Option<Checksum>,
     pub(super) mappings: Vec<Mapping>,

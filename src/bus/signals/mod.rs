@@ -23,6 +23,7 @@ mod mapping;
 mod outputs;
 mod plausibility;
 pub mod publish;
+mod rate_watch;
 mod sampler;
 mod units;
 

@@ -9,6 +9,7 @@ use super::inputs::{Inputs, Traits};
 use super::limits::RateCheck;
 use super::mapping::{Mapping, Reading};
 use super::plausibility::{Contradiction, CrossChecks, Run};
+use super::rate_watch::RateWatch;
 use crate::can::{CanId, Frame, FrameKind};
 use physics::{Faults, Micros, Quantity, Sample};
 
@@ -39,6 +40,10 @@ pub struct Sampler {
     grid: Grid,
     channels: Vec<Channel>,
     counters: Vec<CounterTrack>,
+    /// How often each message comes; none where that is not watched.
+    rates: Vec<RateWatch>,
+    /// The message that came too often last.
+    sent_twice: Option<CanId>,
     /// What each quality signal of another message last said, and when.
     gates: Vec<Option<(Micros, bool)>>,
     /// Quantities heard of, as bits.
@@ -85,6 +90,13 @@ impl Sampler {
         Self {
             index: IdIndex::new(inputs.ids()),
             counters: vec![CounterTrack::default(); inputs.messages.len()],
+            rates: inputs
+                .messages
+                .iter()
+                .filter(|_| config.rate_watch)
+                .map(|message| RateWatch::new(message.cycle))
+                .collect(),
+            sent_twice: None,
             gates: vec![None; inputs.messages.iter().map(|message| message.gates.len()).sum()],
             grid,
             channels,
@@ -111,6 +123,12 @@ impl Sampler {
     /// Which sensors contradicted each other in the last sample.
     pub fn contradiction(&self) -> Option<Contradiction> {
         self.cross_checks.as_ref()?.reason()
+    }
+
+    /// The message that came too often last, by its name in the DBC.
+    pub fn sent_twice(&self) -> Option<(&str, CanId)> {
+        let id = self.sent_twice?;
+        Some((self.inputs.message_name(id)?, id))
     }
 
     /// Time of the newest needed frame.
@@ -162,12 +180,16 @@ impl Sampler {
                 self.forget();
             }
         }
-        let reason = self.check(frame, index).unwrap_or_else(|| self.take(frame, index));
+        let reason = self
+            .too_often(frame, index)
+            .or_else(|| self.check(frame, index))
+            .unwrap_or_else(|| self.take(frame, index));
         self.grid.start(self.heard & Quantity::REQUIRED == Quantity::REQUIRED);
         if reason.is_empty() {
             Pushed::Used
         } else {
-            self.note(reason);
+            self.pending |= reason;
+            self.counts.record(reason - Faults::SENT_TWICE);
             Pushed::Dropped(reason)
         }
     }
@@ -232,12 +254,23 @@ impl Sampler {
             channel.run = Run::default();
         }
         self.counters.fill(CounterTrack::default());
+        self.rates.iter_mut().for_each(RateWatch::forget);
         self.gates.fill(None);
         self.heard = 0;
         self.too_old = 0;
         if let Some(checks) = &mut self.cross_checks {
             checks.forget();
         }
+    }
+
+    /// Is it one of two senders'? It is told with every frame, and counted when it begins.
+    fn too_often(&mut self, frame: &Frame, index: usize) -> Option<Faults> {
+        let (too_often, begins) = self.rates.get_mut(index)?.count(frame.time);
+        if begins {
+            self.counts.record(Faults::SENT_TWICE);
+            self.sent_twice = Some(frame.id);
+        }
+        too_often.then_some(Faults::SENT_TWICE)
     }
 
     /// Kind, length, checksum and counter: the reason to drop the frame, if there is one.

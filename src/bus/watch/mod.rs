@@ -61,7 +61,7 @@ pub struct Watch {
     last_error: Option<ErrorReport>,
     dropped: u64,
     /// When each fault was told last.
-    faults: [Option<Micros>; 16],
+    faults: [Option<Micros>; Faults::COUNT],
     /// Faults since the last row.
     faults_of_row: Faults,
 }
@@ -112,7 +112,7 @@ impl Watch {
             errors: 0,
             last_error: None,
             dropped: 0,
-            faults: [None; 16],
+            faults: [None; Faults::COUNT],
             faults_of_row: Faults::empty(),
             engine,
         })

@@ -98,7 +98,7 @@ impl Receiver {
                 heard.counter = counter;
                 heard.newest = Some(*frame);
                 let mut status = Round::at(0.0);
-                if heard.message.name() == "GRIP_STATUS" {
+                if heard.message.name().starts_with("GRIP_STATUS") {
                     status.read(&heard.message, frame);
                 }
                 self.faults |= status.faults;

@@ -145,9 +145,10 @@ impl Round {
                 self.state = word("State").and_then(State::named);
                 self.excitation = [get("ExcitationLong"), get("ExcitationLat")];
                 self.surface_changes = get("SurfaceChanges") as u32;
-                self.faults = Faults::from_bits_truncate(get("Faults") as u16);
+                self.faults |= Faults::from_bits_truncate(get("Faults") as u32);
                 self.dropped_frames = get("DroppedFrames") as u32;
             }
+            "GRIP_STATUS_2" => self.faults |= Faults::from_bits_truncate((get("Faults") as u32) << 16),
             _ => {}
         }
     }

@@ -59,10 +59,10 @@ impl Source {
     /// How late it is, in the frames' own time; `None` before the first frame of a recording.
     pub fn now(&self) -> Option<Micros> {
         match self {
-            Self::Live(_) => {
+            Self::Live(listener) => listener.input.now().or_else(|| {
                 let since = SystemTime::now().duration_since(UNIX_EPOCH).ok()?;
                 Some(Micros(i64::try_from(since.as_micros()).ok()?))
-            }
+            }),
             Self::Recording(playback) => playback.now(),
         }
     }

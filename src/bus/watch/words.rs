@@ -23,6 +23,9 @@ pub fn fault_words(fault: Faults) -> &'static str {
         Faults::DROPPED => "frames were lost before they were read",
         Faults::INCONSISTENT => "an estimator contradicts its own uncertainty",
         Faults::CONFIG => "a new configuration or saved state was refused",
+        Faults::FOREIGN_SENDER => "another node sends gripd's own messages",
+        Faults::SENT_TWICE => "an input comes too often: two nodes send it",
+        Faults::ENDING => "gripd has ended",
         _ => "unknown",
     }
 }

@@ -15,7 +15,7 @@ use super::tables::{EstimatesTable, SamplesTable, TableFormat};
 use bus::Config;
 use bus::can::Frame;
 use bus::can::recording::{Format, LogError, Reader, Writer};
-use bus::service::saved::Refusal;
+use bus::service::saved::{Claim, Refusal};
 use bus::service::{Engine, SavedState, Sink};
 use physics::{Estimates, Sample};
 
@@ -90,7 +90,14 @@ impl Replay {
             engine = engine.with_thesis();
         }
         let state = self.state.as_deref().map(|path| SavedState::new(path, &config));
+        let claim = state.as_ref().map(SavedState::claim);
         if let Some(state) = &state {
+            if matches!(claim, Some(Claim::Taken)) {
+                let path = state.path().display();
+                return Err(Failure::work(format_args!(
+                    "{path}: another gripd has this file: stop it first"
+                )));
+            }
             take_up(state, &mut engine)?;
         }
         let driven_before_s = engine.driving_s();
@@ -314,7 +321,7 @@ impl Totals {
             skipped_lines: self.skipped_lines,
             dropped_by_recorder: self.dropped,
             time_backwards: self.time_backwards,
-            faults: engine.sampler().counts().iter().collect(),
+            faults: engine.fault_counts().iter().collect(),
         }
     }
 }

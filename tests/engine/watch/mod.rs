@@ -47,7 +47,7 @@ fn frames(name: &str) -> Vec<Frame> {
 }
 
 fn is_published(frame: &Frame) -> bool {
-    (0x6A0..=0x6A5).contains(&frame.id.number())
+    (0x6A0..=0x6A6).contains(&frame.id.number())
 }
 
 fn show(watch: &mut Watch, frames: &[Frame]) {

@@ -77,7 +77,7 @@ pub fn cases() -> Vec<Case> {
             name: "own messages come back",
             fault: Fault::Frames(|frames| {
                 instead(frames, INERTIAL, |f| {
-                    let own = (0x6A0..=0x6A5).map(|id| CanId::standard(id).unwrap());
+                    let own = (0x6A0..=0x6A6).map(|id| CanId::standard(id).unwrap());
                     let echo = own.map(|id| Frame::data_frame(f.time, id, &[0xFF; 8]).unwrap());
                     std::iter::once(*f).chain(echo).collect()
                 })

@@ -10,10 +10,13 @@ use nix::sys::signal::Signal::SIGKILL;
 use super::*;
 
 /// The faults that a status frame tells; none in any other frame.
-fn told(frame: &Frame) -> Faults {
-    let is_status = frame.id.number() == 0x6A5;
-    let bits = frame.data().get(5..7).map_or(0, |bits| u16::from_le_bytes([bits[0], bits[1]]));
-    if is_status { Faults::from_bits_retain(bits) } else { Faults::empty() }
+pub fn told(frame: &Frame) -> Faults {
+    let bits = |from: usize| u32::from(u16::from_le_bytes([frame.data()[from], frame.data()[from + 1]]));
+    match frame.id.number() {
+        0x6A5 => Faults::from_bits_retain(bits(5)),
+        0x6A6 => Faults::from_bits_retain(bits(2) << 16),
+        _ => Faults::empty(),
+    }
 }
 
 /// Waits until something new is published, and a status without these faults; how long that took.

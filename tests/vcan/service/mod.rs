@@ -3,6 +3,7 @@
 //! Each test makes interfaces of its own. Where that is not allowed they say so and pass;
 //! `tests/vcan/run.sh` is cargo's runner for a place where it is.
 
+mod bad_day;
 mod faults;
 mod isolation;
 mod lateness;
@@ -12,11 +13,13 @@ mod live_soak;
 mod log;
 mod metrics;
 mod monitor;
+mod others;
 mod process;
 mod reload;
 mod show;
 mod traffic;
 mod view;
+mod wrong_bus;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -78,7 +81,7 @@ fn published_ids() -> Vec<CanId> {
 
 /// Is it one of the messages that gripd publishes?
 fn is_published(frame: &Frame) -> bool {
-    (0x6A0..=0x6A5).contains(&frame.id.number()) && !frame.id.is_extended()
+    (0x6A0..=0x6A6).contains(&frame.id.number()) && !frame.id.is_extended()
 }
 
 fn data(number: u32, bytes: &[u8]) -> Frame {

@@ -64,6 +64,8 @@ pub struct Tally {
     pub received: usize,
     pub published: usize,
     pub unsent: usize,
+    pub late: usize,
+    pub foreign: usize,
     pub dropped: usize,
 }
 
@@ -197,6 +199,8 @@ impl Gripd {
             received: count("received"),
             published: count("published"),
             unsent: count("unsent"),
+            late: count("late"),
+            foreign: count("foreign"),
             dropped: count("dropped"),
         }
     }

@@ -55,7 +55,7 @@ fn good_and_broken_configurations_while_frames_flow() {
         candump.wait_for_more(60, "publishing in spite of it");
         let faults = |frame: &Frame| u16::from_le_bytes([frame.data()[5], frame.data()[6]]);
         let refused = |frame: &Frame| frame.id.number() == 0x6A5 && faults(frame) & 1 << 15 != 0;
-        wait_for("the fault bit", || candump.published().last_chunk::<6>().unwrap().iter().any(refused));
+        wait_for("the fault bit", || candump.published().last_chunk::<7>().unwrap().iter().any(refused));
         std::fs::write(car.path(), good.replace("valid_when = 1", "valid_when = 1, timeout_ms = 150"))
             .unwrap();
         gripd.signal(SIGHUP);

@@ -30,17 +30,29 @@ fn show(name: &str, interface: &Interface, config: &Path, recording: &[Frame]) {
     // Every 20 ms, less the start and less what the player's own pauses cost: a busy guest makes many.
     let expected = seconds * 50.0;
     assert!((0.5 * expected..expected + 1.0).contains(&rounds), "{rounds} rounds in {seconds} s");
-    assert_eq!((tally.published, tally.unsent, tally.dropped), (live.len(), 0, 0));
+    // With those that go on when the car has ended, and the last one.
+    assert!(tally.published > live.len(), "{tally:?}, {} in the drive", live.len());
+    assert_eq!((tally.unsent, tally.dropped, tally.foreign), (0, 0, 0));
 
     let replayed = folder.join(format!("{name}.replayed.log"));
     let mut replay = Command::new(process::gripd());
     replay.args(["replay", "-q", "-c"]).arg(config).arg(&recorded).arg("-o").arg(&replayed);
     assert!(replay.status().unwrap().success());
     let replayed = frames(&replayed);
-    assert_eq!(replayed.len(), live.len());
+    assert!(replayed.len() >= live.len() && replayed.len() - live.len() <= tally.late, "{tally:?}");
     let mut delays: Vec<Micros> = Vec::new();
-    for (number, (live, replayed)) in live.iter().zip(&replayed).enumerate() {
-        assert_eq!((live.id, live.data()), (replayed.id, replayed.data()), "published frame {number}");
+    // Where the guest was too slow for a round, that is told.
+    let is_told = |frame: &Frame| tally.late > 0 && (0x6A5..=0x6A6).contains(&frame.id.number());
+    let same = |live: &Frame, replayed: &Frame| {
+        live.id == replayed.id
+            && (live.data() == replayed.data()
+                || is_told(live) && live.data()[1] & 15 == replayed.data()[1] & 15)
+    };
+    let mut due = replayed.iter();
+    for (number, live) in live.iter().enumerate() {
+        let replayed = if tally.late == 0 { due.next() } else { due.find(|replayed| same(live, replayed)) };
+        let replayed = replayed.filter(|replayed| same(live, replayed));
+        let replayed = replayed.unwrap_or_else(|| panic!("published frame {number}: {live:?}"));
         // A replay stamps a published frame with the time of the frame that made it due.
         delays.push(live.time - replayed.time);
     }
@@ -52,7 +64,7 @@ fn show(name: &str, interface: &Interface, config: &Path, recording: &[Frame]) {
     );
     assert!(delays[0] >= Micros(0) && median < Micros(10_000), "median {median} s");
 
-    counters_and_checksums(&live);
+    counters_and_checksums(&live, tally.late == 0);
     as_cantools_sees_them(&live);
 }
 
@@ -74,13 +86,13 @@ fn checksum(frame: &Frame) -> u8 {
     })
 }
 
-fn counters_and_checksums(published: &[&Frame]) {
+fn counters_and_checksums(published: &[&Frame], whole: bool) {
     for id in published_ids() {
         let of_this = published.iter().filter(|frame| frame.id == id);
         let mut count = 0;
         for (number, frame) in of_this.enumerate() {
             assert_eq!(frame.data()[0], checksum(frame), "{id}, frame {number}");
-            assert_eq!(usize::from(frame.data()[1] & 0xF), number % 15, "{id}, frame {number}");
+            assert!(!whole || usize::from(frame.data()[1] & 0xF) == number % 15, "{id}, frame {number}");
             count += 1;
         }
         assert_eq!(count, published.len() / published_ids().len(), "{id}");

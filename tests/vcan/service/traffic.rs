@@ -8,7 +8,8 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use gripd::can::candump::Reader;
+use gripd::Micros;
+use gripd::can::candump::{Reader, Writer};
 use gripd::can::{Event, Frame, SendError, SocketCan, SocketCanConfig};
 
 use super::{data, is_published, wait_for};
@@ -186,6 +187,11 @@ impl Recorder {
         frames
     }
 
+    /// How many of them gripd publishes; without looking into them.
+    pub fn published_count(&self) -> usize {
+        self.lines.lock().unwrap().matches(" 6A0#").count()
+    }
+
     /// Those of them that gripd publishes.
     pub fn published(&self) -> Vec<Frame> {
         self.frames().into_iter().filter(is_published).collect()
@@ -198,18 +204,28 @@ impl Recorder {
         wait_for(when, || self.published().len() >= before + count);
     }
 
-    /// Ends it once nothing more comes, and writes all of it to a file.
+    /// Ends it once nothing more comes from the car, and writes to a file what was on the bus until then.
     pub fn save(self, file: &Path) {
-        let mut length = usize::MAX;
+        let of_the_car = || self.frames().iter().filter(|frame| !is_published(frame)).count();
+        let mut count = usize::MAX;
         wait_for("silence", || {
-            let now = self.lines.lock().unwrap().len();
-            std::mem::replace(&mut length, now) == now && {
-                std::thread::sleep(Duration::from_millis(300));
-                self.lines.lock().unwrap().len() == now
-            }
+            std::thread::sleep(Duration::from_millis(300));
+            let now = of_the_car();
+            std::mem::replace(&mut count, now) == now
         });
-        std::fs::write(file, self.lines.lock().unwrap().as_bytes()).unwrap();
+        let all = self.frames();
+        let mut writer = Writer::create(file, "car").unwrap();
+        until_silence(&all).iter().for_each(|frame| writer.write(frame).unwrap());
+        writer.finish().unwrap();
     }
+}
+
+/// What was on the bus until gripd takes it for silent, and goes on without input: of that no replay knows.
+pub fn until_silence(all: &[Frame]) -> &[Frame] {
+    let of_the_car = |frame: &Frame| !is_published(frame) && frame.id.number() < 0x6A0;
+    let last = all.iter().rfind(|frame| of_the_car(frame)).map_or(Micros(0), |frame| frame.time);
+    let end = all.iter().rposition(|frame| frame.time <= last + Micros::from_millis(150));
+    &all[..end.map_or(0, |end| end + 1)]
 }
 
 impl Drop for Recorder {

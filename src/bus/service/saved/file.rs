@@ -31,6 +31,10 @@ use physics::{Micros, Quantity};
 
 /// The version that is written and read.
 pub const VERSION: i64 = 1;
+/// Longer than a century no car drives, s.
+const LONGEST_LIFE_S: f64 = 100.0 * 365.25 * 86400.0;
+/// The year 9999, s.
+const LATEST_S: f64 = 2.5e11;
 const FORMAT: &str = "gripd learned";
 const EXPLANATION: &str = "\
 # What gripd learned of this car, without friction, which is the road's. To forget it, stop gripd and delete
@@ -188,7 +192,15 @@ pub fn parse(bytes: &[u8], fingerprint: &str) -> Result<Learned, Refusal> {
     if table.get("vehicle").and_then(toml::Value::as_str) != Some(fingerprint) {
         return Err(Refusal::OtherVehicle);
     }
-    let learned = table.try_into::<Contents>().map_err(wrong)?.learned();
+    let contents = table.try_into::<Contents>().map_err(wrong)?;
+    // A number that a second more does not change would be written with each frame.
+    if !(0.0..=LONGEST_LIFE_S).contains(&contents.driving_s) {
+        return Err(Refusal::Value("seconds of driving"));
+    }
+    if !(0.0..=LATEST_S).contains(&contents.last_sample_unix_s) {
+        return Err(Refusal::Value("time of the last sample"));
+    }
+    let learned = contents.learned();
     learned.problem().map_or(Ok(learned), |what| Err(Refusal::Value(what)))
 }
 
@@ -280,6 +292,15 @@ mod tests {
         assert!(matches!(refusal("\"gripd learned\"", "\"x\""), Refusal::NotOurs("another format")));
         assert!(matches!(refusal("vehicle = \"car\"", "vehicle = \"van\""), Refusal::OtherVehicle));
         assert!(matches!(refusal("driving_s = 1234.5", "driving_s = nan"), Refusal::Value(_)));
+        for nonsense in ["1e300", "-1.0", "inf", "3.2e9"] {
+            let nonsense = format!("driving_s = {nonsense}");
+            assert!(matches!(refusal("driving_s = 1234.5", &nonsense), Refusal::Value("seconds of driving")));
+        }
+        for nonsense in ["1e300", "-1.0", "nan"] {
+            let nonsense = format!("last_sample_unix_s = {nonsense}");
+            let refused = refusal("last_sample_unix_s = 1795320000.123456", &nonsense);
+            assert!(matches!(refused, Refusal::Value("time of the last sample")));
+        }
         assert!(matches!(refusal("value = 0.015", "value = nan"), Refusal::Value("slip offset fl")));
         assert!(matches!(refusal("value = 95.25", "value = 1e9"), Refusal::Value("slope fl")));
         assert!(matches!(refusal("value = 95.25", "value = \"95\""), Refusal::Contents(_)));

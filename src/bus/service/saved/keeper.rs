@@ -4,7 +4,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::{SavedState, TakenUp};
+use super::{Claim, SavedState, TakenUp};
 use crate::service::Engine;
 use physics::Faults;
 use physics::estimate::Learned;
@@ -33,6 +33,15 @@ impl Keeper {
     /// written, which was said in the log. `every_s`: seconds of driving between two writings; 0: only at the
     /// end.
     pub fn start(state: SavedState, every_s: u64, engine: &mut Engine) -> Option<Self> {
+        let claim = state.claim();
+        if matches!(claim, Claim::Taken) {
+            tell_taken(&state);
+            engine.report(Faults::CONFIG);
+            if let Ok(Some(learned)) = state.load() {
+                engine.restore(&learned);
+            }
+            return None;
+        }
         let TakenUp { learned, may_write, refused } = state.take_up();
         if let Some(learned) = learned {
             engine.restore(&learned);
@@ -43,7 +52,7 @@ impl Keeper {
         if !may_write {
             return None;
         }
-        Self::spawn(state, every_s, engine, |_| true)
+        Self::spawn(state, every_s, engine, |_| Some(claim))
     }
 
     /// After a reload: goes on as before where car and file are the same, else hands over to a new one.
@@ -68,22 +77,27 @@ impl Keeper {
         Self::spawn(state?, every_s, engine, move |state| {
             // An error: it has ended.
             let _ = ended.map(|ended| ended.recv());
-            state.take_up().may_write
+            let claim = state.claim();
+            if matches!(claim, Claim::Taken) {
+                tell_taken(state);
+                return None;
+            }
+            state.take_up().may_write.then_some(claim)
         })
     }
 
-    /// Starts the writer, whose first step is to see whether it may write.
+    /// Starts the writer, whose first step is to see whether it may write: then it has the file for itself.
     fn spawn(
         state: SavedState,
         every_s: u64,
         engine: &Engine,
-        may_write: impl FnOnce(&SavedState) -> bool + Send + 'static,
+        may_write: impl FnOnce(&SavedState) -> Option<Claim> + Send + 'static,
     ) -> Option<Self> {
         let (slot, copies) = sync_channel(1);
         let (writer_lives, ended) = sync_channel(0);
         let own = state.clone();
         let writer = thread::Builder::new().name("state".into()).spawn(move || {
-            if may_write(&own) {
+            if let Some(_ours) = may_write(&own) {
                 write(&own, &copies);
             }
             drop(writer_lives);
@@ -141,6 +155,14 @@ impl Keeper {
             tracing::warn!("the disk does not answer: what was learned last may not be saved");
         }
     }
+}
+
+fn tell_taken(state: &SavedState) {
+    tracing::warn!(
+        "{}: another gripd has this file; what is learned here is not saved. Stop one of them, or give each its own \
+         [service] state_file",
+        state.path().display()
+    );
 }
 
 /// Zero is never.

@@ -8,10 +8,13 @@ mod file;
 mod keeper;
 
 use std::ffi::{OsStr, OsString};
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Write};
+use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 
+use nix::errno::Errno;
+use nix::fcntl::{Flock, FlockArg};
 use thiserror::Error;
 
 use crate::Config;
@@ -68,6 +71,17 @@ pub struct TakenUp {
     pub may_write: bool,
     /// There is something in the file's place that cannot be used.
     pub refused: bool,
+}
+
+/// Whose a file is.
+#[derive(Debug)]
+pub enum Claim {
+    /// Ours, as long as this lives.
+    Ours(Flock<File>),
+    /// Another process's.
+    Taken,
+    /// The folder, or its file system, allows no lock.
+    Impossible,
 }
 
 /// The file and the car it has to be of.
@@ -181,6 +195,26 @@ impl SavedState {
         TakenUp { learned: None, may_write: true, refused: true }
     }
 
+    /// Makes it this process's own until what is returned is dropped; `None` if another process has it, or where such
+    /// a claim cannot be made (then nothing could be written, either).
+    ///
+    /// It is not the file itself that is locked, which is another one with each writing, but `.NAME.lock` beside it.
+    pub fn claim(&self) -> Claim {
+        let mut name = OsString::from(".");
+        name.push(self.path.file_name().unwrap_or_default());
+        name.push(".lock");
+        let lock = self.path.with_file_name(name);
+        let opened = OpenOptions::new().write(true).create(true).truncate(false).mode(0o600).open(&lock);
+        let Ok(file) = opened.inspect_err(|error| tracing::debug!("{}: {error}", lock.display())) else {
+            return Claim::Impossible;
+        };
+        match Flock::lock(file, FlockArg::LockExclusiveNonblock) {
+            Ok(lock) => Claim::Ours(lock),
+            Err((_, Errno::EWOULDBLOCK)) => Claim::Taken,
+            Err(_) => Claim::Impossible,
+        }
+    }
+
     /// Where a refused file is moved to.
     pub fn aside(&self) -> PathBuf {
         let mut name = self.path.file_name().map_or_else(OsString::new, OsStr::to_owned);
@@ -194,7 +228,7 @@ impl SavedState {
     /// # Errors
     /// If the folder cannot be written, or the disk is full; then the old file is still there.
     pub fn save(&self, learned: &Learned) -> io::Result<()> {
-        let new = NewFile::create(&self.path)?;
+        let new = NewFile::create_private(&self.path)?;
         new.writer()?.write_all(file::text(learned, &self.fingerprint)?.as_bytes())?;
         new.commit()
     }

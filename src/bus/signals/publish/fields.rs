@@ -122,7 +122,7 @@ fn greatest(estimates: &[Option<Estimate>], of: fn(&Estimate) -> f64) -> Option<
 }
 
 /// The published interface, in the order the frames are sent.
-pub(super) const MESSAGES: [MessageFields; 6] = [
+pub(super) const MESSAGES: [MessageFields; 7] = [
     MessageFields {
         name: "GRIP_FRICTION",
         fields: &[
@@ -198,8 +198,12 @@ pub(super) const MESSAGES: [MessageFields; 6] = [
             number("ExcitationLong", Ratio, |e| Some(e.excitation_long)),
             number("ExcitationLat", Ratio, |e| Some(e.excitation_lat)),
             field("SurfaceChanges", Ratio, Source::Count(|e| u64::from(e.surface_changes))),
-            field("Faults", Ratio, Source::Bits(|e| u64::from(e.faults.bits()))),
+            field("Faults", Ratio, Source::Bits(|e| u64::from(e.faults.bits() & 0xFFFF))),
             field("DroppedFrames", Ratio, Source::Count(|e| e.dropped_frames)),
         ],
+    },
+    MessageFields {
+        name: "GRIP_STATUS_2",
+        fields: &[field("Faults", Ratio, Source::Bits(|e| u64::from(e.faults.bits() >> 16)))],
     },
 ];

@@ -149,7 +149,7 @@ fn no_size_is_too_small() {
 #[test]
 fn what_is_old_missing_or_wrong_is_said() {
     let inputs: Vec<Frame> =
-        frames().iter().filter(|frame| !(0x6A0..=0x6A5).contains(&frame.id.number())).copied().collect();
+        frames().iter().filter(|frame| !(0x6A0..=0x6A6).contains(&frame.id.number())).copied().collect();
     let never = text(&watch(Estimator::Bus, &inputs), (80, 24), Mode::default());
     assert_shows(&never, &["no gripd publishes on this bus", "e: estimate here", "none so far"]);
     assert!(line(&never, "FL      ").contains('–'), "{never}");

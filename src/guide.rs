@@ -4,6 +4,7 @@
 //! - [`read_the_frames`]: what is published, what it means, and when there is nothing
 //! - [`calibrate`]: from stiffness to friction by ABS brakings
 //! - [`explain_a_mismatch`]: where, why and how much simulation and recording differ
+//! - [`results`]: what was measured
 //! - [`when_things_go_wrong`]: every fault, and what becomes of it
 
 #[doc = include_str!("guide/map-a-car.md")]
@@ -17,6 +18,9 @@ pub mod calibrate {}
 
 #[doc = include_str!("guide/explain-a-mismatch.md")]
 pub mod explain_a_mismatch {}
+
+#[doc = include_str!("guide/results.md")]
+pub mod results {}
 
 #[doc = include_str!("guide/when-things-go-wrong.md")]
 pub mod when_things_go_wrong {}

@@ -8,6 +8,7 @@ mod allocations;
 mod effects;
 mod faults;
 mod filter;
+mod golden;
 mod learned;
 mod model;
 mod plausibility;

@@ -8,7 +8,7 @@
 use std::hint::black_box;
 use std::io::Cursor;
 
-use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BatchSize, Criterion, Throughput, criterion_group};
 use gripd::can::Frame;
 use gripd::can::candump::{Reader, Writer, write_line};
 use gripd::estimate::Pipeline;
@@ -18,7 +18,9 @@ use gripd::signals::{Inputs, Sampler};
 use gripd::{Config, Estimates, Quantity, Sample, Sensors};
 
 use testing::bus::frames;
+use testing::cells::renew;
 use testing::program::project;
+use testing::results::{Section, measured};
 
 fn config() -> Config {
     Config::load(&project("config/demo.toml")).unwrap()
@@ -162,4 +164,14 @@ fn whole(criterion: &mut Criterion) {
 }
 
 criterion_group!(benches, reading, stages, whole);
-criterion_main!(benches);
+
+/// `GRIPD_RENEW=1 cargo bench --bench pipeline` writes the medians into the guide's results, too.
+fn main() {
+    benches();
+    Criterion::default().configure_from_args().final_summary();
+    if renew() {
+        let section =
+            Section { name: "speeds", seed: "seed 1", tolerance: 0.0, header: "on one core | median" };
+        section.write(&["candump", "stage", "whole"].map(measured).concat());
+    }
+}

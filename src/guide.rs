@@ -8,6 +8,7 @@
 //! - [`gateway`]: install it as a service, reload it, watch it
 //! - [`calibrate`]: from stiffness to friction by ABS brakings
 //! - [`explain_a_mismatch`]: where, why and how much simulation and recording differ
+//! - [`results`]: what was measured
 //! - [`when_things_go_wrong`]: every fault, and what becomes of it
 //!
 //! For those who change it:
@@ -32,6 +33,9 @@ pub mod calibrate {}
 
 #[doc = include_str!("guide/explain-a-mismatch.md")]
 pub mod explain_a_mismatch {}
+
+#[doc = include_str!("guide/results.md")]
+pub mod results {}
 
 #[doc = include_str!("guide/when-things-go-wrong.md")]
 pub mod when_things_go_wrong {}

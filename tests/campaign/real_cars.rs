@@ -9,6 +9,7 @@ use gripd::identify::{Identifier, IdentifyConfig, LongitudinalInput};
 use gripd::service::{Engine, Sink, sensors};
 use gripd::signals::{Inputs, Sampler};
 use gripd::{Config, Estimates, Sample};
+use testing::results::Section;
 
 #[derive(Default)]
 struct Record(Vec<Estimates>);
@@ -93,7 +94,14 @@ fn the_zoe_scenes_agree_on_the_slope() {
     let weight: f64 = slopes.iter().map(|s| s.std.powi(-2)).sum();
     let mean = slopes.iter().map(|s| s.value * s.std.powi(-2)).sum::<f64>() / weight;
     let chi = slopes.iter().map(|s| ((s.value - mean) / s.std).powi(2)).sum::<f64>();
-    println!("mean {mean:.1} ± {:.1}, χ² {chi:.1} for {} slopes", weight.powf(-0.5), slopes.len());
+    let section = Section {
+        name: "zoe",
+        seed: "recorded",
+        tolerance: 0.01,
+        header: "Renault Zoe, city scenes | slopes | weighted mean | χ²",
+    };
+    let std = weight.powf(-0.5);
+    section.check(&[format!("{} scenes | {} | {mean:.1} ± {std:.1} | {chi:.1}", scenes.len(), slopes.len())]);
     assert!((40.0..80.0).contains(&mean));
     assert!(chi < 3.0 * slopes.len() as f64);
 }

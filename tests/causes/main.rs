@@ -5,3 +5,4 @@
 mod concealed;
 mod explain_long;
 mod identify;
+mod reproduce;

@@ -9,6 +9,7 @@ use gripd::{Config, Estimates};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use testing::driven;
+use testing::results::Section;
 
 const CAR: &str = include_str!("../../config/demo.toml");
 const DEMO: &str = include_str!("../../config/scenarios/demo.toml");
@@ -81,6 +82,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 /// its interval holds it, and another road is noticed.
 #[test]
 fn the_slope_is_found_though_no_wheel_rolls() {
+    let mut rows = Vec::new();
     for (seed, late_ms) in [(1, 3.0), (2, 3.0), (3, 30.0)] {
         let (mut errors, mut samples, mut outside) = (Vec::new(), 0.0, 0.0);
         let mut changes = Vec::new();
@@ -101,13 +103,24 @@ fn the_slope_is_found_though_no_wheel_rolls() {
         });
         let (share, outside) = (errors.len() as f64 / samples / 4.0, outside / errors.len() as f64);
         let error = median(errors);
-        println!(
-            "{late_ms} ms late: valid {share:.2}, median error {error:.3}, outside {outside:.3}, changes {changes:.0?}"
-        );
+        rows.push(format!(
+            "{late_ms} ms | {:.0} % | {:.1} % | {:.1} % | {}",
+            100.0 * share,
+            100.0 * error,
+            100.0 * outside,
+            changes.len()
+        ));
         assert!(share > 0.7 && error < 0.15 && outside < 0.15, "{share} {error} {outside}");
         let noticed = |from: f64| changes.iter().any(|at| (from..from + 60.0).contains(at));
         assert!(noticed(ROADS[1].0) && noticed(ROADS[2].0) && changes.len() <= 4, "{changes:?}");
     }
+    let section = Section {
+        name: "all_driven",
+        seed: "seeds 1 to 3",
+        tolerance: 0.02,
+        header: "accelerometer late by | slope valid | off by, in the median | outside its 95 % interval | changes noticed, of 2",
+    };
+    section.check(&rows);
 }
 
 /// GIVEN no accelerometer along the car, or a drive at a steady speed THEN nothing is known, and that is said.

@@ -9,6 +9,7 @@ mod effects;
 mod fault_bits;
 mod faults;
 mod filter;
+mod golden;
 mod learned;
 mod model;
 mod plausibility;

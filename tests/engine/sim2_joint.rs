@@ -4,6 +4,7 @@
 
 use gripd::estimate::thesis::lateral_filter::LateralFilterConfig;
 use gripd::reproduce::sim2_grid::{AMPLITUDES, Cell, FREQUENCIES};
+use testing::results::Section;
 
 fn print(cell: &Cell) {
     let percent = |f: &dyn Fn(usize) -> f64| [0, 1, 2].map(|i| format!("{:5.2}", 100.0 * f(i))).join(" ");
@@ -57,18 +58,33 @@ fn with_the_defaults_for_real_roads_too() {
 #[test]
 #[ignore = "long: a minute or two"]
 fn the_whole_grid() {
+    let mut rows = Vec::new();
     for (name, config) in
         [("ideal road", LateralFilterConfig::ideal_road()), ("defaults", LateralFilterConfig::default())]
     {
-        println!("{name}");
+        let (mut worst, mut rms) = ([0.0_f64; 3], [0.0_f64; 3]);
         for amplitude in AMPLITUDES {
             for frequency in FREQUENCIES {
                 let cell = Cell::drive(amplitude, frequency, 12, &config).unwrap();
                 print(&cell);
+                for check in 0..3 {
+                    worst[check] = worst[check].max(cell.worst(check));
+                    rms[check] = rms[check].max(cell.rms(check));
+                }
                 if name == "ideal road" {
                     assert!((0..3).all(|check| cell.worst(check) < 0.065 && cell.rms(check) < 0.03));
                 }
             }
         }
+        let percent = |values: [f64; 3]| values.map(|value| format!("{:.1} %", 100.0 * value)).join(" | ");
+        rows.push(format!("{name} | {} | {}", percent(worst), percent(rms)));
     }
+    let section = Section {
+        name: "sim2_joint",
+        seed: "12 seeds a cell",
+        tolerance: 0.02,
+        header: "Sim2, joint filter, all amplitudes and frequencies | worst before the change | 5 s after it | 5 s after \
+                 the change back | rms before | after | after the change back",
+    };
+    section.check(&rows);
 }

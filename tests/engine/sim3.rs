@@ -8,6 +8,7 @@ use gripd::model::scenario::thesis::{SIM2, SIM3, SIM3_LIMIT};
 use gripd::model::simulate::SimulatedDrive;
 use gripd::model::{Piece, Scenario, TireKind, Truth, Uncertain, Vehicle};
 use gripd::reproduce::noticed;
+use testing::results::Section;
 
 /// Runs the pipeline over a drive; the tires' stiffness is not known before.
 fn drive(scenario: &Scenario, seed: u64) -> Vec<(Truth, Estimates)> {
@@ -49,7 +50,13 @@ fn both_steps_of_the_slope_are_found_within_two_seconds_and_friction_stays_a_bou
             }
         }
     }
-    println!("noticed within {slowest:.2} s of driving");
+    let section = Section {
+        name: "sim3_steps",
+        seed: "seeds 1 to 24",
+        tolerance: 0.02,
+        header: "Sim3 | found | within, of driving",
+    };
+    section.check(&[format!("both steps of the slope | all | {slowest:.2} s")]);
     assert!(slowest <= 2.0, "{slowest}");
 }
 
@@ -107,7 +114,13 @@ fn at_the_halved_limit_friction_is_found_within_two_seconds_and_five_percent() {
         let (after, wrong) = noticed(&rows, &[100.0, 150.0]);
         assert_eq!((after.len(), wrong), (2, 0), "seed {seed}: wheel spin is no change of surface");
     }
-    println!("found within {latest:.2} s, off by {:.1} % at most", 100.0 * worst);
+    let section = Section {
+        name: "sim3_limit",
+        seed: "seeds 1 to 24",
+        tolerance: 0.02,
+        header: "Sim3 at half of the friction | valid after, at most | off by, at most",
+    };
+    section.check(&[format!("friction at the limit | {latest:.2} s | {:.1} %", 100.0 * worst)]);
     assert!(latest <= 2.0 && worst <= 0.05, "{latest} s, {worst}");
 }
 
@@ -165,7 +178,16 @@ fn the_limit_is_found_whatever_the_curve_of_the_tire() {
             }
         }
     }
-    println!("found within {latest:.2} s, off by {:.1} %, {wrong_changes} wrong changes", 100.0 * worst);
+    let section = Section {
+        name: "limit_by_tire",
+        seed: "seeds 1 to 4",
+        tolerance: 0.02,
+        header: "wheels spin for half a second, three shapes of tire, friction 0.6 to 0.2 | valid after, at most | off by, at most | wrong changes of surface",
+    };
+    section.check(&[format!(
+        "friction at the limit | {latest:.2} s | {:.1} % | {wrong_changes}",
+        100.0 * worst
+    )]);
     assert!(latest <= 1.0 && worst <= 0.05, "{latest} s, {worst}");
 }
 

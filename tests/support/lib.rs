@@ -6,13 +6,16 @@
 
 pub mod allocator;
 pub mod bus;
+pub mod cells;
 pub mod demo_car;
 pub mod dice;
 pub mod driven;
 pub mod fault;
 pub mod frames;
+pub mod golden;
 pub mod heard;
 pub mod program;
+pub mod results;
 pub mod setting;
 pub mod small_car;
 pub mod sound;

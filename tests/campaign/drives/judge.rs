@@ -215,6 +215,23 @@ impl Judgement {
         self.by_use.iter().map(|row| row.covered).sum::<u64>() as f64 / self.samples().max(1) as f64
     }
 
+    /// By the use of friction, rows of a table.
+    pub fn rows(&self) -> Vec<String> {
+        let row = |(i, row): (usize, &Use)| {
+            format!(
+                "{:.0} % … | {} | {:.2} % | {:.1} % | {:.2} | {:.2} % | {}",
+                if i == 0 { 0.0 } else { 100.0 * EDGES[i - 1] },
+                row.samples,
+                share(row.covered, row.samples),
+                share(row.bounded, row.samples),
+                row.width / row.bounded.max(1) as f64,
+                share(row.valid, row.samples),
+                row.valid_wrong
+            )
+        };
+        self.by_use.iter().enumerate().map(row).collect()
+    }
+
     /// Samples beyond the last edge of use.
     pub fn at_the_limit(&self) -> u64 {
         self.by_use[EDGES.len()].samples
@@ -235,19 +252,8 @@ impl fmt::Display for Judgement {
             "| use of friction | samples | truth in the interval | bounded above | mean width | valid | valid and off by > 0.1 |"
         )?;
         writeln!(f, "|---|---|---|---|---|---|---|")?;
-        for (i, row) in self.by_use.iter().enumerate() {
-            let from = if i == 0 { 0.0 } else { EDGES[i - 1] };
-            writeln!(
-                f,
-                "| {:.0} % … | {} | {:.2} % | {:.1} % | {:.2} | {:.2} % | {} |",
-                100.0 * from,
-                row.samples,
-                share(row.covered, row.samples),
-                share(row.bounded, row.samples),
-                row.width / row.bounded.max(1) as f64,
-                share(row.valid, row.samples),
-                row.valid_wrong
-            )?;
+        for row in self.rows() {
+            writeln!(f, "| {row} |")?;
         }
         use MuSource::{Abs, Brush, Joint, Limit, LowerBound, None, SlopeMap};
         for source in [None, LowerBound, SlopeMap, Brush, Joint, Abs, Limit] {

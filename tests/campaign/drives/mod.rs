@@ -23,6 +23,7 @@ use drive::Drive;
 use judge::Judgement;
 use rayon::prelude::*;
 use testing::driven;
+use testing::results::Section;
 use testing::setting::setting;
 
 /// Drives so many, and puts the judgements together in the order of the seeds.
@@ -30,6 +31,22 @@ fn campaign(first: u64, count: u64) -> Judgement {
     let all: Vec<_> =
         (first..first + count).into_par_iter().map(|seed| judge::judge(&Drive::draw(seed))).collect();
     all.into_iter().fold(Judgement::default(), Judgement::and)
+}
+
+#[test]
+#[ignore = "long: 30 drives"]
+fn more_drives_by_the_use_of_friction() {
+    let judgement = campaign(7001, 30);
+    println!("{judgement}");
+    let section = Section {
+        name: "campaign",
+        seed: "seeds 7001 to 7030",
+        tolerance: 0.03,
+        header: "use of friction | samples | truth in the interval | bounded above | mean width | valid | valid and off \
+                 by more than 0.1",
+    };
+    section.check(&judgement.rows());
+    assert!(judgement.covered() > 0.95);
 }
 
 /// What holds today, on a few drives; the whole campaign is the measure of what does not hold yet.

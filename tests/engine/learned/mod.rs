@@ -17,6 +17,7 @@ use gripd::{Config, Estimates, Sample};
 use tempfile::TempDir;
 use testing::program;
 use testing::program::project;
+use testing::results::Section;
 
 fn gripd(arguments: &[&str], folder: &Path) -> Output {
     program::gripd().env_remove("STATE_DIRECTORY").current_dir(folder).args(arguments).output().unwrap()
@@ -133,6 +134,7 @@ fn error(csv: &str, truth: &str, name: &str, from: f64, to: f64) -> f64 {
 #[test]
 fn the_next_drive_knows_sooner() {
     compare(
+        "learned",
         &project("config/demo.toml"),
         &[
             ("slope_valid", 0.95),
@@ -171,6 +173,7 @@ fn the_worse_the_data_sheet_the_more_was_learned() {
     });
     fs::write(&car, text).unwrap();
     compare(
+        "learned_vague",
         &car,
         &[
             ("slope_valid", 0.95),
@@ -185,7 +188,7 @@ fn the_worse_the_data_sheet_the_more_was_learned() {
 
 /// Drives without and with what the first one learned; the means of times and errors with it are at most
 /// these shares of those without.
-fn compare(car: &Path, at_most: &[(&str, f64)]) {
+fn compare(name: &str, car: &Path, at_most: &[(&str, f64)]) {
     let run = |log: &str, arguments: &[&str], folder: &Path| {
         let output = replay_of(car, log, arguments, folder);
         assert!(output.status.success(), "{}", complaint(&output));
@@ -214,9 +217,17 @@ fn compare(car: &Path, at_most: &[(&str, f64)]) {
             add(format!("{name} {from} s"), both.each_ref().map(|csv| error(csv, &truth, name, from, to)));
         }
     }
-    for (what, [fresh, later]) in &sums {
-        println!("{what}: fresh {:.5}, later {:.5}, means of the drives", fresh / 7.0, later / 7.0);
-    }
+    let mean = |of: f64| if of < 0.7 { format!("{:.5}", of / 7.0) } else { format!("{:.2}", of / 7.0) };
+    let row = |(what, [fresh, later]): (&String, &[f64; 2])| {
+        format!("{what} | {} | {}", mean(*fresh), mean(*later))
+    };
+    let section = Section {
+        name,
+        seed: "seeds 2 to 8",
+        tolerance: 0.02,
+        header: "first s until valid, or error (SI) from this second on | nothing learned before | after another drive",
+    };
+    section.check(&sums.iter().map(row).collect::<Vec<_>>());
     for (what, at_most) in at_most {
         let [fresh, later] = sums[*what];
         assert!(later < at_most * fresh, "{what}: {later}, fresh {fresh}");

@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn after_a_panic_the_terminal_is_as_it_was() {
         let program = std::env::current_exe().unwrap();
-        let falls = "cli::monitor::screen::tests::panics_with_the_screen_taken";
+        let falls = "cli::monitor::screen::tests::child::panics_with_the_screen_taken";
         let line = format!(
             "stty rows 24 cols 80; stty -g; {} --ignored --exact --nocapture {falls}; stty -g",
             program.display()
@@ -99,11 +99,15 @@ mod tests {
         assert_eq!(settings[0], settings[1]);
     }
 
-    #[test]
-    #[ignore = "is a part of the test above, and panics"]
-    fn panics_with_the_screen_taken() {
-        let mut screen = Screen::take().unwrap();
-        screen.terminal.draw(|frame| frame.render_widget("tottering", frame.area())).unwrap();
-        panic!("fallen on purpose");
+    mod child {
+        use super::*;
+
+        #[test]
+        #[ignore = "child: is a part of the test above, and panics"]
+        fn panics_with_the_screen_taken() {
+            let mut screen = Screen::take().unwrap();
+            screen.terminal.draw(|frame| frame.render_widget("tottering", frame.area())).unwrap();
+            panic!("fallen on purpose");
+        }
     }
 }

@@ -1,0 +1,34 @@
+//! The thesis, experiment by experiment: what of it holds.
+
+use gripd::reproduce::{SECTIONS, Section as Chapter, Verdict};
+use rayon::prelude::*;
+use testing::results::Section;
+
+/// What came of a chapter's experiments, as a row.
+fn row(chapter: &Chapter) -> String {
+    let outcomes: Vec<_> =
+        chapter.experiments.par_iter().map(|experiment| (experiment.run)().unwrap()).collect();
+    let claims: Vec<_> = outcomes.iter().flat_map(|outcome| &outcome.claims).collect();
+    let count = |verdict| claims.iter().filter(|claim| claim.verdict == verdict).count();
+    format!(
+        "{} | {} | {} | {} | {} | {}",
+        chapter.title,
+        outcomes.len(),
+        count(Verdict::Holds),
+        count(Verdict::Differs),
+        count(Verdict::Better),
+        count(Verdict::Short)
+    )
+}
+
+#[test]
+#[ignore = "long: every experiment"]
+fn what_holds_of_the_thesis() {
+    let section = Section {
+        name: "thesis",
+        seed: "the experiments' own seeds",
+        tolerance: 0.0,
+        header: "of the thesis | experiments | claims that hold | that differ | own answers that are better | that fall short",
+    };
+    section.check(&SECTIONS.iter().map(row).collect::<Vec<_>>());
+}

@@ -20,6 +20,7 @@ const QUEUE_BYTES: usize = 64_000_000;
 /// A recording that goes on.
 pub struct Log {
     child: Child,
+    interface: String,
     file: PathBuf,
 }
 
@@ -28,7 +29,7 @@ impl Log {
         let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{interface}.log"));
         let _ = std::fs::remove_file(&file);
         let child = again(&["nice", "-n", "19"], "log::records", &[interface, file.to_str().unwrap()]);
-        let log = Self { child, file };
+        let log = Self { child, interface: interface.to_owned(), file };
         wait_for("the recorder's first line", || {
             traffic::send_all(interface, &[data(0x7FF, &[])]);
             std::fs::metadata(&log.file).is_ok_and(|file| file.len() > 0)
@@ -38,11 +39,11 @@ impl Log {
 
     /// Once it has written everything.
     pub fn end(mut self) -> PathBuf {
-        let mut length = 0;
-        wait_for("silence", || {
-            std::thread::sleep(10 * BETWEEN);
-            let now = std::fs::metadata(&self.file).unwrap().len();
-            std::mem::replace(&mut length, now) == now
+        // It is in the queue behind all that came before.
+        traffic::send_all(&self.interface, &[data(0x7FE, &[])]);
+        wait_for("the recorder's last line", || {
+            std::thread::sleep(BETWEEN);
+            std::fs::read_to_string(&self.file).unwrap().contains(" 7FE#")
         });
         assert!(self.child.try_wait().unwrap().is_none(), "the recorder ended before it should");
         self.file.clone()

@@ -414,7 +414,7 @@ impl Daemon {
             Verdict::Nothing => {}
             Verdict::Now => {
                 self.hand_over(link, observer);
-                self.rounds.went(now, period);
+                self.rounds.went(now, period, all_is_read);
             }
             Verdict::TooLate => self.give_up(self.rounds.frames.len()),
             Verdict::OnceAllIsRead => self.waits = Waits::Input,

@@ -14,7 +14,7 @@ pub fn load(path: &Path) -> Result<Config, ConfigError> {
 /// The same, and `[identify]`.
 pub fn load_all(path: &Path) -> Result<(Config, IdentifyConfig), ConfigError> {
     let config = Config::load(path)?;
-    let text = std::fs::read_to_string(path)
+    let text = bus::plain_file::read_to_string(path)
         .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
     let identify = IdentifyConfig::of_file(&text)
         .map_err(|error| ConfigError::Parse { path: path.to_owned(), message: error.to_string() })?;

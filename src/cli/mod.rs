@@ -8,6 +8,7 @@ mod convert;
 mod demo;
 mod demo_car;
 mod explain;
+mod forget;
 mod identify;
 mod interrupted;
 mod log;
@@ -16,6 +17,7 @@ mod map;
 mod monitor;
 mod output;
 mod player;
+mod printable;
 mod progress;
 mod recordings;
 mod replay;
@@ -137,6 +139,8 @@ enum Command {
     Check(check::Check),
     /// Propose a configuration's signals for an unknown car, from its DBC and a recorded drive.
     Map(map::Map),
+    /// Forget what a state file says of the car: after new tires, or another set of sensors.
+    Forget(forget::Forget),
     /// Turn a recording of any format into one of another.
     Convert(convert::Convert),
     /// Watch a bus or a recording in the terminal: inputs, estimates, faults, frame rates.
@@ -169,6 +173,7 @@ pub fn main() -> ExitCode {
         Command::Calibrate(command) => command.run(),
         Command::Check(command) => command.run(),
         Command::Map(command) => command.run(),
+        Command::Forget(command) => command.run(),
         Command::Convert(command) => command.run(),
         Command::Monitor(command) => command.run(),
         Command::View(command) => command.run(),
@@ -184,7 +189,7 @@ pub fn main() -> ExitCode {
         Err(Failure::Usage(reason)) => (reason, 2),
     };
     // Not eprintln: it panics where stderr is closed, and the exit code is what counts.
-    let _ = writeln!(std::io::stderr(), "gripd: {reason}");
+    let _ = writeln!(std::io::stderr(), "gripd: {}", printable::printable(&reason));
     ExitCode::from(code)
 }
 

@@ -129,7 +129,7 @@ impl Config {
     /// # Errors
     /// Names the file and the line or key, what is wrong, and what to do.
     pub fn load(path: &Path) -> Result<Self, ConfigError> {
-        let text = std::fs::read_to_string(path)
+        let text = crate::plain_file::read_to_string(path)
             .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
         Self::parse(&text, path)
     }

@@ -8,6 +8,7 @@ pub mod can;
 pub mod config;
 pub mod dbc;
 pub mod new_file;
+pub mod plain_file;
 #[cfg(feature = "desk")]
 pub mod propose;
 pub mod service;

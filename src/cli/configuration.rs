@@ -18,7 +18,7 @@ pub fn load(path: &Path) -> Result<Config, ConfigError> {
 /// The `[identify]` table.
 #[cfg(feature = "desk")]
 pub fn identify(path: &Path) -> Result<IdentifyConfig, ConfigError> {
-    let text = std::fs::read_to_string(path)
+    let text = bus::plain_file::read_to_string(path)
         .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
     IdentifyConfig::of_file(&text)
         .map_err(|error| ConfigError::Parse { path: path.to_owned(), message: error.to_string() })

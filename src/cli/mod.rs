@@ -4,7 +4,9 @@ mod configuration;
 #[cfg(feature = "desk")]
 mod desk;
 mod failure;
+mod forget;
 mod log;
+mod printable;
 mod run;
 
 #[cfg(not(feature = "desk"))]
@@ -45,6 +47,8 @@ struct Arguments {
 enum Command {
     /// Run the service on a CAN interface.
     Run(run::Run),
+    /// Forget what a state file says of the car: after new tires, or another set of sensors.
+    Forget(forget::Forget),
     #[cfg(feature = "desk")]
     #[command(flatten)]
     Desk(desk::Command),
@@ -57,6 +61,7 @@ pub fn main() -> ExitCode {
     let log = set_up_logging(&arguments);
     let result = match arguments.command {
         Command::Run(command) => command.run(),
+        Command::Forget(command) => command.run(),
         #[cfg(feature = "desk")]
         Command::Desk(command) => command.run(),
     };
@@ -69,7 +74,7 @@ pub fn main() -> ExitCode {
         Err(Failure::Usage(reason)) => (reason, 2),
     };
     // Not eprintln: it panics where stderr is closed, and the exit code is what counts.
-    let _ = writeln!(std::io::stderr(), "gripd: {reason}");
+    let _ = writeln!(std::io::stderr(), "gripd: {}", printable::printable(&reason));
     ExitCode::from(code)
 }
 

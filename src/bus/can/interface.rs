@@ -38,6 +38,16 @@ impl InterfaceName {
         }
     }
 
+    /// The longest message of the interface with this number, where it is known. /sys may be of another network
+    /// namespace: then it has another interface of that name, or none.
+    pub(super) fn mtu(&self, index: u32) -> Option<u32> {
+        let number = |what: &str| -> Option<u32> {
+            let text = std::fs::read_to_string(format!("/sys/class/net/{self}/{what}")).ok()?;
+            text.trim().parse().ok()
+        };
+        number("ifindex").filter(|found| *found == index).and_then(|_| number("mtu"))
+    }
+
     /// The interface as it is now; `None` when there is none of that name.
     ///
     /// Asks the kernel by netlink, which unlike `/sys` always means the process's own network

@@ -35,6 +35,9 @@ const LOOK_WHILE_DOWN: Duration = Duration::from_millis(100);
 const FIRST_PAUSE: Duration = Duration::from_millis(50);
 const LONGEST_PAUSE: Duration = Duration::from_secs(1);
 
+/// `CAN_MTU`: longest message of an interface without FD.
+const CLASSIC_MTU: u32 = 16;
+
 /// What is wanted of an interface.
 #[derive(Clone, Debug)]
 pub struct SocketCanConfig {
@@ -80,6 +83,8 @@ pub struct SocketCan {
     /// Drop counter of the socket at the last message.
     drops: u32,
     pause: Duration,
+    /// Why the interface could not be opened last.
+    complaint: Option<String>,
     /// When to look for an interface that is down or gone. A point in time and not a pause begun anew by
     /// each `recv`: where another branch of a `select!` keeps winning, that pause would never end.
     next_look: Instant,
@@ -113,6 +118,7 @@ impl SocketCan {
             held: None,
             drops: 0,
             pause: FIRST_PAUSE,
+            complaint: None,
             next_look: Instant::now(),
         };
         bus.connect()?;
@@ -295,10 +301,12 @@ impl SocketCan {
         sleep_until(self.next_look).await;
         self.pause = (self.pause * 2).min(LONGEST_PAUSE);
         self.next_look = Instant::now() + self.pause;
-        if let Err(error) = self.connect() {
-            // Said at most once a second, and there is nothing else to do than to try again.
-            tracing::warn!(%error, "the CAN interface cannot be opened yet");
+        let error = self.connect().err().map(|error| error.to_string());
+        // There is nothing else to do than to try again; that is said once.
+        if let Some(error) = error.as_ref().filter(|_| error != self.complaint) {
+            tracing::warn!(error, "the CAN interface cannot be opened yet");
         }
+        self.complaint = error;
     }
 
     /// Opens the socket if the interface is there.
@@ -323,6 +331,12 @@ impl SocketCan {
             step: "watch the socket in this runtime",
             source,
         })?;
+        if self.config.fd && interface.mtu(state.index) == Some(CLASSIC_MTU) {
+            tracing::warn!(
+                "`fd = true` in [bus], but {interface} carries no FD frames (mtu 16): `ip link set {interface} mtu 72` \
+                 where it is virtual, else `ip link set {interface} type can dbitrate … fd on` while it is down"
+            );
+        }
         self.socket = Some(socket);
         self.index = state.index;
         self.link = if state.is_up { Link::Up } else { Link::Down };

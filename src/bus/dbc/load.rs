@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 use std::sync::Arc;
@@ -90,7 +89,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<u8>, DbcError> {
     let failed = |source: io::Error| DbcError::Read { file: file(), source };
     let limit = LARGEST_FILE_MIB << 20;
     let mut bytes = Vec::new();
-    File::open(path).map_err(failed)?.take(limit + 1).read_to_end(&mut bytes).map_err(failed)?;
+    crate::plain_file::open(path).map_err(failed)?.take(limit + 1).read_to_end(&mut bytes).map_err(failed)?;
     if bytes.len() as u64 > limit {
         return Err(DbcError::TooLarge { file: file(), limit_mib: LARGEST_FILE_MIB });
     }

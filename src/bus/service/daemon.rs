@@ -6,11 +6,13 @@ use std::pin::pin;
 use std::sync::Arc;
 use std::time::Duration;
 
+use tokio::sync::mpsc::Receiver;
 use tokio::time::{Interval, MissedTickBehavior};
 
 use super::rounds::{Rounds, Verdict};
 use super::run::{input_reception, output_reception};
 use super::said::Said;
+use super::saved::Part;
 use super::{Engine, Fresh, Health, Keeper, Reloads, Sink, Survived, systemd};
 use crate::can::{Bus, Event, Frame, Reception, SendError};
 use physics::{Estimates, Faults, Micros, Sample};
@@ -87,6 +89,8 @@ pub struct Service<L> {
     pub report_every_s: u64,
     /// Brings other configurations; `None`: there is only the one.
     pub reloads: Option<Reloads>,
+    /// What is to be forgotten while it runs.
+    pub forgets: Option<Receiver<&'static [Part]>>,
     /// Counts for whoever watches.
     pub health: Option<Arc<Health>>,
 }
@@ -94,7 +98,16 @@ pub struct Service<L> {
 impl<L> Service<L> {
     /// One link, and nothing that need not be.
     pub fn new(engine: Engine, input: L) -> Self {
-        Self { engine, input, output: None, keeper: None, report_every_s: 0, reloads: None, health: None }
+        Self {
+            engine,
+            input,
+            output: None,
+            keeper: None,
+            report_every_s: 0,
+            reloads: None,
+            forgets: None,
+            health: None,
+        }
     }
 }
 
@@ -105,7 +118,16 @@ pub async fn serve<L: Link>(
     observer: &mut impl Sink,
     shutdown: impl Future<Output = ()>,
 ) -> Tally {
-    let Service { engine, mut input, mut output, mut keeper, report_every_s, mut reloads, health } = service;
+    let Service {
+        engine,
+        mut input,
+        mut output,
+        mut keeper,
+        report_every_s,
+        mut reloads,
+        mut forgets,
+        health,
+    } = service;
     let mut daemon = Daemon::new(engine, health, output.is_none());
     let mut beat = daemon.beat();
     let mut shutdown = pin!(shutdown);
@@ -129,6 +151,13 @@ pub async fn serve<L: Link>(
                 });
                 daemon.reloaded(accepted);
                 beat = daemon.beat();
+            }
+            parts = next_forget(&mut forgets) => {
+                tracing::info!("forgets what it learned: {parts:?}");
+                daemon.engine.forget(parts);
+                if let Some(keeper) = &mut keeper {
+                    keeper.forgotten(&daemon.engine);
+                }
             }
             // Before the input, which may never be silent: this one only has news of its state.
             event = next(&mut output) => daemon.output(event),
@@ -414,7 +443,7 @@ impl Daemon {
             Verdict::Nothing => {}
             Verdict::Now => {
                 self.hand_over(link, observer);
-                self.rounds.went(now, period);
+                self.rounds.went(now, period, all_is_read);
             }
             Verdict::TooLate => self.give_up(self.rounds.frames.len()),
             Verdict::OnceAllIsRead => self.waits = Waits::Input,
@@ -467,6 +496,17 @@ async fn tick(interval: &mut Option<Interval>) {
 async fn next_reload(reloads: &mut Option<Reloads>) -> Result<Fresh, String> {
     match reloads {
         Some(reloads) => reloads.next().await,
+        None => std::future::pending().await,
+    }
+}
+
+async fn next_forget(forgets: &mut Option<Receiver<&'static [Part]>>) -> &'static [Part] {
+    match forgets {
+        Some(wishes) => match wishes.recv().await {
+            Some(parts) => parts,
+            // Nobody is left who could wish for something.
+            None => std::future::pending().await,
+        },
         None => std::future::pending().await,
     }
 }

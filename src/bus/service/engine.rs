@@ -183,6 +183,16 @@ impl Engine {
         survived
     }
 
+    /// Begins anew with what is left when these parts are forgotten: other tires, for one.
+    pub fn forget(&mut self, parts: &[saved::Part]) {
+        let learned = saved::without(self.learned(), parts);
+        let Origin { vehicle, estimators, .. } = &self.origin;
+        self.pipeline = Pipeline::new(vehicle, &sensors(self.sampler.inputs()), estimators);
+        self.pipeline.restore(&learned);
+        self.pipeline.set_dropped_frames(self.dropped);
+        self.doubted = Faults::empty();
+    }
+
     /// What is worth keeping for the next drive ([`Pipeline::learned`]).
     pub fn learned(&self) -> Learned {
         self.pipeline.learned()

@@ -7,8 +7,9 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
+use tokio::sync::oneshot::error::TryRecvError;
 use tokio::sync::{Notify, oneshot};
-use tokio::time::{Instant, sleep_until};
+use tokio::time::{Instant, sleep_until, timeout_at};
 
 use super::{Engine, SavedState, SetupError, systemd};
 use crate::config::{Address, Config, ConfigError};
@@ -38,6 +39,8 @@ pub struct Reloads {
     metrics: Option<Address>,
     next: Instant,
     stage: Stage,
+    /// A reading that took too long and may still go on.
+    stuck: Option<oneshot::Receiver<Result<Fresh, SetupError>>>,
 }
 
 type Read = dyn Fn() -> Result<Config, ConfigError> + Send + Sync;
@@ -46,12 +49,15 @@ type Read = dyn Fn() -> Result<Config, ConfigError> + Send + Sync;
 enum Stage {
     Idle,
     Rung,
-    Reading(oneshot::Receiver<Result<Fresh, SetupError>>),
+    /// Until then the answer is waited for.
+    Reading(oneshot::Receiver<Result<Fresh, SetupError>>, Instant),
 }
 
 impl Reloads {
     /// Between the beginnings of two readings.
     const PAUSE: Duration = Duration::from_secs(1);
+    /// Files that are not read by then are on a disk that does not answer.
+    const PATIENCE: Duration = Duration::from_secs(10);
 
     /// `at_start` is what the service runs with, `read` gives what the files say now.
     pub fn new(
@@ -67,6 +73,7 @@ impl Reloads {
             metrics: at_start.service.metrics.clone(),
             next: Instant::now(),
             stage: Stage::Idle,
+            stuck: None,
         }
     }
 
@@ -83,11 +90,27 @@ impl Reloads {
                     self.next = Instant::now() + Self::PAUSE;
                     systemd::reloading();
                     tracing::info!("reading the configuration anew");
-                    self.stage = Stage::Reading(self.start());
+                    if self
+                        .stuck
+                        .as_mut()
+                        .is_some_and(|stuck| matches!(stuck.try_recv(), Err(TryRecvError::Empty)))
+                    {
+                        self.stage = Stage::Idle;
+                        return Err("its files are still being read since the last time".to_owned());
+                    }
+                    self.stuck = None;
+                    self.stage = Stage::Reading(self.start(), Instant::now() + Self::PATIENCE);
                 }
-                Stage::Reading(answer) => {
-                    let result = answer.await;
-                    self.stage = Stage::Idle;
+                Stage::Reading(answer, deadline) => {
+                    let result = timeout_at(*deadline, &mut *answer).await;
+                    let before = std::mem::replace(&mut self.stage, Stage::Idle);
+                    let Ok(result) = result else {
+                        if let Stage::Reading(answer, _) = before {
+                            self.stuck = Some(answer);
+                        }
+                        let seconds = Self::PATIENCE.as_secs();
+                        return Err(format!("its files could not be read within {seconds} s"));
+                    };
                     // Without an answer the thread could not be had, or it panicked.
                     let fresh = result.map_err(|_| "it could not be read to its end".to_owned())?;
                     let fresh = fresh.map_err(|error| error.to_string())?;

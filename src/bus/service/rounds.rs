@@ -1,8 +1,8 @@
 //! The round that goes out next, and whether it may: what is old must not look like the present.
 //!
-//! After a pause of ours the kernel has frames of some seconds for us, and each would bring a round of its own. Late
-//! rounds are held until there is nothing more to be read; a newer one takes the place of the one that is held. So what
-//! goes out is the newest, and there is no burst.
+//! After a pause of ours the kernel has frames of some seconds for us, and many would bring a round of their own. So a
+//! round is held until there is nothing more to be read, and a newer one takes the place of the one that is held. What
+//! goes out is the newest; the one after it is due later than now; and so there is no burst.
 
 use crate::can::Frame;
 use physics::{Faults, Micros};
@@ -16,8 +16,8 @@ pub(super) struct Rounds {
     pub told: Faults,
     /// Since when there is always something newer to be read.
     held_since: Option<Micros>,
-    /// When the next one would be due, if they went at the cycle's rate.
-    next: Micros,
+    /// Not before: one went although there was more to be read.
+    earliest: Micros,
 }
 
 /// May it go?
@@ -29,7 +29,7 @@ pub(super) enum Verdict {
     Now,
     /// It would be stale.
     TooLate,
-    /// It is late: not before everything that has come is read.
+    /// Not before everything that has come is read.
     OnceAllIsRead,
     /// It would be a burst: after so long.
     After(Micros),
@@ -43,7 +43,7 @@ impl Rounds {
 
     pub(super) fn new() -> Self {
         let frames = Vec::with_capacity(Self::ROOM);
-        Self { frames, told: Faults::empty(), held_since: None, next: Micros(0) }
+        Self { frames, told: Faults::empty(), held_since: None, earliest: Micros(0) }
     }
 
     /// Of a cycle of `period`; `all_is_read`: nothing newer waits to be read.
@@ -55,18 +55,16 @@ impl Rounds {
         }
         let held_since = *self.held_since.get_or_insert(now);
         // On a flooded bus there is always more to be read: one in a cycle goes all the same.
-        let is_newest = late + late <= period || all_is_read || now - held_since >= period;
-        if !is_newest {
+        if !all_is_read && now - held_since < period {
             return Verdict::OnceAllIsRead;
         }
-        // One more than the cycle's rate gives may go at a time.
-        let wait = self.next - period - now;
-        if wait > Micros(0) { Verdict::After(wait) } else { Verdict::Now }
+        let wait = self.earliest - now;
+        if wait > Micros(0) { Verdict::After(wait.min(period)) } else { Verdict::Now }
     }
 
     /// It went.
-    pub(super) fn went(&mut self, now: Micros, period: Micros) {
-        self.next = self.next.max(now) + period;
+    pub(super) fn went(&mut self, now: Micros, period: Micros, all_is_read: bool) {
+        self.earliest = if all_is_read { Micros(0) } else { now + period };
         self.held_since = None;
         self.frames.clear();
     }
@@ -103,7 +101,7 @@ mod tests {
             match rounds.judge(now, PERIOD, all_is_read) {
                 Verdict::Now => {
                     sent.push((rounds.frames[0].time.0 / 1000, now.0 / 1000));
-                    rounds.went(now, PERIOD);
+                    rounds.went(now, PERIOD, all_is_read);
                 }
                 Verdict::TooLate => rounds.frames.clear(),
                 _ => {}
@@ -148,7 +146,7 @@ mod tests {
             rounds.frames.clear();
             rounds.frames.push(round(now - 50));
             if rounds.judge(Micros::from_millis(now), PERIOD, false) == Verdict::Now {
-                rounds.went(Micros::from_millis(now), PERIOD);
+                rounds.went(Micros::from_millis(now), PERIOD, false);
                 sent += 1;
             }
         }

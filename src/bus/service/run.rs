@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use nix::sys::mman::{MlockAllFlags, mlockall};
 use thiserror::Error;
+use tokio::sync::mpsc::Receiver;
 
+use super::saved::Part;
 use super::{Endpoint, Engine, Health, Keeper, Reloads, SavedState, Service, SetupError, Sink, Tally, serve};
 use crate::Config;
 use crate::can::{Bus, CanId, Frame, InterfaceName, OpenError, Reception, SocketCan, SocketCanConfig};
@@ -24,7 +26,8 @@ pub enum ServiceError {
     Open(#[from] OpenError),
 }
 
-/// Runs the service on SocketCAN until `shutdown` completes. The interface need not exist yet.
+/// Runs the service on SocketCAN until `shutdown` completes. The interface need not exist yet. What `forgets` brings is
+/// forgotten.
 ///
 /// # Errors
 /// If the configuration cannot be used or the kernel refuses a socket; never once it runs.
@@ -32,6 +35,7 @@ pub async fn run(
     config: &Config,
     interface: Option<&str>,
     reloads: Option<Reloads>,
+    forgets: Option<Receiver<&'static [Part]>>,
     shutdown: impl Future<Output = ()>,
 ) -> Result<Tally, ServiceError> {
     let mut engine = Engine::new(config)?;
@@ -39,6 +43,11 @@ pub async fn run(
     let output = config.publish.interface.as_deref().filter(|other| *other != name);
     let input = open(name, input_reception(config, &engine, output.is_none()))?;
     let output = output.map(|other| open(other, output_reception(config, &engine))).transpose()?;
+    if engine.publisher().needs_fd() && !config.bus.fd {
+        tracing::warn!(
+            "the output DBC has FD messages, but `fd = true` is missing in [bus]: they cannot be sent"
+        );
+    }
     tracing::info!(
         input = name,
         output = config.publish.interface.as_deref().unwrap_or(name),
@@ -55,7 +64,7 @@ pub async fn run(
     if config.service.lock_memory {
         lock_memory();
     }
-    let service = Service { engine, input, output, keeper, report_every_s, reloads, health };
+    let service = Service { engine, input, output, keeper, report_every_s, reloads, forgets, health };
     Ok(serve(service, &mut Unobserved, shutdown).await)
 }
 

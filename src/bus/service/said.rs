@@ -69,7 +69,10 @@ impl Said {
         }
         match event {
             Event::Up => tracing::info!("the {place} interface is up"),
-            Event::Down => tracing::warn!("the {place} interface is down; waiting for it"),
+            Event::Down => tracing::warn!(
+                "the {place} interface is down; waiting for it (`ip link set … up`; a controller needs a bit rate \
+                 before that: `ip link set … type can bitrate 500000`)"
+            ),
             _ => tracing::warn!("the {place} interface does not exist; waiting for it"),
         }
         if allowed == Allowed::LastForNow {

@@ -14,6 +14,7 @@ mod map;
 mod monitor;
 mod output;
 mod player;
+mod printable;
 mod progress;
 mod recordings;
 mod replay;

@@ -20,6 +20,7 @@ const QUEUE_BYTES: usize = 64_000_000;
 /// A recording that goes on.
 pub struct Log {
     child: Child,
+    interface: String,
     file: PathBuf,
 }
 
@@ -32,7 +33,7 @@ impl Log {
             "service::log::child::records",
             &[interface, file.to_str().unwrap()],
         );
-        let log = Self { child, file };
+        let log = Self { child, interface: interface.to_owned(), file };
         wait_for("the recorder's first line", || {
             traffic::send_all(interface, &[data(0x7FF, &[])]);
             std::fs::metadata(&log.file).is_ok_and(|file| file.len() > 0)
@@ -42,11 +43,11 @@ impl Log {
 
     /// Once it has written everything.
     pub fn end(mut self) -> PathBuf {
-        let mut length = 0;
-        wait_for("silence", || {
-            std::thread::sleep(10 * BETWEEN);
-            let now = std::fs::metadata(&self.file).unwrap().len();
-            std::mem::replace(&mut length, now) == now
+        // It is in the queue behind all that came before.
+        traffic::send_all(&self.interface, &[data(0x7FE, &[])]);
+        wait_for("the recorder's last line", || {
+            std::thread::sleep(BETWEEN);
+            std::fs::read_to_string(&self.file).unwrap().contains(" 7FE#")
         });
         assert!(self.child.try_wait().unwrap().is_none(), "the recorder ended before it should");
         self.file.clone()

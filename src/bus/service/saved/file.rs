@@ -165,6 +165,18 @@ fn sealed(contents: &str) -> String {
     format!("checksum = \"{:08x}\"\n{contents}", crc(contents.as_bytes()))
 }
 
+/// The fingerprint of the vehicle that a file is of.
+///
+/// # Errors
+/// Why the file is none of ours.
+pub fn fingerprint_in(bytes: &[u8]) -> Result<String, Refusal> {
+    let line = |line: &&[u8]| line.starts_with(b"vehicle = \"");
+    let line = bytes.split(|byte| *byte == b'\n').find(line).unwrap_or_default();
+    let line = std::str::from_utf8(line).map_err(|_| Refusal::NotOurs("no text"))?;
+    let vehicle = line.split('"').nth(1).unwrap_or_default().to_owned();
+    parse(bytes, &vehicle).map(|_| vehicle)
+}
+
 /// What a file says of the vehicle with this fingerprint.
 ///
 /// # Errors

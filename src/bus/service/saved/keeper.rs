@@ -134,6 +134,14 @@ impl Keeper {
         }
     }
 
+    /// Hands a copy over at once: what was forgotten must not come back from the file. While the disk is slow, with the
+    /// next one.
+    pub fn forgotten(&mut self, engine: &Engine) {
+        self.next_s = engine.driving_s();
+        self.saved_s = f64::NEG_INFINITY;
+        self.offer(engine);
+    }
+
     /// At the end of the service: a last copy, if the car moved since the one before, and waits for the
     /// disk, but not for ever.
     pub fn finish(self, engine: &Engine) {
@@ -175,11 +183,9 @@ fn write(state: &SavedState, copies: &Receiver<Learned>) {
     let path = state.path().display();
     let mut failing = None;
     while let Ok(learned) = copies.recv() {
-        // Nothing was learned: nothing to keep, and no older file either, or it would have been taken up.
-        if learned.is_empty() {
-            continue;
-        }
-        match state.save(&learned) {
+        // Nothing is known: nothing to keep, and an older file says what was forgotten.
+        let saved = if learned.is_empty() { state.remove() } else { state.save(&learned) };
+        match saved {
             Ok(()) => {
                 tracing::debug!("{path}: saved after {:.0} s of driving", learned.driving_s);
                 if failing.take().is_some() {

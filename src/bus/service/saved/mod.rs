@@ -19,6 +19,7 @@ use thiserror::Error;
 
 use crate::Config;
 use crate::new_file::{NewFile, remove_leftovers};
+use crate::plain_file;
 use physics::estimate::Learned;
 
 pub use file::{fingerprint, parse, text};
@@ -73,6 +74,39 @@ pub struct TakenUp {
     pub refused: bool,
 }
 
+/// A part of what is learned that can be forgotten by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Slip slopes and cornering stiffnesses.
+    Tires,
+    /// Differences of the wheels' radii, and the error of the speed that comes of them.
+    Radii,
+    /// Offsets of the sensors, and the error of the steering ratio.
+    Offsets,
+}
+
+impl Part {
+    /// All that there is.
+    pub const ALL: [Self; 3] = [Self::Tires, Self::Radii, Self::Offsets];
+}
+
+/// What is left when these parts are forgotten.
+pub fn without(mut learned: Learned, parts: &[Part]) -> Learned {
+    for part in parts {
+        match part {
+            Part::Tires => (learned.slope, learned.cornering) = ([None; 4], [None; 2]),
+            Part::Radii => (learned.slip_offset, learned.speed_scale) = ([None; 4], None),
+            Part::Offsets => {
+                learned.yaw_rate_offset = None;
+                learned.lateral_acceleration_offset = None;
+                learned.road_angle_offset = None;
+                learned.road_angle_scale = None;
+            }
+        }
+    }
+    learned
+}
+
 /// Whose a file is.
 #[derive(Debug)]
 pub enum Claim {
@@ -100,6 +134,16 @@ impl SavedState {
     /// The car of `config`, in the file `path`.
     pub fn new(path: &Path, config: &Config) -> Self {
         Self { path: path.to_owned(), fingerprint: fingerprint(config) }
+    }
+
+    /// The file of whatever car.
+    ///
+    /// # Errors
+    /// Why it is none of ours.
+    pub fn of_file(path: &Path) -> Result<Self, Refusal> {
+        let mut bytes = Vec::new();
+        plain_file::open(path)?.take(Self::LARGEST).read_to_end(&mut bytes)?;
+        Ok(Self { path: path.to_owned(), fingerprint: file::fingerprint_in(&bytes)? })
     }
 
     /// Where the configuration wants it: `[service] state_file`, else in the first folder of systemd's
@@ -130,20 +174,15 @@ impl SavedState {
     /// # Errors
     /// Why the file is not used.
     pub fn load(&self) -> Result<Option<Learned>, Refusal> {
-        let size = match fs::metadata(&self.path) {
+        let file = match plain_file::open(&self.path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(error.into()),
-            // Opening a pipe would wait for somebody to write into it.
-            Ok(there) if !there.is_file() => {
-                return Err(io::Error::new(io::ErrorKind::InvalidInput, "not an ordinary file").into());
-            }
-            Ok(there) => there.len(),
+            file => file?,
         };
-        if size > Self::LARGEST {
+        if file.metadata()?.len() > Self::LARGEST {
             return Err(Refusal::NotOurs("too large"));
         }
         let mut bytes = Vec::new();
-        File::open(&self.path)?.take(Self::LARGEST).read_to_end(&mut bytes)?;
+        file.take(Self::LARGEST).read_to_end(&mut bytes)?;
         file::parse(&bytes, &self.fingerprint).map(Some)
     }
 
@@ -220,6 +259,17 @@ impl SavedState {
         let mut name = self.path.file_name().map_or_else(OsString::new, OsStr::to_owned);
         name.push(".refused");
         self.path.with_file_name(name)
+    }
+
+    /// Takes the file away, if there is one.
+    ///
+    /// # Errors
+    /// If the folder cannot be written.
+    pub fn remove(&self) -> io::Result<()> {
+        match fs::remove_file(&self.path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+            _ => Ok(()),
+        }
     }
 
     /// Writes it: aside, onto the disk, then under its name. After a power cut there is the old file or

@@ -14,6 +14,7 @@ use self::configuration::{ConfigurationReport, Parts};
 use self::recording::{Recorder, RecordingReport};
 use super::Failure;
 use super::output::{check_outputs, write_json};
+use super::printable::Printable;
 use super::progress::Progress;
 use bus::Config;
 use bus::can::recording::Reader;
@@ -68,7 +69,7 @@ impl Check {
         // With `--json -` the standard output is for programs.
         if self.json.as_deref() != Some(Path::new("-")) {
             let mut stdout = std::io::stdout().lock();
-            text::write(&mut stdout, &report).and_then(|()| stdout.flush())?;
+            text::write(&mut Printable(&mut stdout), &report).and_then(|()| stdout.flush())?;
         }
         if let Some(path) = &self.json {
             write_json(path, &report)?;
@@ -154,6 +155,6 @@ fn unlimited(signals: &SignalsConfig) -> SignalsConfig {
         quantity.max = Some(f64::MAX);
         quantity.rate_max = Some(f64::MAX);
     }
-    open.sampling = SamplerConfig { cross_checks: false, ..signals.sampling };
+    open.sampling = SamplerConfig { cross_checks: false, rate_watch: false, ..signals.sampling };
     open
 }

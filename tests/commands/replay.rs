@@ -409,7 +409,7 @@ fn after_a_gap_nothing_old_is_published_as_new() {
     place.write("gap.log", format!("{}{late}", drive()).as_bytes());
     let published = frames(&place.replayed("gap.log -o -"));
     let database = gripd::signals::publish::built_in_database().unwrap();
-    let newest = &published[published.len() - 6..];
+    let newest = &published[published.len() - 7..];
     assert!(newest.iter().all(|frame| frame.time.seconds() == 640.0));
     for (message, signal) in [
         ("GRIP_FRICTION", "MuMaxLow"),

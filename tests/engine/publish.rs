@@ -87,7 +87,7 @@ fn full() -> Estimates {
 #[test]
 fn every_field_comes_back() {
     let frames = frames(&mut publisher(), &full());
-    assert_eq!(frames.len(), 6);
+    assert_eq!(frames.len(), 7);
     assert!(frames.iter().all(|f| f.time == Micros(1_000) && f.kind == FrameKind::Data && f.length() == 8));
     let expected = [
         ("GRIP_FRICTION.MuMax", Some(0.85)),

@@ -1,8 +1,8 @@
 //! Does a message come more often than it should? Then two nodes send it, and nobody can tell whom to believe.
 //!
-//! How often it should come is learned from the first two seconds in which it comes evenly; where it never does, the
-//! DBC's cycle time is taken, where there is one. (In that order: cars are often faster than their DBC says.) A
-//! message that comes when something happens, and has no cycle in the DBC, is not watched.
+//! How often it should come is learned from the first two seconds in which it comes evenly; where only every other
+//! frame does, and at the DBC's cycle time, two nodes send it from the start. (In that order: cars are often faster than
+//! their DBC says.) A message that comes when something happens is not watched.
 
 use physics::Micros;
 
@@ -29,7 +29,7 @@ const SLICE: Micros = Micros::from_millis(100);
 enum Cycle {
     /// Nothing yet: these frames came so far.
     Learning(Gaps),
-    /// s; `None`: it has none.
+    /// s between two frames; `None`: it has none.
     Known(Option<f64>),
 }
 
@@ -37,17 +37,44 @@ enum Cycle {
 #[derive(Clone, Copy, Debug, Default)]
 struct Gaps {
     begun: Option<Micros>,
-    last: Micros,
+    /// The last frame, and the one before it.
+    last: [Option<Micros>; 2],
+    /// From each frame to the next, and to the one after that.
+    next: Spread,
+    second: Spread,
+    /// Stretches of two seconds that were not even.
+    uneven: u32,
+}
+
+/// Mean and spread of some distances.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spread {
     count: u32,
     sum_s: f64,
     squares_s2: f64,
-    /// Stretches of two seconds that were not even.
-    uneven: u32,
+}
+
+impl Spread {
+    fn add(&mut self, gap: Micros) {
+        let gap = gap.seconds();
+        (self.count, self.sum_s, self.squares_s2) =
+            (self.count + 1, self.sum_s + gap, self.squares_s2 + gap * gap);
+    }
+
+    /// The mean, s, if they are enough, and all about the same.
+    fn cycle(&self) -> Option<f64> {
+        let count = f64::from(self.count.max(1));
+        let mean = self.sum_s / count;
+        let spread = (self.squares_s2 / count - mean * mean).max(0.0).sqrt();
+        (self.count >= RateWatch::FEWEST && spread < RateWatch::EVEN * mean).then_some(mean)
+    }
 }
 
 impl RateWatch {
     /// Above so many times its rate, it is sent twice.
     const MOST: f64 = 1.3;
+    /// Two senders that both keep the DBC's cycle are as near to it as this share.
+    const AS_IN_DBC: f64 = 0.15;
     /// Frames that are fewer tell no rate.
     const FEWEST: u32 = 15;
     /// Even is what spreads by less than this share of the mean distance. The frames of two senders of one message,
@@ -108,27 +135,26 @@ impl RateWatch {
 impl Gaps {
     /// Takes the next frame; what the cycle is, once it is known.
     fn learn(&mut self, time: Micros, in_dbc: Option<f64>) -> Option<Cycle> {
-        let begun = *self.begun.get_or_insert_with(|| {
-            self.last = time;
-            time
-        });
-        if time != begun || self.count > 0 {
-            let gap = (time - self.last).seconds();
-            (self.count, self.sum_s, self.squares_s2) =
-                (self.count + 1, self.sum_s + gap, self.squares_s2 + gap * gap);
-        }
-        self.last = time;
+        let begun = *self.begun.get_or_insert(time);
+        let [last, before] = self.last;
+        last.into_iter().for_each(|last| self.next.add(time - last));
+        before.into_iter().for_each(|before| self.second.add(time - before));
+        self.last = [Some(time), last];
         if time - begun < RateWatch::STRETCH {
             return None;
         }
-        let mean = self.sum_s / f64::from(self.count.max(1));
-        let spread = (self.squares_s2 / f64::from(self.count.max(1)) - mean * mean).max(0.0).sqrt();
-        if self.count >= RateWatch::FEWEST && spread < RateWatch::EVEN * mean {
-            return Some(Cycle::Known(Some(mean)));
+        if let Some(cycle) = self.next.cycle() {
+            return Some(Cycle::Known(Some(cycle)));
+        }
+        // Every other frame comes evenly, and as the DBC has it: there are two senders from the start.
+        let as_in_dbc =
+            |cycle: &f64| in_dbc.is_some_and(|dbc| (cycle / dbc - 1.0).abs() < RateWatch::AS_IN_DBC);
+        if let Some(cycle) = self.second.cycle().filter(as_in_dbc) {
+            return Some(Cycle::Known(Some(cycle)));
         }
         let uneven = self.uneven + 1;
-        *self = Self { begun: Some(time), last: time, uneven, ..Self::default() };
-        (uneven >= RateWatch::PATIENCE).then_some(Cycle::Known(in_dbc.filter(|cycle| *cycle > 0.0)))
+        *self = Self { uneven, ..Self::default() };
+        (uneven >= RateWatch::PATIENCE).then_some(Cycle::Known(None))
     }
 }
 

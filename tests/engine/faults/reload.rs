@@ -211,5 +211,6 @@ fn the_bus_is_asked_for_what_the_new_configuration_needs() {
     };
     let ran = service::run(script, without_drive);
     let ids: Vec<u32> = ran.retuned[0].ids.iter().flatten().map(|id| id.number()).collect();
-    assert_eq!(ids, [0x1A0, 0x1B0, 0x1C0]);
+    // And whatever comes under the names of what is published.
+    assert_eq!(ids, [0x1A0, 0x1B0, 0x1C0, 0x6A0, 0x6A1, 0x6A2, 0x6A3, 0x6A4, 0x6A5, 0x6A6]);
 }

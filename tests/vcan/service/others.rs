@@ -42,6 +42,61 @@ fn a_result_does_not_go_through_another_users_link() {
     }
 }
 
+/// GIVEN new tires WHEN the running service is told so THEN it forgets, and its file does, too.
+#[test]
+fn a_running_service_forgets() {
+    let Some(interface) = Interface::new("gs_forget") else { return };
+    let folder = tempfile::tempdir_in("/dev/shm").unwrap();
+    let state = folder.path().join("learned.toml");
+    let config = edited_car(|text| {
+        format!("{text}\n[service]\nstate_file = \"{}\"\nstate_every_s = 1\n", state.display())
+    });
+    let gripd = Gripd::start(config.path(), interface.0);
+    let candump = Recorder::start(interface.0);
+    {
+        let _car = Traffic::start(interface.0, frames(simulated_drive()));
+        wait_for("its state", || state.exists());
+        candump.wait_for_more(70, "publishing");
+    }
+    gripd.signal(nix::sys::signal::Signal::SIGUSR1);
+    gripd.wait_for_log("forgets what it learned: [Tires, Radii, Offsets]");
+    wait_for("an empty file, or none", || {
+        fs::read_to_string(&state).map_or(true, |text| !text.contains("std ="))
+    });
+    let _car = Traffic::start(interface.0, frames(simulated_drive()));
+    gripd.signal(nix::sys::signal::Signal::SIGUSR2);
+    gripd.wait_for_log("forgets what it learned: [Tires, Radii]");
+    candump.wait_for_more(70, "publishing afterwards");
+    gripd.end(SIGTERM);
+}
+
+/// GIVEN a configuration that has become a pipe THEN a reload is refused and told, and the next good one is taken.
+#[test]
+fn a_reload_of_a_pipe() {
+    let Some(interface) = Interface::new("gs_fifo") else { return };
+    let folder = tempfile::tempdir_in("/dev/shm").unwrap();
+    let car = edited_car(|text| text);
+    let config = folder.path().join("car.toml");
+    fs::copy(car.path(), &config).unwrap();
+    let candump = Recorder::start(interface.0);
+    let gripd = Gripd::start(&config, interface.0);
+    let _car = Traffic::start(interface.0, frames(simulated_drive()));
+    candump.wait_for_more(70, "publishing");
+    fs::remove_file(&config).unwrap();
+    assert!(run("mkfifo", config.to_str().unwrap()));
+    gripd.signal(SIGHUP);
+    gripd.wait_for_log("the new configuration is refused");
+    assert!(gripd.log().contains("not an ordinary file"), "{}", gripd.log());
+    wait_for("CONFIG", || {
+        candump.published().iter().any(|frame| super::faults::told(frame).contains(gripd::Faults::CONFIG))
+    });
+    fs::remove_file(&config).unwrap();
+    fs::copy(car.path(), &config).unwrap();
+    gripd.signal(SIGHUP);
+    gripd.wait_for_log("the new configuration is in use");
+    gripd.end(SIGTERM);
+}
+
 /// GIVEN a second service with the same state file THEN it says so, and leaves the file to the first.
 #[test]
 fn a_state_file_that_another_one_has() {

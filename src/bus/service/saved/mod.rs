@@ -10,7 +10,7 @@ mod keeper;
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Write};
-use std::os::unix::fs::OpenOptionsExt;
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
 use nix::errno::Errno;
@@ -107,11 +107,25 @@ pub fn without(mut learned: Learned, parts: &[Part]) -> Learned {
     learned
 }
 
+/// A file that says whose another one is; it goes with its owner.
+#[derive(Debug)]
+pub struct Lock {
+    name: PathBuf,
+    _file: Flock<File>,
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // While it is still locked: whoever waits for it looks whether it is still there.
+        let _ = fs::remove_file(&self.name);
+    }
+}
+
 /// Whose a file is.
 #[derive(Debug)]
 pub enum Claim {
     /// Ours, as long as this lives.
-    Ours(Flock<File>),
+    Ours(Lock),
     /// Another process's.
     Taken,
     /// The folder, or its file system, allows no lock.
@@ -242,15 +256,23 @@ impl SavedState {
         let mut name = OsString::from(".");
         name.push(self.path.file_name().unwrap_or_default());
         name.push(".lock");
-        let lock = self.path.with_file_name(name);
-        let opened = OpenOptions::new().write(true).create(true).truncate(false).mode(0o600).open(&lock);
-        let Ok(file) = opened.inspect_err(|error| tracing::debug!("{}: {error}", lock.display())) else {
-            return Claim::Impossible;
+        let name = self.path.with_file_name(name);
+        let open = || {
+            let file = OpenOptions::new().write(true).create(true).truncate(false).mode(0o600).open(&name)?;
+            Ok::<_, io::Error>((file.metadata()?.ino(), file))
         };
-        match Flock::lock(file, FlockArg::LockExclusiveNonblock) {
-            Ok(lock) => Claim::Ours(lock),
-            Err((_, Errno::EWOULDBLOCK)) => Claim::Taken,
-            Err(_) => Claim::Impossible,
+        loop {
+            let opened = open().inspect_err(|error| tracing::debug!("{}: {error}", name.display()));
+            let Ok((number, file)) = opened else { return Claim::Impossible };
+            match Flock::lock(file, FlockArg::LockExclusiveNonblock) {
+                // Unless its owner has just taken it away.
+                Ok(file) if fs::metadata(&name).is_ok_and(|there| there.ino() == number) => {
+                    return Claim::Ours(Lock { name, _file: file });
+                }
+                Ok(_) => {}
+                Err((_, Errno::EWOULDBLOCK)) => return Claim::Taken,
+                Err(_) => return Claim::Impossible,
+            }
         }
     }
 

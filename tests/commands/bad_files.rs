@@ -1,17 +1,12 @@
 //! Files that are none, names that steer a terminal, and what a state file is to forget.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests may fail loudly")]
-
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
-#[path = "support/program.rs"]
-mod program;
-
-use program::{gripd, project};
+use testing::program::{gripd, project};
 
 /// The demo car in a folder of its own, with an edit of its configuration and one of its DBC.
 fn car(

@@ -241,7 +241,7 @@ impl<W: Write + Seek + Send> EstimatesTable<W> {
             table.flag(flag);
         }
         table.count(now.surface_changes);
-        table.count(now.faults.bits().into());
+        table.count(now.faults.bits());
         let slope_age = now.slope.iter().flatten().map(|slope| slope.age_s).reduce(f64::max);
         for number in [
             slope_age,

@@ -4,7 +4,7 @@ use gripd::can::Frame;
 use gripd::dbc::Database;
 use gripd::service::{Engine, Sink};
 use gripd::signals::publish::built_in_database;
-use gripd::{Config, Estimates, Faults, Quantity, Sample};
+use gripd::{Config, Estimates, Faults, Micros, Quantity, Sample};
 use testing::program;
 
 #[derive(Default)]
@@ -92,4 +92,42 @@ fn a_doubt_of_the_estimators_is_counted() {
     assert!(begun > 0, "the filter believes a wrong gyro");
     assert_eq!(engine.occurrences(Faults::INCONSISTENT), begun);
     assert_eq!(engine.fault_counts().get(Faults::INCONSISTENT), begun);
+}
+
+/// GIVEN a second steering message with half the angle, right behind the first, THEN that is told and neither is used; and
+/// of the drive alone it is not.
+#[test]
+fn an_input_that_two_nodes_send_is_not_used() {
+    let drive = drive();
+    let from = drive[0].time + Micros::from_millis(10_000);
+    let until = from + Micros::from_millis(10_000);
+    let end = until + Micros::from_millis(5_000);
+    for (forged, watched) in [(false, true), (true, true), (true, false)] {
+        let (mut engine, mut heard) =
+            (car(|config| config.signals.sampling.rate_watch = watched), Heard::default());
+        let mut told_after = None;
+        for frame in drive.iter().filter(|frame| frame.time < end) {
+            engine.frame(frame, &mut heard);
+            if forged && frame.id.number() == 0x1C0 && (from..until).contains(&frame.time) {
+                let half = i16::from_le_bytes([frame.data()[0], frame.data()[1]]) / 2;
+                let mut data = frame.data().to_vec();
+                data[..2].copy_from_slice(&half.to_le_bytes());
+                let second = Frame::data_frame(frame.time + Micros(500), frame.id, &data).unwrap();
+                engine.frame(&second, &mut heard);
+            }
+            if engine.occurrences(Faults::SENT_TWICE) > 0 {
+                told_after = told_after.or(Some((frame.time - from).seconds()));
+            }
+        }
+        println!("forged: {forged}, watched: {watched}: told after {told_after:?} s");
+        assert_eq!(told_after.is_some(), forged && watched);
+        if let Some(after) = told_after {
+            assert!(after < 1.0, "{after} s");
+            // Its values are not there while it lasts, and so nothing that stands on them is valid.
+            let doubtful = |e: &&Estimates| (from + Micros::from_millis(2_000)..until).contains(&e.time);
+            assert!(heard.estimates.iter().filter(doubtful).all(|e| e.faults.contains(Faults::SENT_TWICE)));
+            assert!(heard.estimates.iter().filter(doubtful).all(|e| !e.cornering_valid && !e.motion.valid));
+            assert!(!heard.estimates.last().unwrap().faults.contains(Faults::SENT_TWICE), "it is over");
+        }
+    }
 }

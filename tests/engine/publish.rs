@@ -127,6 +127,7 @@ fn every_field_comes_back() {
         ("GRIP_STATUS.SurfaceChanges", Some(3.0)),
         ("GRIP_STATUS.Faults", Some(32769.0)),
         ("GRIP_STATUS.DroppedFrames", Some(17.0)),
+        ("GRIP_STATUS_2.Faults", Some(0.0)),
     ];
     for (name, value) in expected {
         assert_eq!(field(&frames, name), value, "{name}");
@@ -375,6 +376,18 @@ fn the_dbc_documents_every_fault_bit() {
         // Sixteen in each of the two messages.
         let bit = bit % 16;
         assert!(BUILT_IN_DBC.contains(&format!("\nbit {bit} {name} ")), "bit {bit} {name}");
+    }
+}
+
+#[test]
+fn receivers_are_told_when_to_give_up_waiting() {
+    for message in database().messages() {
+        let id = message.id.number();
+        for attribute in
+            [format!("\"GenMsgCycleTime\" BO_ {id} 20;"), format!("\"GenMsgTimeout\" BO_ {id} 250;")]
+        {
+            assert!(BUILT_IN_DBC.contains(&attribute), "{}: {attribute}", message.name);
+        }
     }
 }
 

@@ -125,6 +125,14 @@ impl Bus {
         }
     }
 
+    /// Lets go of an interface that has another name now: to be called before each round of frames that belong on the
+    /// interface of that name and on no other.
+    pub fn stay_with_the_name(&mut self) {
+        if let Bus::SocketCan(socket) = self {
+            socket.stay_with_the_name();
+        }
+    }
+
     /// How late it is on the clock that the frames of this bus are stamped by; `None` where there is no such clock
     /// (frames in memory keep the time that their sender gave them). Steps of the system's clock do not show.
     pub fn now(&self) -> Option<Micros> {

@@ -19,6 +19,8 @@ pub(super) struct SteadyClock {
     before: i64,
     /// The newest time given out.
     newest: Micros,
+    /// Frames since both clocks were read.
+    unread: u32,
 }
 
 /// Both clocks at (almost) the same moment, µs.
@@ -35,11 +37,15 @@ impl SteadyClock {
     const NO_STEP: i64 = 1000;
     /// Stamps may come out of order by so much, or be ahead of a clock that is read later, µs.
     const TOLERANCE: i64 = 2000;
+    /// A frame so soon after the one before it needs no look at the clocks, for so many frames: a step that hides in
+    /// there does no harm, µs.
+    const SOON: i64 = 10_000;
+    const UNREAD: u32 = 64;
 
     /// Begins with the clock as it is.
     pub(super) fn start() -> Self {
         let offset = Reading::take().map_or(0, |reading| reading.offset);
-        Self { at_start: offset, offset, before: offset, newest: Micros(i64::MIN) }
+        Self { at_start: offset, offset, before: offset, newest: Micros(i64::MIN), unread: 0 }
     }
 
     /// What the clock of the start would show now; `None` if the kernel has no such clock.
@@ -49,6 +55,14 @@ impl SteadyClock {
 
     /// When a frame came that the kernel has stamped so; to be called as soon as it is read.
     pub(super) fn steady(&mut self, stamp: Micros) -> Micros {
+        let time = Micros(stamp.0.saturating_sub(self.offset - self.at_start));
+        let since = time.0.saturating_sub(self.newest.0);
+        if (-Self::TOLERANCE..Self::SOON).contains(&since) && self.unread < Self::UNREAD {
+            self.unread += 1;
+            self.newest = self.newest.max(time);
+            return time;
+        }
+        self.unread = 0;
         Reading::take().map_or(stamp, |reading| self.place(stamp, reading))
     }
 
@@ -122,6 +136,7 @@ mod tests {
                 offset: self.offset,
                 before: self.offset,
                 newest: Micros(i64::MIN),
+                unread: 0,
             }
         }
     }

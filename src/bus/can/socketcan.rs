@@ -11,7 +11,7 @@
 //! - A send can get (and thereby clear) the error that was meant for the reader: it tells the reader.
 //! - *Renamed*: the socket stays with the interface, whatever it is called then, and the name may be another
 //!   interface's at once. It is the name that was asked for (two adapters may come up the other way round), so the
-//!   name's index is compared whenever the kernel has news of its links, and before each frame that is sent.
+//!   name's index is compared whenever the kernel has news of its links, and before each round that is sent.
 
 use std::io;
 use std::time::Duration;
@@ -207,7 +207,6 @@ impl SocketCan {
             FrameKind::Fd { .. } if !self.config.fd => return Err(SendError::NoFd),
             _ => {}
         }
-        self.stay_with_the_name();
         let Some(socket) = &self.socket else { return Err(SendError::Gone) };
         socket.get_ref().send(frame).map_err(|errno| match errno {
             Errno::ENOBUFS | Errno::EAGAIN | Errno::ENOMEM | Errno::EINTR => SendError::Busy,
@@ -267,7 +266,7 @@ impl SocketCan {
 
     /// Lets go of an interface that has another name now. The one that has ours is looked for like one that was
     /// made anew.
-    fn stay_with_the_name(&mut self) {
+    pub fn stay_with_the_name(&mut self) {
         if self.socket.is_some() && !self.config.interface.is_still(self.index) {
             self.disconnect();
         }

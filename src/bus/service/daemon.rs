@@ -26,6 +26,8 @@ pub trait Link {
     /// # Errors
     /// If the frame could not be taken; it is then gone.
     fn try_send(&mut self, frame: &Frame) -> Result<(), SendError>;
+    /// Before a round: is it still the bus that it should be?
+    fn stay_with_the_name(&mut self) {}
     /// How late it is on the clock that its frames are stamped by; `None` if it has none. Only of a link with a clock
     /// can a round be too late, and only such a one has receivers that wait.
     fn now(&self) -> Option<Micros> {
@@ -47,6 +49,10 @@ impl Link for Bus {
 
     fn try_send(&mut self, frame: &Frame) -> Result<(), SendError> {
         Bus::try_send(self, frame)
+    }
+
+    fn stay_with_the_name(&mut self) {
+        Bus::stay_with_the_name(self);
     }
 
     fn now(&self) -> Option<Micros> {
@@ -456,6 +462,7 @@ impl Daemon {
 
     /// What cannot be sent now is dropped: later it would be a stale value with a live counter.
     fn hand_over(&mut self, link: &mut impl Link, observer: &mut impl Sink) {
+        link.stay_with_the_name();
         for frame in &self.rounds.frames {
             match link.try_send(frame) {
                 Ok(()) => {

@@ -180,9 +180,10 @@ impl Sampler {
                 self.forget();
             }
         }
+        // What is dropped anyway, such as a frame that a gateway repeats, is not one too many.
         let reason = self
-            .too_often(frame, index)
-            .or_else(|| self.check(frame, index))
+            .check(frame, index)
+            .or_else(|| self.too_often(frame, index))
             .unwrap_or_else(|| self.take(frame, index));
         self.grid.start(self.heard & Quantity::REQUIRED == Quantity::REQUIRED);
         if reason.is_empty() {

@@ -25,7 +25,8 @@ mod tests {
     #[test]
     fn only_what_steers_is_written_otherwise() {
         let mut out = Vec::new();
-        write!(Printable(&mut out), "km/h° {}\n", "\u{1b}[31m\u{9b}2J\r\t\u{202e}x").unwrap();
+        let named = "\u{1b}[31m\u{9b}2J\r\t\u{202e}x";
+        writeln!(Printable(&mut out), "km/h° {named}").unwrap();
         let text = String::from_utf8(out).unwrap();
         assert_eq!(text, "km/h° \\u{1b}[31m\\u{9b}2J\\u{d}\\u{9}\\u{202e}x\n");
     }

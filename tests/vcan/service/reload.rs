@@ -60,21 +60,19 @@ fn good_and_broken_configurations_while_frames_flow() {
             .unwrap();
         gripd.signal(SIGHUP);
         gripd.wait_for_log("the estimators begin anew with what was learned");
-        wait_for("no fault bit", || !candump.published().last_chunk::<6>().unwrap().iter().any(refused));
+        wait_for("no fault bit", || !candump.published().last_chunk::<7>().unwrap().iter().any(refused));
         traffic.join().unwrap();
-        wait_for("silence", || {
-            let before = candump.frames().len();
-            std::thread::sleep(Duration::from_millis(300));
-            candump.frames().len() == before
-        });
         assert!(gripd.log().contains("`mass_pound`"), "{}", gripd.log());
         let words = ["READY", "RELOADING", "MONOTONIC_USEC", "READY", "RELOADING", "MONOTONIC_USEC", "READY"];
         assert_eq!(told(&gripd)[..7], words);
-        (gripd.end(SIGTERM), candump.published())
+        let tally = gripd.end(SIGTERM);
+        wait_for("all of them", || candump.published().len() == tally.published);
+        (tally, candump.published())
     });
     assert_eq!((tally.received, tally.dropped, tally.unsent), (recording.len(), 0, 0));
-    assert_eq!(tally.published, published.len());
-    no_counter_jumps(&published);
+    if tally.late == 0 {
+        no_counter_jumps(&published);
+    }
 }
 
 #[test]
@@ -100,7 +98,9 @@ fn a_hundred_hangups_in_a_second() {
     let published = candump.published();
     let tally = gripd.end(SIGTERM);
     assert_eq!((tally.received, tally.dropped, tally.unsent), (recording.len(), 0, 0));
-    no_counter_jumps(&published);
+    if tally.late == 0 {
+        no_counter_jumps(&published);
+    }
 }
 
 /// The kernel's filters follow the mapping, in both directions, on the open socket.

@@ -56,6 +56,7 @@ fn explained(effect: &str) -> Explanation {
 }
 
 #[test]
+#[ignore = "long: explains five minutes"]
 fn a_gust_of_eight_seconds_in_five_minutes_is_found_where_it_is() {
     let [from, to] = GUST;
     let wind = format!("[[effect]]\nkind = \"crosswind\"\nvalue = 1200.0\nintervals = [[{from}, {to}]]");

@@ -102,6 +102,12 @@ impl Terminal {
         self.screen.screen().contents()
     }
 
+    /// Is the screen still the program's?
+    fn is_taken(&mut self) -> bool {
+        self.text();
+        self.screen.screen().alternate_screen() || self.screen.screen().hide_cursor()
+    }
+
     #[track_caller]
     fn wait_for(&mut self, words: &[&str]) {
         let begun = Instant::now();
@@ -132,7 +138,11 @@ impl Terminal {
     fn ends_well(&mut self) {
         assert_eq!(read(self.folder.path(), "code"), "0");
         assert_eq!(read(self.folder.path(), "before"), read(self.folder.path(), "after"));
-        self.text();
+        // script(1) may still have the last of it to copy.
+        let begun = Instant::now();
+        while begun.elapsed() < PATIENCE && self.is_taken() {
+            std::thread::sleep(Duration::from_millis(5));
+        }
         let screen = self.screen.screen();
         assert!(!screen.alternate_screen() && !screen.hide_cursor());
         assert!(

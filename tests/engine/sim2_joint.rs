@@ -56,7 +56,7 @@ fn with_the_defaults_for_real_roads_too() {
 
 /// The whole grid; for the numbers.
 #[test]
-#[ignore = "long: a minute or two"]
+#[ignore = "long: 35 s of a processor"]
 fn the_whole_grid() {
     let mut rows = Vec::new();
     for (name, config) in

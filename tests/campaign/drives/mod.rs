@@ -34,7 +34,7 @@ fn campaign(first: u64, count: u64) -> Judgement {
 }
 
 #[test]
-#[ignore = "long: 30 drives"]
+#[ignore = "long: 24 s of a processor, 30 drives"]
 fn more_drives_by_the_use_of_friction() {
     let judgement = campaign(7001, 30);
     println!("{judgement}");

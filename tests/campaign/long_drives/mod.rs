@@ -80,6 +80,7 @@ fn stopping_and_driving_off_is_no_change_of_surface() {
 }
 
 #[test]
+#[ignore = "long: 45 s of a processor"]
 fn parking_back_and_forth_neither_trips_nor_unlearns_anything() {
     let seen = watch(&roads::parking(8), 180.0, f64::INFINITY);
     seen.is_sane(17_000);
@@ -147,6 +148,7 @@ fn esp_braking_single_wheels_passes_neither_for_friction_nor_for_stiffness() {
 /// Far beyond what the data sheet allows: a sensor that breaks slowly. What the filters take for an offset is learned,
 /// what they do not is not valid. Today; nothing should be valid and wrong.
 #[test]
+#[ignore = "long: 7 s"]
 fn sensors_that_drift_for_minutes_make_little_valid_and_wrong() {
     for (channel, size, slope_wrong, cornering_wrong) in [
         ("yaw_rate", 0.05, 0, 0),

@@ -69,6 +69,7 @@ fn samples(log: &Path) -> String {
 }
 
 #[test]
+#[ignore = "long: fetches python-can, asammdf and polars"]
 fn every_format_gives_the_same_samples_as_its_candump_twin() {
     let Some(python) = testing::peers() else { return };
     let folder = tempfile::tempdir().unwrap();
@@ -106,6 +107,7 @@ fn hard() -> Vec<(&'static str, Frame)> {
 }
 
 #[test]
+#[ignore = "long: fetches python-can, asammdf and polars"]
 fn frames_of_every_kind_survive_as_far_as_the_format_has_them() {
     let Some(python) = testing::peers() else { return };
     let folder = tempfile::tempdir().unwrap();
@@ -151,6 +153,7 @@ fn frames_of_every_kind_survive_as_far_as_the_format_has_them() {
 }
 
 #[test]
+#[ignore = "long: fetches python-can, asammdf and polars"]
 fn tables_are_the_same_in_parquet_as_in_csv() {
     let Some(python) = testing::peers() else { return };
     let folder = tempfile::tempdir().unwrap();
@@ -176,6 +179,7 @@ fn tables_are_the_same_in_parquet_as_in_csv() {
 
 /// A hundredth of a fleet, as the guide's example has it.
 #[test]
+#[ignore = "long: fetches python-can, asammdf and polars"]
 fn a_fleet_is_worked_through_by_polars() {
     let Some(python) = testing::peers() else { return };
     let folder = tempfile::tempdir().unwrap();

@@ -34,6 +34,7 @@ fn line(format: Format, interface: &str, frame: &Frame) -> Option<String> {
 }
 
 #[test]
+#[ignore = "long: fetches python-can, asammdf and polars"]
 fn python_can_reads_in_every_format_what_was_written() {
     let Some(python) = testing::peers() else { return };
     let folder = tempfile::tempdir().unwrap();
@@ -58,6 +59,7 @@ fn python_can_reads_in_every_format_what_was_written() {
 
 /// The published frames, decoded by asammdf with the DBC, and the estimates as signals.
 #[test]
+#[ignore = "long: fetches python-can, asammdf and polars"]
 fn asammdf_shows_the_estimates_and_decodes_what_is_published() {
     let Some(python) = testing::peers() else { return };
     let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
 //! How many machine instructions each stage takes, as valgrind's callgrind counts them: unlike times the same on a busy
-//! machine as on an idle one. Compared with benches/instructions.toml; more by a tenth or more is a failure.
+//! machine as on an idle one. Compared with benches/instructions.toml; more by a tenth, and by more than a few, is a failure.
 //!
 //! `cargo bench --bench instructions`, with `-- --write` to keep what was counted. What is kept is of the build of `.ci/run`,
 //! which knows no link-time optimization; a release differs from it by less than the tenth. Without valgrind nothing is
@@ -38,8 +38,11 @@ const STAGES: [Stage; 7] = [
     ("a Runge-Kutta step of the car on magic-formula tires", 5_000, simulate),
 ];
 
-/// More than this is a failure, less than this is worth keeping.
+/// More than this share is a failure, less than this is worth keeping.
 const TOLERANCE: f64 = 0.1;
+
+/// So many instructions more or fewer are the compiler's choice of registers: a stage of 14 counts 16 on another version.
+const FEW: f64 = 4.0;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -80,11 +83,12 @@ fn main() -> ExitCode {
         let change = now as f64 / before as f64 - 1.0;
         let verdict = match change {
             _ if before == 0 => "not kept yet",
+            _ if (now as f64 - before as f64).abs() <= FEW => "",
             TOLERANCE.. => "MORE",
             _ if change < -TOLERANCE => "less: keep it with --write",
             _ => "",
         };
-        failed |= before == 0 || change >= TOLERANCE;
+        failed |= matches!(verdict, "MORE" | "not kept yet");
         println!("{name:55} {now:7} {:+6.1} % {verdict}", 100.0 * change);
     }
     if failed {

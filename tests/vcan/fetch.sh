@@ -69,3 +69,15 @@ fetch() {
     MODULES=$(echo "$ROOT"/usr/lib/uml/modules/*/kernel)
     [ -d "$MODULES" ] || die "no kernel modules in $ROOT; remove $CACHE and try again"
 }
+
+# preload: what the guest is to be started with on this processor, if anything (xstate.c says why); VCAN_XSTATE=1 asks for it
+# anywhere. Without a compiler the guest is tried as it is.
+preload() {
+    [ -n "${VCAN_XSTATE:-}" ] || grep -qw amx_tile /proc/cpuinfo || return 0
+    shim=$CACHE/xstate.so source=$1/xstate.c
+    if [ ! -e "$shim" ] || [ "$source" -nt "$shim" ]; then
+        command -v cc >/dev/null || return 0
+        cc -shared -fPIC -O2 -o "$shim.$$" "$source" && mv "$shim.$$" "$shim" || die "cannot build $source"
+    fi
+    echo "$shim"
+}

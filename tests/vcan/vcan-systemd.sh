@@ -22,6 +22,7 @@ while [ $# -gt 0 ]; do
 done
 [ $# = 2 ] || die "usage: $0 [-m MEMORY] [-t SECONDS] [-v] SETUP PROBE"
 fetch
+shim=$(preload "$(dirname "$0")")
 
 run=$(mktemp -d "${TMPDIR:-/tmp}/vcan-systemd.XXXXXX")
 guest=
@@ -79,7 +80,7 @@ fail "no systemd in $lower"
 INIT
 chmod +x "$run/init"
 
-timeout -k 5 "$timeout" "$ROOT/usr/bin/linux.uml" mem="$memory" uml_dir="$run" umid=g \
+LD_PRELOAD=$shim timeout -k 5 "$timeout" "$ROOT/usr/bin/linux.uml" mem="$memory" uml_dir="$run" umid=g \
     rootfstype=hostfs hostfs=/ rw init="$run/init" zswap.enabled=0 pty.legacy_count=0 \
     systemd.show_status=0 con=null con0=null,fd:1 ssl=null < /dev/null > "$run/kernel.log" 2>&1 &
 guest=$!

@@ -27,6 +27,7 @@ while [ $# -gt 0 ]; do
     esac
 done
 fetch
+shim=$(preload "$(dirname "$0")")
 [ $fetch_only = 0 ] || exit 0
 [ $# -gt 0 ] || die "no command"
 
@@ -83,7 +84,7 @@ chmod +x "$run/init"
 if [ $pass_stdin = 1 ] && [ ! -t 0 ]; then cat > "$run/in"; else : > "$run/in"; fi
 
 # The output goes through files, not through the guest's console, which loses some of it.
-timeout -k 5 "$timeout" "$ROOT/usr/bin/linux.uml" mem="$memory" uml_dir="$run" umid=g \
+LD_PRELOAD=$shim timeout -k 5 "$timeout" "$ROOT/usr/bin/linux.uml" mem="$memory" uml_dir="$run" umid=g \
     rootfstype=hostfs hostfs=/ rw init="$run/init" zswap.enabled=0 pty.legacy_count=0 \
     con=null con0=null,fd:1 ssl=null < /dev/null > "$run/kernel.log" 2>&1 &
 guest=$!

@@ -109,7 +109,7 @@ restarts=$(property NRestarts)
 systemctl reload gripd || fail "it does not reload"
 within 5 "it does not say that it has reloaded" logged "the new configuration is in use; the estimators go on"
 echo "mass_pound = 1" >> /etc/gripd/gripd.toml
-systemctl reload gripd || fail "reloading a wrong configuration fails"
+! systemctl reload gripd || fail "reloading a wrong configuration succeeds"
 within 5 "it does not say that the configuration is refused" says "is refused"
 publishes || fail "it does not publish after a refused configuration"
 sed -i '$d' /etc/gripd/gripd.toml

@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn after_a_panic_the_terminal_is_as_it_was() {
         let program = std::env::current_exe().unwrap();
-        let falls = "cli::monitor::screen::tests::child::panics_with_the_screen_taken";
+        let falls = "cli::desk::monitor::screen::tests::child::panics_with_the_screen_taken";
         let line = format!(
             "stty rows 24 cols 80; stty -g; {} --ignored --exact --nocapture {falls}; stty -g",
             program.display()

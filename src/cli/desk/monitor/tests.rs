@@ -102,7 +102,7 @@ fn everything_has_room_on_the_smallest_usual_terminal() {
     println!("{text}");
     assert!(!text.contains("more lines"), "{text}");
     assert_shows(&text, &["vcan0: up", "as a gripd on this bus publishes", "no faults", "q quit"]);
-    assert_shows(&text, &["450 frames/s", "6 of 6 come, 50/s each", "all frames sound"]);
+    assert_shows(&text, &["450 frames/s", "7 of 7 come, 50/s each", "all frames sound"]);
     for input in watch.inputs() {
         assert_shows(&text, &[bus::watch::quantity_label(input.quantity)]);
     }

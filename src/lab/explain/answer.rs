@@ -38,7 +38,11 @@ impl<'a> Conclusion<'_, 'a> {
             let before = simulated(baseline);
             (before.clone(), before)
         };
-        let mut fits = Models { baseline: proof::fits(&before, split), extended: proof::fits(&after, split) };
+        let mut fits = Models {
+            baseline: proof::fits(&before, split),
+            ordinary: None,
+            extended: proof::fits(&after, split),
+        };
         // Unknown forces say where something is missing, whether or not they help to simulate.
         let helps = self.verdict != Verdict::UnknownPhysics
             || proof::is_better(&fits.baseline.holdout, &fits.extended.holdout);
@@ -63,9 +67,11 @@ impl<'a> Conclusion<'_, 'a> {
         let prediction_fit = Models {
             extended: if helps { proof::fits(&compared(&differently), split) } else { predicted.clone() },
             baseline: predicted,
+            ordinary: None,
         };
         drop(differently);
-        let equations = Models { baseline: self.equations(baseline), extended: self.equations(extended) };
+        let equations =
+            Models { baseline: self.equations(baseline), ordinary: None, extended: self.equations(extended) };
 
         let mut explanation = Explanation::empty(self.verdict);
         explanation.place = place;
@@ -78,12 +84,15 @@ impl<'a> Conclusion<'_, 'a> {
         explanation.ranking = ranking(self.selection);
         explanation.fit = fits;
         explanation.prediction_fit = prediction_fit;
-        explanation.log_likelihood =
-            Models { baseline: self.likelihood(baseline), extended: self.likelihood(extended) };
+        explanation.log_likelihood = Models {
+            baseline: self.likelihood(baseline),
+            ordinary: None,
+            extended: self.likelihood(extended),
+        };
         explanation.improvement_ci95 = improvement_ci95;
         explanation.unexplained = unexplained;
         explanation.parameters =
-            Models { baseline: self.numbers(baseline), extended: self.numbers(extended) };
+            Models { baseline: self.numbers(baseline), ordinary: None, extended: self.numbers(extended) };
         if let [_] = self.drives {
             give_means_to_zeros(&mut explanation.findings, &mut explanation.parameters.extended);
         }
@@ -93,6 +102,9 @@ impl<'a> Conclusion<'_, 'a> {
         explanation.split = self.blocks();
         explanation.seconds = usable;
         explanation.traces = traces;
+        if let Some(ordinary) = self.ordinary {
+            explanation.take_ordinary(ordinary);
+        }
         let keeps = usize::from(!extended.model.knows_torque);
         let model = self.drives.first().map_or_else(
             || extended.model.clone(),

@@ -2,6 +2,7 @@
 
 use super::case::Case;
 use super::fit::{Data, Fit};
+use super::ordinary::Ordinary;
 use super::predict::GriddedDrive;
 use super::result::Verdict;
 use super::select::Selection;
@@ -16,6 +17,8 @@ pub struct Conclusion<'c, 'a> {
     pub data: &'c Data<'c>,
     /// The plain model with unknown forces.
     pub corrected: &'c Fit<'a>,
+    /// The ordinary car, where it could be fitted.
+    pub ordinary: Option<&'c Ordinary>,
     /// What was chosen.
     pub selection: &'c Selection<'a>,
     /// What it came to.

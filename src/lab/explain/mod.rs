@@ -33,6 +33,7 @@ mod locate;
 mod long_recording;
 mod model;
 mod naming;
+pub mod ordinary;
 mod patches;
 mod predict;
 mod proof;

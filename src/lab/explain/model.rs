@@ -258,6 +258,18 @@ impl<'a> Model<'a> {
         }
     }
 
+    /// Puts a number where it is told, whatever is thought of it.
+    pub fn put(&mut self, place: Place, coordinate: f64) {
+        match place {
+            Place::Ordinary(p) => {
+                self.values.set(p, if is_logarithmic(p) { coordinate.exp() } else { coordinate });
+            }
+            Place::Delay(late) => self.delays[late as usize] = coordinate,
+            Place::BendAlong => self.bend_along = coordinate,
+            Place::Effect(effect, number) => self.effects[effect].numbers[number] = coordinate,
+        }
+    }
+
     /// Until when another model says the same, s: what begins later makes no difference before. (No effect that
     /// begins later has states of its own.)
     pub fn same_until(&self, other: &Self) -> f64 {

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::ordinary::{Number, Ordinary, Remaining};
+
 /// What the comparison came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -111,8 +113,22 @@ pub struct Parts<T> {
 pub struct Models<T> {
     /// The plain model, its uncertain numbers refitted.
     pub baseline: T,
+    /// The ordinary car: with what every car has, by a free run with the measured speed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ordinary: Option<T>,
     /// With the findings.
     pub extended: T,
+}
+
+/// What a model does not predict of a channel, as a random process.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Disturbance {
+    /// Its size.
+    pub std: f64,
+    /// The unit of that.
+    pub unit: String,
+    /// How long it remembers, s.
+    pub time_constant_s: f64,
 }
 
 /// By channel.
@@ -139,6 +155,12 @@ pub struct Explanation {
     pub parameters: Models<BTreeMap<String, Estimate>>,
     /// Share of the residual variance above the noise that is still left, by channel.
     pub unexplained: ByChannel,
+    /// What the ordinary car does not predict, by channel.
+    pub disturbances: BTreeMap<String, Disturbance>,
+    /// Share of its held-out error that inputs and motion predict, by channel …
+    pub remaining: ByChannel,
+    /// … and the 95 % bound of that under decoys.
+    pub remaining_null: ByChannel,
     /// The mismatch as a whole.
     #[serde(rename = "where")]
     pub place: Where,
@@ -155,6 +177,9 @@ pub struct Explanation {
     /// For plots; not in the JSON.
     #[serde(skip)]
     pub traces: Vec<Trace>,
+    /// The ordinary car, where it could be fitted; what the JSON has of it stands above.
+    #[serde(skip)]
+    pub ordinary: Option<Ordinary>,
 }
 
 impl Explanation {
@@ -170,6 +195,9 @@ impl Explanation {
             improvement_ci95: BTreeMap::new(),
             parameters: Models::default(),
             unexplained: ByChannel::new(),
+            disturbances: BTreeMap::new(),
+            remaining: ByChannel::new(),
+            remaining_null: ByChannel::new(),
             place: Where::default(),
             to_drive: Vec::new(),
             equations: Models::default(),
@@ -177,7 +205,28 @@ impl Explanation {
             split: Vec::new(),
             seconds: 0.0,
             traces: Vec::new(),
+            ordinary: None,
         }
+    }
+}
+
+impl Explanation {
+    /// Says what the ordinary car says.
+    pub fn take_ordinary(&mut self, ordinary: &Ordinary) {
+        self.fit.ordinary = Some(ordinary.fit.clone());
+        let of_the_car = |number: &&Number| !number.is_at_bound;
+        let named = |number: &Number| {
+            let of = number.recording.as_ref().map_or(String::new(), |recording| format!(" of {recording}"));
+            (format!("{}{of}", number.name), number.estimate)
+        };
+        self.parameters.ordinary = Some(ordinary.numbers.iter().filter(of_the_car).map(named).collect());
+        self.disturbances.clone_from(&ordinary.disturbances);
+        let shares = |of: fn(&Remaining) -> f64| {
+            ordinary.remaining.iter().map(|(channel, remaining)| (channel.clone(), of(remaining))).collect()
+        };
+        self.remaining = shares(|remaining| remaining.share);
+        self.remaining_null = shares(|remaining| remaining.null);
+        self.ordinary = Some(ordinary.clone());
     }
 }
 

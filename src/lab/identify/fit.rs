@@ -28,6 +28,9 @@ pub enum Method {
     FreeRun,
     /// Not at all (multiple shooting).
     Segments,
+    /// One free run over each recording, the measured speed an input, with what every car has and with delays and
+    /// offsets of each recording ([`crate::explain::ordinary`]).
+    Ordinary,
 }
 
 /// Standard deviation of the noise of each channel.
@@ -120,7 +123,7 @@ impl<'a> Search<'a> {
         let tie = match self.method {
             Method::Segments => Tie::NONE,
             Method::FreeRun => Tie::TIGHT,
-            Method::Auto => tie(&alone.all),
+            Method::Auto | Method::Ordinary => tie(&alone.all),
         };
         let mut fit = self.go_on(alone.point, Some(alone.all), &alone.noise, noise, tie, ENOUGH)?;
         fit.iterations += ahead.iterations + alone.iterations;

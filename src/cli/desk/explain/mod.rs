@@ -3,6 +3,8 @@
 mod apply;
 mod recordings;
 
+pub use recordings::read;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

@@ -12,8 +12,10 @@ use serde::de::{DeserializeOwned, IntoDeserializer};
 
 use super::output::{check_outputs, write_json, write_text};
 use super::progress::Progress;
-use super::{Failure, configuration};
+use super::{Failure, configuration, explain};
+use lab::explain::ordinary::Ordinary;
 use lab::identify::{Identifier, IdentifyConfig, IdentifyError, LongitudinalInput, Method};
+use lab::pages;
 use lab::pages::identify::{self as page, Story};
 use physics::Quantity;
 
@@ -36,7 +38,7 @@ pub struct Identify {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     parameters: Option<Vec<String>>,
     /// How segments of the recordings are tied.
-    #[arg(long, value_parser = one_of::<Method>(&["auto", "free_run", "segments"]))]
+    #[arg(long, value_parser = one_of::<Method>(&["auto", "free_run", "segments", "ordinary"]))]
     method: Option<Method>,
     /// What the longitudinal forces come from.
     #[arg(long, value_parser = one_of::<LongitudinalInput>(&["torque", "wheel_speeds", "slips"]))]
@@ -55,6 +57,9 @@ impl Identify {
             self.json.iter().chain(&self.html),
         )?;
         let used = self.settings(&configuration::identify(&self.config)?)?;
+        if used.method == Method::Ordinary {
+            return self.ordinary(&config);
+        }
         let (records, broken) = recordings::read(&self.logs, &config.clone().with_true_signals())?;
         let progress = Progress::of_share();
         let found = Identifier::new(&records, &config.vehicle, &used)
@@ -79,6 +84,27 @@ impl Identify {
         }
         // What could be read was worth its results; that something was lost is said all the same.
         if broken.is_empty() { Ok(()) } else { Err(Failure::Work(broken.join("; "))) }
+    }
+
+    /// The ordinary car by free runs, the measured speed an input.
+    fn ordinary(&self, config: &bus::Config) -> Result<(), Failure> {
+        let read = explain::read(&self.logs, config)?;
+        let ordinary =
+            Ordinary::of(&config.vehicle, &config.effect, &read.recordings, 0, 1).ok_or_else(|| {
+                Failure::work("no recording has steering, yaw rate and 12 s of driving above 4 m/s")
+            })?;
+        let to_stdout = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
+        if !to_stdout(&self.json) && !to_stdout(&self.html) {
+            let mut stdout = std::io::stdout().lock();
+            stdout.write_all(pages::ordinary::text(&ordinary).as_bytes()).and_then(|()| stdout.flush())?;
+        }
+        if let Some(path) = &self.json {
+            write_json(path, &pages::ordinary::report(&ordinary))?;
+        }
+        if let Some(path) = &self.html {
+            write_text(path, &pages::ordinary::html(&ordinary))?;
+        }
+        if read.broken.is_empty() { Ok(()) } else { Err(Failure::Work(read.broken.join("; "))) }
     }
 
     /// The configuration's table with the command line's changes.

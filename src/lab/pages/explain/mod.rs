@@ -30,6 +30,9 @@ pub fn page(explanation: &Explanation) -> String {
     place::write(&mut page, explanation);
     missing::write(&mut page, explanation);
     sure::write(&mut page, explanation);
+    if let Some(ordinary) = &explanation.ordinary {
+        super::ordinary::section(&mut page, ordinary);
+    }
     rest::write(&mut page, explanation);
     page.section("reading", "How to read this", "");
     page.notes(NOTES);

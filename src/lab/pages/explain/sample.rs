@@ -203,6 +203,7 @@ fn plain(seconds: f64, recordings: &[&str], misses: f64) -> Explanation {
                     ("wheel_speed_fl", 98.7),
                 ]),
             },
+            ordinary: None,
             extended: Parts {
                 train: fits(&[
                     ("yaw_rate", 95.4),
@@ -220,10 +221,12 @@ fn plain(seconds: f64, recordings: &[&str], misses: f64) -> Explanation {
         },
         prediction_fit: Models {
             baseline: Parts { train: fits(&[("yaw_rate", 97.1)]), holdout: fits(&[("yaw_rate", 97.0)]) },
+            ordinary: None,
             extended: Parts { train: fits(&[("yaw_rate", 97.9)]), holdout: fits(&[("yaw_rate", 97.8)]) },
         },
         log_likelihood: Models {
             baseline: Parts { train: 84_210.3, holdout: 41_873.9 },
+            ordinary: None,
             extended: Parts { train: 84_633.1, holdout: 42_080.2 },
         },
         improvement_ci95: [
@@ -242,6 +245,7 @@ fn plain(seconds: f64, recordings: &[&str], misses: f64) -> Explanation {
                 ("friction", 0.9, f64::NAN),
                 ("yaw_rate_offset", 0.0061, 0.0004),
             ]),
+            ordinary: None,
             extended: estimates(&[
                 ("mass_kg", 1509.0, 24.0),
                 ("yaw_inertia_kgm2", 2410.0, 95.0),
@@ -260,11 +264,16 @@ fn plain(seconds: f64, recordings: &[&str], misses: f64) -> Explanation {
         .into(),
         place: Where::default(),
         to_drive: vec!["hard braking in a turn, to tell load transfer from body roll".into()],
-        equations: Models { baseline: missing([2310.0, 480.0, 3.0]), extended: missing([12.0, 21.0, 2.9]) },
+        equations: Models {
+            baseline: missing([2310.0, 480.0, 3.0]),
+            ordinary: None,
+            extended: missing([12.0, 21.0, 2.9]),
+        },
         measurement_chain: Vec::new(),
         split: split.collect(),
         seconds: seconds * recordings.len() as f64,
         traces: traces.collect(),
+        ..Explanation::empty(Verdict::Adequate)
     }
 }
 

@@ -131,7 +131,7 @@ fn head(groups: &[(&str, &[&str])]) -> String {
 }
 
 fn likelihoods(page: &mut Page, of: &Models<Parts<f64>>, is_extended: bool) {
-    let Models { baseline, extended } = of;
+    let Models { baseline, extended, .. } = of;
     if ![baseline.train, baseline.holdout].iter().any(|it| it.is_finite() && *it != 0.0) {
         return;
     }

@@ -35,6 +35,12 @@ fn text(explanation: &Explanation) -> String {
         place(&mut text, &explanation.place, "");
     }
     fit(&mut text, explanation);
+    if let Some(ordinary) = &explanation.ordinary {
+        text += "\nThe ordinary car\n";
+        for line in crate::pages::ordinary::lines(ordinary) {
+            wrapped(&mut text, "  - ", &line);
+        }
+    }
     moved(&mut text, explanation);
     if !explanation.to_drive.is_empty() {
         text += "\nTo drive next\n";

@@ -25,7 +25,9 @@ pub struct Instant {
 pub enum Compute {
     /// How the state changes.
     Rates,
-    /// What the sensors say, too: slips from forces are the costly part.
+    /// What the body's sensors say, too.
+    Motion,
+    /// What the wheels' sensors say, too: slips from forces are the costly part.
     Readings,
 }
 
@@ -129,7 +131,7 @@ impl ExtendedCar {
             let side = if i % 2 == 0 { -half } else { half };
             let faster = vx_rate + side * yaw + if i < 2 { turning } else { 0.0 };
             fx[i] -= mass_of(i) * faster;
-            if ask == Compute::Rates {
+            if ask != Compute::Readings {
                 continue;
             }
             let slip = self.slip_of(&on, i, fx[i] / on.load[i], angle[i], self.bend_along);
@@ -152,7 +154,7 @@ impl ExtendedCar {
         for (effect, own) in &self.effects {
             let states = &state.own[own.clone()];
             effect.rates(&now, &felt, states, &mut rate.own[own.clone()]);
-            if ask == Compute::Readings {
+            if ask != Compute::Rates {
                 effect.sense(&now, &felt, states, &mut readings);
             }
         }

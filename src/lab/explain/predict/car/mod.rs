@@ -185,6 +185,11 @@ impl ExtendedCar {
         self.delay[channel]
     }
 
+    /// How late the steering wheel's sensor is, s.
+    pub fn steering_delay(&self) -> f64 {
+        self.steering_delay
+    }
+
     /// Are drive and brake torques known?
     pub fn knows_torque(&self) -> bool {
         self.knows_torque

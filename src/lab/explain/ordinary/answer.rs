@@ -1,0 +1,241 @@
+//! What the ordinary car says of recordings: how well it predicts, with which numbers, and what is left.
+
+use std::collections::BTreeMap;
+
+use physics::Quantity;
+use physics::model::effect::EffectConfig;
+use physics::model::{TireKind, Uncertain, Vehicle};
+
+use super::fit::{FreeFit, fit};
+use super::inputs::{FreeDrive, Held, STEP_S};
+use super::numbers::{free, with_ordinary};
+use super::remaining::{Remaining, remaining};
+use super::run::Predicted;
+use crate::explain::model::Model;
+use crate::explain::predict::Recording;
+use crate::explain::result::{ByChannel, Disturbance, Estimate, Parts};
+
+/// A number of the car or of a recording's measurement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Number {
+    /// Its name: a key of `[vehicle]`, an effect's as `kind.parameter`, or of the measurement.
+    pub name: String,
+    /// The recording that it is of; none: the car's.
+    pub recording: Option<String>,
+    /// Value and standard deviation.
+    pub estimate: Estimate,
+    /// What was thought of it before.
+    pub prior: Estimate,
+    /// Does it end at what it can be at most or least? Then it is no estimate.
+    pub is_at_bound: bool,
+    /// Where the searches began, where their first steps ended, and the cost there.
+    pub starts: Vec<[f64; 3]>,
+}
+
+/// Yaw rate or lateral acceleration of one recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FreeTrace {
+    /// The recording.
+    pub recording: String,
+    /// The quantity.
+    pub channel: Quantity,
+    /// Time, measured, predicted.
+    pub rows: Vec<[f64; 3]>,
+}
+
+/// The ordinary car fitted to recordings.
+#[derive(Clone, Debug)]
+pub struct Ordinary {
+    /// Fit by channel, %, of the free run.
+    pub fit: Parts<ByChannel>,
+    /// Its numbers.
+    pub numbers: Vec<Number>,
+    /// What it does not predict, by channel.
+    pub disturbances: BTreeMap<String, Disturbance>,
+    /// What of that repeats, by channel.
+    pub remaining: BTreeMap<String, Remaining>,
+    /// Recordings that could not be used, and why.
+    pub left_out: Vec<String>,
+    /// Measured and predicted.
+    pub traces: Vec<FreeTrace>,
+    /// Sideslip that the free run gives, by recording: time, rad.
+    pub sideslip: Vec<Vec<[f64; 2]>>,
+}
+
+/// The magic formula's shape for lateral force where no table has it: 1.3 (Bakker, Nyborg & Pacejka 1987), and what cars
+/// differ by.
+const SHAPE: Uncertain = Uncertain { value: 1.3, std: 0.15 };
+
+/// Below this share of the held-out yaw rate the car is not the one that drove, or its steering is not the one that
+/// steered: then nothing can be said of what is left. A drive that hardly turns is not better.
+const LEAST_FIT: f64 = 60.0;
+
+/// Points of a trace, per second.
+const TRACED_PER_S: usize = 20;
+
+impl Number {
+    /// Why the recordings do not tell it; none where they do.
+    pub fn untold(&self) -> Option<String> {
+        if self.is_at_bound {
+            return Some(format!(
+                "the search ends at the bound {:.4}: the equations do not fit here",
+                self.estimate.value
+            ));
+        }
+        (self.estimate.std > LEAST_TOLD * self.prior.std)
+            .then(|| "the recordings say less of it than was known before".to_owned())
+    }
+}
+
+/// A number whose deviation is still this share of the one before was not told by the recordings.
+const LEAST_TOLD: f64 = 0.7;
+
+impl Ordinary {
+    /// Of recordings of one car, the last `held_out` of which are only predicted; without any, every third block of
+    /// 6 s of each. None where no recording can be used.
+    pub fn of(
+        vehicle: &Vehicle,
+        effects: &[EffectConfig],
+        recordings: &[Recording],
+        held_out: usize,
+        seed: u64,
+    ) -> Option<Self> {
+        // Every tire bends before its limit; with a shape of its own the curve is between a line and a brush.
+        let mut own = vehicle.clone();
+        if own.tire != TireKind::MagicFormula {
+            own.tire = TireKind::MagicFormula;
+            own.magic_formula_shape = SHAPE;
+            own.magic_formula_curvature = Uncertain::known(0.0);
+        }
+        let first_held = recordings.len() - held_out.min(recordings.len());
+        let (mut drives, mut left_out) = (Vec::new(), Vec::new());
+        for (number, recording) in recordings.iter().enumerate() {
+            let held = match held_out {
+                0 => Held::EveryThird,
+                _ if number >= first_held => Held::Everything,
+                _ => Held::Nothing,
+            };
+            match FreeDrive::new(recording, &own, held) {
+                Ok(drive) => drives.push(drive),
+                Err(why) => left_out.push(format!("{}: {why}", recording.name)),
+            }
+        }
+        if drives.is_empty() {
+            return None;
+        }
+        let mut model = Model::plain(&own, false).with_configured(effects);
+        // Delays are searched for, not supposed.
+        model.delays = Default::default();
+        let model = with_ordinary(&model);
+        let found = fit(&model, free(&model, &own, &drives), &drives, false);
+        let predicted = &found.predicted;
+        let mut answer = Self {
+            fit: fits(&drives, predicted),
+            numbers: numbers(&found, &drives),
+            disturbances: BTreeMap::new(),
+            remaining: BTreeMap::new(),
+            left_out,
+            traces: Vec::new(),
+            sideslip: drives.iter().zip(predicted).map(|(drive, own)| sideslip(drive, own)).collect(),
+        };
+        for (place, channel) in CHANNELS.into_iter().enumerate() {
+            if drives.iter().all(|drive| measured(drive, channel).is_none()) {
+                continue;
+            }
+            let name = channel.name().to_owned();
+            let disturbance = Disturbance {
+                std: found.noise[place],
+                unit: channel.unit().into(),
+                time_constant_s: found.time_constants_s[place],
+            };
+            answer.disturbances.insert(name.clone(), disturbance);
+            let error = |drive: &FreeDrive, own: &Predicted, i: usize| {
+                measured(drive, channel).map_or(f64::NAN, |of| of[i] - said(own, channel)[i])
+            };
+            answer.remaining.extend(remaining(&drives, predicted, error, seed).map(|it| (name, it)));
+            answer
+                .traces
+                .extend(drives.iter().zip(predicted).filter_map(|(drive, own)| trace(drive, own, channel)));
+        }
+        Some(answer)
+    }
+
+    /// Does it predict the held-out yaw rate, and does nothing of what it leaves repeat?
+    pub fn is_enough(&self) -> bool {
+        let fit = self.fit.holdout.get(Quantity::YawRate.name()).copied().unwrap_or(f64::NAN);
+        fit >= LEAST_FIT && !self.remaining.values().any(Remaining::repeats)
+    }
+}
+
+/// What is compared.
+const CHANNELS: [Quantity; 2] = [Quantity::YawRate, Quantity::LateralAcceleration];
+
+fn measured(drive: &FreeDrive, channel: Quantity) -> Option<&[f64]> {
+    if channel == Quantity::YawRate { Some(&drive.yaw_rate) } else { drive.lateral.as_deref() }
+}
+
+fn said(predicted: &Predicted, channel: Quantity) -> &[f64] {
+    if channel == Quantity::YawRate { &predicted.yaw_rate } else { &predicted.lateral }
+}
+
+/// 100 (1 − |y − ŷ|/|y − mean y|) over all drives, by channel.
+fn fits(drives: &[FreeDrive], predicted: &[Predicted]) -> Parts<ByChannel> {
+    let fit = |channel: Quantity, held: bool| {
+        let rows = drives.iter().zip(predicted).flat_map(|(drive, own)| {
+            let measured = measured(drive, channel).unwrap_or_default();
+            let all = measured.iter().zip(said(own, channel)).enumerate();
+            all.filter(move |(i, (y, _))| drive.counts[*i] && drive.held[*i] == held && y.is_finite())
+                .map(|(_, (y, z))| (*y, *z))
+        });
+        let (mut n, mut sum, mut square, mut error) = (0.0, 0.0, 0.0, 0.0);
+        for (y, z) in rows {
+            n += 1.0;
+            sum += y;
+            square += y * y;
+            error += (y - z) * (y - z);
+        }
+        let spread = square - sum * sum / f64::max(n, 1.0);
+        (n > 20.0 && spread > 0.0).then(|| 100.0 * (1.0 - (error / spread).sqrt()))
+    };
+    let of = |held: bool| {
+        let all =
+            CHANNELS.into_iter().filter_map(|channel| Some((channel.name().to_owned(), fit(channel, held)?)));
+        all.collect()
+    };
+    Parts { train: of(false), holdout: of(true) }
+}
+
+fn numbers(found: &FreeFit<'_>, drives: &[FreeDrive]) -> Vec<Number> {
+    let of = |(i, free): (usize, &super::numbers::Free)| {
+        let (name, value, slope) = free.named(&found.model, found.at[i]);
+        let (_, mean, slope_there) = free.named(&found.model, free.prior.0);
+        Number {
+            name,
+            recording: free.drive.map(|drive| drives[drive].name.clone()),
+            estimate: Estimate { value, std: found.covariance[(i, i)].max(0.0).sqrt() * slope.abs() },
+            prior: Estimate { value: mean, std: free.prior.1 * slope_there.abs() },
+            is_at_bound: free.is_at_bound(found.at[i]),
+            starts: found
+                .starts
+                .iter()
+                .map(|(from, to, cost)| {
+                    let value = |coordinate| free.named(&found.model, coordinate).1;
+                    [value(from[i]), value(to[i]), *cost]
+                })
+                .collect(),
+        }
+    };
+    found.free.iter().enumerate().map(of).collect()
+}
+
+fn sideslip(drive: &FreeDrive, predicted: &Predicted) -> Vec<[f64; 2]> {
+    let all = predicted.sideslip.iter().enumerate().filter(|(i, _)| drive.counts[*i]);
+    all.map(|(i, slip)| [drive.time(i), *slip]).collect()
+}
+
+fn trace(drive: &FreeDrive, predicted: &Predicted, channel: Quantity) -> Option<FreeTrace> {
+    let every = (1.0 / STEP_S) as usize / TRACED_PER_S;
+    let (measured, said) = (measured(drive, channel)?, said(predicted, channel));
+    let rows = (0..drive.points()).step_by(every).map(|i| [drive.time(i), measured[i], said[i]]).collect();
+    Some(FreeTrace { recording: drive.name.clone(), channel, rows })
+}

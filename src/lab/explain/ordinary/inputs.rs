@@ -1,0 +1,247 @@
+//! A recording as a free run takes it: speed and steering are inputs, yaw rate and lateral acceleration are compared, and
+//! every third block is held out.
+
+use physics::model::{DrivenAxle, Vehicle};
+use physics::{Quantity, Wheel};
+
+use crate::explain::Recording;
+
+/// Seconds between grid points. Numerical.
+pub const STEP_S: f64 = 0.01;
+
+/// The held-out part is every third block of so many seconds. The contract's, and the yardstick's.
+const BLOCK_S: f64 = 6.0;
+
+/// Slower driving is not compared, m/s. The yardstick's.
+const COMPARED_MPS: f64 = 4.0;
+
+/// Slip angles of a car that creeps mean nothing, m/s. Numerical.
+const SLOWEST_MPS: f64 = 2.0;
+
+/// Accelerations are compared as means over so many grid points: a raw inertial unit shakes with the body and the engine
+/// far above what a car in the plane does. The yardstick's.
+const MEAN_POINTS: usize = 20;
+
+/// The acceleration is the slope of the speed's mean over so many points. Numerical: 0.1 s.
+const SLOPE_POINTS: usize = 11;
+
+/// At a gap of more seconds nothing is known between two readings. Numerical: some messages of a slow bus.
+const GAP_S: f64 = 0.5;
+
+/// Seconds at the recording's ends that are left out: delays look beyond the ends. The yardstick's.
+const MARGIN_S: f64 = 1.0;
+
+/// One recording on a grid.
+#[derive(Clone, Debug)]
+pub struct FreeDrive {
+    /// The recording's name.
+    pub name: String,
+    /// Time of the first grid point, s from the recording's start.
+    pub from_s: f64,
+    /// Steering wheel angle as recorded, rad.
+    steering: Vec<(f64, f64)>,
+    /// Speed by wheels or message on a grid over all of the recording, m/s …
+    speed: Vec<f64>,
+    /// … and its slope, m/s².
+    acceleration: Vec<f64>,
+    /// Yaw rate as measured at the grid points, rad/s; not a number in gaps.
+    pub yaw_rate: Vec<f64>,
+    /// Lateral acceleration there as a mean, m/s²; none where the recording has none.
+    pub lateral: Option<Vec<f64>>,
+    /// Is a grid point held out?
+    pub held: Vec<bool>,
+    /// Is it fast enough to be compared?
+    pub counts: Vec<bool>,
+}
+
+/// What is held out of a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Held {
+    /// Every third block.
+    EveryThird,
+    /// Nothing: all of it is fitted to.
+    Nothing,
+    /// All of it is only predicted.
+    Everything,
+}
+
+/// Why a recording cannot be run freely.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unusable {
+    /// A required quantity is missing.
+    #[error("it has no {0}")]
+    Missing(&'static str),
+    /// The car hardly drives.
+    #[error("the car is hardly faster than 4 m/s in it")]
+    Standing,
+}
+
+impl FreeDrive {
+    /// Of a recording of this vehicle.
+    ///
+    /// # Errors
+    /// If yaw rate, steering or speed is missing, or the car hardly moves.
+    pub fn new(recording: &Recording, vehicle: &Vehicle, held: Held) -> Result<Self, Unusable> {
+        let track = |quantity: Quantity| -> Result<&[(f64, f64)], Unusable> {
+            let track = &recording.tracks[quantity as usize];
+            if recording.has(quantity) { Ok(track) } else { Err(Unusable::Missing(quantity.name())) }
+        };
+        let (yaw, steering) = (track(Quantity::YawRate)?, track(Quantity::SteeringWheelAngle)?);
+        let all = (recording.seconds() / STEP_S) as usize + 1;
+        let speed =
+            speed(recording, vehicle, all).ok_or(Unusable::Missing("wheel speed or vehicle_speed"))?;
+        let acceleration = slope(&mean(&mean(&speed, 5), SLOPE_POINTS));
+        let (first, last) = (yaw[0].0 + MARGIN_S, yaw[yaw.len() - 1].0 - MARGIN_S);
+        let count = ((last - first) / STEP_S).max(0.0) as usize;
+        let moving = |i: &usize| at(&speed, first + *i as f64 * STEP_S) > COMPARED_MPS;
+        let begin = (0..count).find(moving).ok_or(Unusable::Standing)?;
+        let end = (0..count).rev().find(moving).ok_or(Unusable::Standing)?;
+        if end - begin < (2.0 * BLOCK_S / STEP_S) as usize {
+            return Err(Unusable::Standing);
+        }
+        let from_s = first + begin as f64 * STEP_S;
+        let points = end - begin;
+        let time = |i: usize| from_s + i as f64 * STEP_S;
+        let lateral = track(Quantity::LateralAcceleration).ok().map(|track| {
+            let margin = MEAN_POINTS;
+            let raw = resampled(track, from_s - margin as f64 * STEP_S, points + 2 * margin);
+            mean(&raw, MEAN_POINTS)[margin..margin + points].to_vec()
+        });
+        let per_block = (BLOCK_S / STEP_S) as usize;
+        Ok(Self {
+            name: recording.name.clone(),
+            from_s,
+            steering: steering.to_vec(),
+            yaw_rate: resampled(yaw, from_s, points),
+            lateral,
+            held: (0..points)
+                .map(|i| match held {
+                    Held::EveryThird => (i / per_block) % 3 == 2,
+                    Held::Nothing => false,
+                    Held::Everything => true,
+                })
+                .collect(),
+            counts: (0..points).map(|i| at(&speed, time(i)) > COMPARED_MPS).collect(),
+            speed,
+            acceleration,
+        })
+    }
+
+    /// Its grid points.
+    pub fn points(&self) -> usize {
+        self.yaw_rate.len()
+    }
+
+    /// Time of a grid point, s from the recording's start.
+    pub fn time(&self, i: usize) -> f64 {
+        self.from_s + i as f64 * STEP_S
+    }
+
+    /// Speed, m/s, and acceleration, m/s², at a time, from a record that is so late and so much too small.
+    pub fn driven(&self, t: f64, delay: f64, scale: f64) -> (f64, f64) {
+        let t = t + delay;
+        ((scale * at(&self.speed, t)).max(SLOWEST_MPS), scale * at(&self.acceleration, t))
+    }
+
+    /// Steering wheel angle at the grid points and in the middle between them, rad, from a record that is so late.
+    pub fn steered(&self, delay: f64) -> Vec<f64> {
+        let mut cursor = 1;
+        let half = 0.5 * STEP_S;
+        (0..2 * self.points() + 2)
+            .map(|i| interpolated(&self.steering, &mut cursor, self.from_s + delay + i as f64 * half).0)
+            .collect()
+    }
+}
+
+/// Means as the accelerations are compared.
+pub fn compared_mean(values: &[f64]) -> Vec<f64> {
+    mean(values, MEAN_POINTS)
+}
+
+/// The speed on a grid: of the undriven wheels, else of all there are, else the message's.
+fn speed(recording: &Recording, vehicle: &Vehicle, points: usize) -> Option<Vec<f64>> {
+    let has = |wheel: &Wheel| recording.has(Quantity::wheel_speed(*wheel));
+    let wheels: Vec<Wheel> = Wheel::ALL.into_iter().filter(has).collect();
+    let free: Vec<Wheel> =
+        wheels.iter().copied().filter(|wheel| !vehicle.driven_axle.drives(*wheel)).collect();
+    let chosen = if free.is_empty() || vehicle.driven_axle == DrivenAxle::All { wheels } else { free };
+    if chosen.is_empty() {
+        let message = &recording.tracks[Quantity::VehicleSpeed as usize];
+        return recording.has(Quantity::VehicleSpeed).then(|| filled(resampled(message, 0.0, points)));
+    }
+    let yaw = resampled(&recording.tracks[Quantity::YawRate as usize], 0.0, points);
+    let mut sum = vec![0.0; points];
+    for wheel in &chosen {
+        let track = if wheel.is_front() { vehicle.track_front_m } else { vehicle.track_rear_m };
+        // In a left turn the left wheel is slower than the middle.
+        let side = if wheel.is_left() { 0.5 } else { -0.5 } * track.value;
+        let turning = resampled(&recording.tracks[Quantity::wheel_speed(*wheel) as usize], 0.0, points);
+        for ((sum, turning), yaw) in sum.iter_mut().zip(turning).zip(&yaw) {
+            let yaw = if yaw.is_finite() { *yaw } else { 0.0 };
+            *sum += (turning * vehicle.wheel_radius_m.value + side * yaw) / chosen.len() as f64;
+        }
+    }
+    Some(filled(sum))
+}
+
+/// The value on the grid that begins at 0 s, interpolated.
+fn at(grid: &[f64], t: f64) -> f64 {
+    let place = (t / STEP_S).clamp(0.0, (grid.len() - 1) as f64);
+    let before = (place as usize).min(grid.len().saturating_sub(2));
+    grid[before] + (place - before as f64) * (grid[(before + 1).min(grid.len() - 1)] - grid[before])
+}
+
+/// A track on a grid from a time on; not a number in gaps.
+fn resampled(track: &[(f64, f64)], from_s: f64, points: usize) -> Vec<f64> {
+    let mut cursor = 1;
+    let value = |i: usize| {
+        let (value, gap) = interpolated(track, &mut cursor, from_s + i as f64 * STEP_S);
+        if gap > GAP_S { f64::NAN } else { value }
+    };
+    (0..points).map(value).collect()
+}
+
+/// The value of a track at a time, and how far apart the readings are that it is between. Beyond the ends the last one
+/// stays. The times that are asked for only grow.
+fn interpolated(track: &[(f64, f64)], cursor: &mut usize, t: f64) -> (f64, f64) {
+    if track.len() < 2 {
+        return (f64::NAN, f64::INFINITY);
+    }
+    while *cursor + 1 < track.len() && track[*cursor].0 < t {
+        *cursor += 1;
+    }
+    let ((t0, a), (t1, b)) = (track[*cursor - 1], track[*cursor]);
+    let beyond = (t - t1).max(t0 - t).max(0.0);
+    let share = if t1 > t0 { ((t - t0) / (t1 - t0)).clamp(0.0, 1.0) } else { 1.0 };
+    (a + share * (b - a), (t1 - t0).max(beyond))
+}
+
+/// Gaps filled by a straight line.
+fn filled(mut values: Vec<f64>) -> Vec<f64> {
+    let known: Vec<(f64, f64)> =
+        values.iter().enumerate().filter(|(_, v)| v.is_finite()).map(|(i, v)| (i as f64, *v)).collect();
+    let mut cursor = 1;
+    for (i, value) in values.iter_mut().enumerate() {
+        if !value.is_finite() {
+            *value = interpolated(&known, &mut cursor, i as f64).0;
+        }
+    }
+    values
+}
+
+/// Mean over so many points around each; over fewer at the ends.
+fn mean(values: &[f64], points: usize) -> Vec<f64> {
+    let (back, ahead) = (points / 2, points.div_ceil(2));
+    let around = |i: usize| &values[i.saturating_sub(back)..(i + ahead).min(values.len())];
+    (0..values.len()).map(|i| around(i).iter().sum::<f64>() / around(i).len() as f64).collect()
+}
+
+/// Central differences, per second.
+fn slope(values: &[f64]) -> Vec<f64> {
+    let last = values.len() - 1;
+    let of = |i: usize| {
+        let (from, to) = (i.saturating_sub(1), (i + 1).min(last));
+        (values[to] - values[from]) / ((to - from).max(1) as f64 * STEP_S)
+    };
+    (0..values.len()).map(of).collect()
+}

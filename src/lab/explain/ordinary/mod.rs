@@ -1,0 +1,19 @@
+//! The ordinary car: a model fitted to recordings by free runs with the measured speed as an input.
+//!
+//! ```text
+//! Recording ─► FreeDrive (inputs on a grid, what is compared) ─► run (one car, one drive) ─► fit ─► FreeFit
+//! ```
+//!
+//! A free run knows steering and speed only. So what it says on driving that was held out shows how well a model
+//! predicts, and errors along the road do not spoil what is said across it. Each recording has its own offsets, delays
+//! and scale of the speed; the car is common to all.
+
+mod answer;
+mod fit;
+mod inputs;
+mod numbers;
+mod remaining;
+mod run;
+
+pub use answer::{FreeTrace, Number, Ordinary};
+pub use remaining::Remaining;

@@ -1,0 +1,230 @@
+//! What is free in a free run: the car's numbers, which all recordings share, and the measurement's, which each has of
+//! its own.
+
+use physics::model::effect::{Course, KINDS};
+use physics::model::{TireKind, Vehicle};
+
+use super::inputs::FreeDrive;
+use super::run::SpeedSensing;
+use crate::explain::model::{Chosen, Model, Place};
+use crate::explain::predict::delay::Delayed;
+use crate::identify::Parameter;
+
+/// A number of the model, or of how the speed is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Number {
+    /// Of the model.
+    Of(Place),
+    /// True speed / recorded speed.
+    SpeedScale,
+    /// How late the speed is, s.
+    SpeedDelay,
+}
+
+/// A free number in the coordinate that is searched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Free {
+    /// What it is.
+    pub number: Number,
+    /// The recording that it is of; none: the car's.
+    pub drive: Option<usize>,
+    /// Mean and standard deviation of what is thought of it.
+    pub prior: (f64, f64),
+    /// What it can be.
+    pub bounds: (f64, f64),
+    /// Step of differences.
+    pub step: f64,
+}
+
+/// Physics that every car has: kind, its number, and what cars of the class have, mean and standard deviation. What is
+/// not listed of a kind stays at the library's usual value.
+///
+/// Relaxation lengths of passenger car tires are 0.3 to 0.7 m (Pacejka, Tire and Vehicle Dynamics, ch. 5.4 and app. 3).
+/// A body leans by 2 to 6° per g (Gillespie, Fundamentals of Vehicle Dynamics, ch. 7; Reimpell, The Automotive Chassis,
+/// ch. 5.4.3). A steering gives way by 0.2 to 1° per 1000 N of front lateral force, that is 7e-5 to 3.5e-4 rad per N m of
+/// a trail of 0.05 m.
+const ORDINARY: &[(&str, &[(&str, f64, f64)])] = &[
+    ("relaxation_length", &[("length_m", 0.45, 0.2)]),
+    ("steering_compliance", &[("compliance_rad_per_nm", 1e-4, 7e-5)]),
+    ("body_roll", &[("roll_gain_rad_per_mps2", 0.006, 0.003)]),
+];
+
+/// The model with the physics that every car has, unless the configuration has switched it on.
+pub fn with_ordinary<'a>(model: &Model<'a>) -> Model<'a> {
+    let mut model = model.clone();
+    for (name, numbers) in ORDINARY {
+        if model.effects.iter().any(|chosen| chosen.kind.name == *name) {
+            continue;
+        }
+        let Some(kind) = KINDS.iter().copied().find(|kind| kind.name == *name) else { continue };
+        let mut chosen = Chosen::usual(kind, None, Course::None);
+        chosen.free.clear();
+        for (name, mean, _) in *numbers {
+            if let Some(place) = kind.place_of(name) {
+                chosen.numbers[place] = *mean;
+                chosen.free.push(place);
+            }
+        }
+        model = model.with(chosen);
+    }
+    model
+}
+
+/// What cars of the class have of an effect's number, where it is listed.
+fn class_of(kind: &str, name: &str) -> Option<(f64, f64)> {
+    let (_, numbers) = ORDINARY.iter().find(|(ordinary, _)| *ordinary == kind)?;
+    numbers.iter().find(|(number, ..)| *number == name).map(|(_, mean, std)| (*mean, *std))
+}
+
+/// Numbers of the vehicle that speed, steering, yaw rate and lateral acceleration can tell.
+const OF_THE_CAR: [Parameter; 8] = [
+    Parameter::LateralFront,
+    Parameter::LateralRear,
+    Parameter::YawInertia,
+    Parameter::SteeringRatio,
+    Parameter::Friction,
+    Parameter::MagicShape,
+    Parameter::CgToFront,
+    Parameter::Mass,
+];
+
+/// A message on a car's bus is late by its cycle and its filter, an inertial unit's stamps by its own clock: up to
+/// tenths of a second either way, mean and standard deviation.
+const DELAY: (f64, f64) = (0.02, 0.1);
+
+/// The accelerometer is of the same unit as the gyroscope.
+const LATERAL_DELAY: (f64, f64) = (0.0, 0.03);
+
+/// Beyond this a delay is another thing, s. The widest that is asked for.
+const LONGEST_DELAY_S: f64 = 0.3;
+
+/// Wheel radii and speed messages are right to some per cent.
+const SPEED_SCALE: (f64, f64) = (1.0, 0.03);
+
+/// All that is free in a model for these drives.
+pub fn free(model: &Model<'_>, vehicle: &Vehicle, drives: &[FreeDrive]) -> Vec<Free> {
+    let has_lateral = drives.iter().any(|drive| drive.lateral.is_some());
+    let of_the_car = OF_THE_CAR.into_iter().filter(|parameter| match parameter {
+        Parameter::MagicShape => vehicle.tire == TireKind::MagicFormula,
+        Parameter::Friction => vehicle.tire != TireKind::Linear,
+        // Without an acceleration only ratios to the mass can be seen.
+        Parameter::Mass => has_lateral,
+        _ => true,
+    });
+    let mut all: Vec<Free> = of_the_car.filter_map(|parameter| of_vehicle(vehicle, parameter)).collect();
+    for (place, chosen) in model.effects.iter().enumerate() {
+        for (number, spec) in chosen.specs().enumerate().filter(|(number, _)| chosen.free.contains(number)) {
+            let prior = class_of(chosen.kind.name, spec.name).unwrap_or((spec.mean, spec.std));
+            let (number, bounds) = (Number::Of(Place::Effect(place, number)), spec.bounds);
+            all.push(Free { number, drive: None, prior, bounds, step: spec.step.min(0.1 * prior.1) });
+        }
+    }
+    for (number, drive) in drives.iter().enumerate() {
+        all.extend(of_drive(number, drive));
+    }
+    all
+}
+
+/// A number of the vehicle, if its table calls it uncertain.
+fn of_vehicle(vehicle: &Vehicle, parameter: Parameter) -> Option<Free> {
+    let prior = parameter.prior(vehicle);
+    if prior.std <= 0.0 || !prior.value.is_finite() {
+        return None;
+    }
+    // What the equations can bear, whatever the table believes.
+    let (low, high) = match parameter {
+        Parameter::LateralFront | Parameter::LateralRear => (prior.value / 8.0, prior.value * 8.0),
+        Parameter::YawInertia => (0.5 * prior.value, 2.0 * prior.value),
+        Parameter::SteeringRatio => (0.75 * prior.value, 1.3 * prior.value),
+        Parameter::Friction => (0.05, 2.0),
+        Parameter::MagicShape => (1.02, 1.9),
+        _ => (prior.value - 4.0 * prior.std, prior.value + 4.0 * prior.std),
+    };
+    let number = Number::Of(Place::Ordinary(parameter));
+    let std = prior.std / prior.value;
+    Some(Free {
+        number,
+        drive: None,
+        prior: (prior.value.ln(), std),
+        bounds: (low.max(1e-6).ln(), high.ln()),
+        step: (0.05 * std).clamp(2e-4, 5e-3),
+    })
+}
+
+/// What each drive has of its own: offsets, delays, the scale of its speed.
+fn of_drive(number: usize, drive: &FreeDrive) -> Vec<Free> {
+    let own = |number_of, prior: (f64, f64), most: f64, step| Free {
+        number: number_of,
+        drive: Some(number),
+        prior,
+        bounds: (prior.0 - most, prior.0 + most),
+        step,
+    };
+    let of = |place| Number::Of(place);
+    let mut all = vec![
+        own(of(Place::Ordinary(Parameter::YawRateOffset)), (0.0, 0.02), 0.2, 1e-4),
+        own(of(Place::Ordinary(Parameter::SteeringOffset)), (0.0, 0.1), 1.5, 1e-3),
+        own(of(Place::Delay(Delayed::Steering)), DELAY, LONGEST_DELAY_S, 1e-3),
+        own(Number::SpeedDelay, DELAY, LONGEST_DELAY_S, 1e-3),
+        own(Number::SpeedScale, SPEED_SCALE, 0.12, 1e-3),
+    ];
+    if drive.lateral.is_some() {
+        all.push(own(of(Place::Ordinary(Parameter::LateralAccelerationOffset)), (0.0, 1.0), 8.0, 0.01));
+        all.push(own(of(Place::Delay(Delayed::LateralAcceleration)), LATERAL_DELAY, LONGEST_DELAY_S, 1e-3));
+    }
+    all
+}
+
+/// The model and the speed's measurement of each drive at these coordinates.
+pub fn placed<'a>(
+    model: &Model<'a>,
+    free: &[Free],
+    coordinates: &[f64],
+    drive: usize,
+) -> (Model<'a>, SpeedSensing) {
+    let mut model = model.clone();
+    let mut sensing = SpeedSensing { delay_s: 0.0, scale: 1.0 };
+    for (free, coordinate) in free.iter().zip(coordinates) {
+        if free.drive.is_some_and(|own| own != drive) {
+            continue;
+        }
+        match free.number {
+            Number::Of(place) => model.put(place, *coordinate),
+            Number::SpeedScale => sensing.scale = *coordinate,
+            Number::SpeedDelay => sensing.delay_s = *coordinate,
+        }
+    }
+    (model, sensing)
+}
+
+impl Free {
+    /// Its name, value in its unit, and how the value changes with the coordinate.
+    pub fn named(&self, model: &Model<'_>, coordinate: f64) -> (String, f64, f64) {
+        match self.number {
+            Number::SpeedScale => ("speed_scale".into(), coordinate, 1.0),
+            Number::SpeedDelay => ("speed_delay_s".into(), coordinate, 1.0),
+            Number::Of(Place::Effect(effect, number)) => {
+                let chosen = &model.effects[effect];
+                match chosen.kind.spec(number, chosen.channel) {
+                    Some(spec) => {
+                        let value = spec.value(coordinate);
+                        let slope = (spec.value(coordinate + self.step) - value) / self.step;
+                        (format!("{}.{}", chosen.kind.name, spec.name), value, slope)
+                    }
+                    None => (chosen.kind.name.into(), coordinate, 1.0),
+                }
+            }
+            Number::Of(place) => {
+                let mut model = model.clone();
+                model.put(place, coordinate);
+                model.ordinary_number(place).unwrap_or_default()
+            }
+        }
+    }
+
+    /// Is the number at what it can be at most or least?
+    pub fn is_at_bound(&self, coordinate: f64) -> bool {
+        let (low, high) = self.bounds;
+        (coordinate - low).min(high - coordinate) < 1e-3 * (high - low)
+    }
+}

@@ -1,0 +1,220 @@
+//! What is left of the error that repeats: the part that inputs and motion predict on driving that was held out.
+//!
+//! Missing physics is a function of what the car does, a disturbance is not. So the residuals of the training blocks are
+//! regressed on features of inputs and simulated motion, and the regression predicts those of the held-out blocks. The
+//! null is the same with decoys: the features of another time of the same drive.
+
+use nalgebra::{DMatrix, DVector};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::inputs::{FreeDrive, STEP_S};
+use super::run::Predicted;
+
+/// Share of the held-out squared error that inputs and motion predict.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Remaining {
+    /// As found, 0 to 1.
+    pub share: f64,
+    /// The 95 % quantile of the decoys.
+    pub null: f64,
+    /// The largest of the decoys.
+    pub most_of_null: f64,
+}
+
+impl Remaining {
+    /// Does something repeat? Beyond every decoy (at most one in a hundred by chance), and enough to matter.
+    pub fn repeats(&self) -> bool {
+        self.share > self.most_of_null && self.share > LEAST_SHARE
+    }
+}
+
+/// Less of the error is not worth a name, whatever its significance.
+const LEAST_SHARE: f64 = 0.1;
+
+/// Rows are means over so many grid points: 0.1 s.
+const POINTS: usize = 10;
+
+/// Decoys. Statistical: the largest of a hundred is passed once in a hundred times.
+const DECOYS: usize = 100;
+
+/// Decoys are shifted by at least so many seconds: what is left of a manoeuvre's memory then is nothing.
+const SHIFT_S: f64 = 10.0;
+
+/// Ridge, as a share of the features' own variance: so many features of one drive are never all independent.
+const RIDGE: f64 = 0.03;
+
+/// Residuals beyond so many robust deviations are outliers.
+const OUTLIER: f64 = 5.0;
+
+/// Time constants of the features' memories, s: tires, suspension and driver, heat.
+const MEMORIES_S: [f64; 3] = [0.3, 1.0, 8.0];
+
+/// One drive's rows.
+struct Rows {
+    features: DMatrix<f64>,
+    residual: Vec<f64>,
+    held: Vec<bool>,
+}
+
+/// Of the residuals of one channel; none where there are too few.
+pub fn remaining(
+    drives: &[FreeDrive],
+    predicted: &[Predicted],
+    residual: impl Fn(&FreeDrive, &Predicted, usize) -> f64,
+    seed: u64,
+) -> Option<Remaining> {
+    let mut all: Vec<Rows> =
+        drives.iter().zip(predicted).map(|(drive, own)| rows(drive, own, &residual)).collect();
+    all.retain(|rows| rows.residual.len() > 4 * (SHIFT_S / (POINTS as f64 * STEP_S)) as usize);
+    limit(&mut all);
+    let none = vec![0; all.len()];
+    let share = held_out_share(&all, &none)?;
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut decoys: Vec<f64> = (0..DECOYS)
+        .filter_map(|_| {
+            let shifts: Vec<usize> = all
+                .iter()
+                .map(|rows| {
+                    let least = (SHIFT_S / (POINTS as f64 * STEP_S)) as usize;
+                    random.random_range(least..rows.residual.len() - least)
+                })
+                .collect();
+            held_out_share(&all, &shifts)
+        })
+        .collect();
+    decoys.sort_by(f64::total_cmp);
+    let null = decoys.get(decoys.len() * 95 / 100).copied()?;
+    let most = decoys.last().copied()?;
+    Some(Remaining { share: share.max(0.0), null: null.max(0.0), most_of_null: most.max(0.0) })
+}
+
+/// Means of features and residuals.
+fn rows(
+    drive: &FreeDrive,
+    predicted: &Predicted,
+    residual: &impl Fn(&FreeDrive, &Predicted, usize) -> f64,
+) -> Rows {
+    let steered = drive.steered(0.0);
+    let mean = |of: &dyn Fn(usize) -> f64, row: usize| {
+        let points = row * POINTS..(row + 1) * POINTS;
+        points.map(of).sum::<f64>() / POINTS as f64
+    };
+    let count = drive.points() / POINTS;
+    let mut base = Vec::with_capacity(count);
+    for row in 0..count {
+        let driven = |i: usize| drive.driven(drive.time(i), 0.0, 1.0);
+        base.push([
+            mean(&|i| steered[2 * i], row),
+            mean(&|i| predicted.yaw_rate[i], row),
+            mean(&|i| predicted.lateral[i], row),
+            mean(&|i| predicted.sideslip[i], row),
+            mean(&|i| driven(i).1, row),
+            mean(&|i| driven(i).0, row),
+        ]);
+    }
+    let features = features(&base);
+    let (mut kept, mut residuals, mut held) = (Vec::new(), Vec::new(), Vec::new());
+    for row in 0..count {
+        let points = row * POINTS..(row + 1) * POINTS;
+        let error = mean(&|i| residual(drive, predicted, i), row);
+        if error.is_finite() && points.clone().all(|i| drive.counts[i]) {
+            kept.push(row);
+            residuals.push(error);
+            held.push(drive.held[row * POINTS]);
+        }
+    }
+    let features = DMatrix::from_fn(kept.len(), features.ncols(), |i, j| features[(kept[i], j)]);
+    Rows { features, residual: residuals, held }
+}
+
+/// Inputs and motion, their products, signs, rates and memories.
+fn features(base: &[[f64; 6]]) -> DMatrix<f64> {
+    let step = POINTS as f64 * STEP_S;
+    let rate = |row: usize, of: usize| {
+        let before = base[row.saturating_sub(1)][of];
+        (base[row][of] - before) / step
+    };
+    let mut memories = vec![[[0.0; 4]; MEMORIES_S.len()]; base.len()];
+    for row in 1..base.len() {
+        let [steering, _, ay, _, ax, _] = base[row];
+        for (memory, seconds) in MEMORIES_S.iter().enumerate() {
+            for (place, value) in [steering, ay, ay * ay, ax].into_iter().enumerate() {
+                let before = memories[row - 1][memory][place];
+                memories[row][memory][place] = before + step / (step + seconds) * (value - before);
+            }
+        }
+    }
+    let of = |row: usize| -> Vec<f64> {
+        let [steering, yaw, ay, slip, ax, v] = base[row];
+        let mut all = vec![1.0, steering, yaw, ay, slip, ax, v, v * v];
+        all.extend([steering * v, yaw * v, ay * v, slip * v, steering / v.max(2.0), ay * ay, ay.abs() * ay]);
+        all.extend([ay.powi(3), slip * slip.abs(), steering * ax, yaw * ax, ay * ax, ax.min(0.0), ax * ax]);
+        all.extend([steering * steering.abs(), rate(row, 0), rate(row, 1), rate(row, 2), rate(row, 4)]);
+        all.extend(memories[row].iter().flatten());
+        all
+    };
+    let rows: Vec<Vec<f64>> = (0..base.len()).map(of).collect();
+    let columns = rows.first().map_or(0, Vec::len);
+    DMatrix::from_fn(rows.len(), columns, |i, j| rows[i][j])
+}
+
+/// Cuts outliers.
+fn limit(all: &mut [Rows]) {
+    let mut sizes: Vec<f64> = all.iter().flat_map(|rows| &rows.residual).map(|error| error.abs()).collect();
+    if sizes.is_empty() {
+        return;
+    }
+    let middle = sizes.len() / 2;
+    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
+    let most = OUTLIER * 1.4826 * *median;
+    for error in all.iter_mut().flat_map(|rows| &mut rows.residual) {
+        *error = error.clamp(-most, most);
+    }
+}
+
+/// 1 − Σ (e − ê)²/Σ e² of the held-out rows, the features of each drive shifted by so many rows.
+fn held_out_share(all: &[Rows], shifts: &[usize]) -> Option<f64> {
+    let count = all.first()?.features.ncols();
+    let at = |rows: &Rows, shift: usize, row: usize| (row + shift) % rows.residual.len();
+    let (mut sum, mut square, mut n) = (vec![0.0; count], vec![0.0; count], 0.0);
+    for (rows, shift) in all.iter().zip(shifts) {
+        for row in (0..rows.residual.len()).filter(|row| !rows.held[*row]) {
+            for j in 0..count {
+                let value = rows.features[(at(rows, *shift, row), j)];
+                sum[j] += value;
+                square[j] += value * value;
+            }
+            n += 1.0;
+        }
+    }
+    let center: Vec<f64> = sum.iter().map(|sum| sum / f64::max(n, 1.0)).collect();
+    let size = |j: usize| f64::sqrt((square[j] / f64::max(n, 1.0) - center[j] * center[j]).max(0.0));
+    let sizes: Vec<f64> = (0..count).map(size).collect();
+    let scaled = |rows: &Rows, shift: usize, row: usize| {
+        DVector::from_fn(count, |j, _| {
+            let value = rows.features[(at(rows, shift, row), j)];
+            // The constant has no spread.
+            if sizes[j] > 1e-9 { ((value - center[j]) / sizes[j]).clamp(-4.0, 4.0) } else { 1.0 }
+        })
+    };
+    let mut information = DMatrix::<f64>::identity(count, count) * (RIDGE * n);
+    let mut gradient = DVector::<f64>::zeros(count);
+    for (rows, shift) in all.iter().zip(shifts) {
+        for row in (0..rows.residual.len()).filter(|row| !rows.held[*row]) {
+            let x = scaled(rows, *shift, row);
+            gradient.axpy(rows.residual[row], &x, 1.0);
+            information.ger(1.0, &x, &x, 1.0);
+        }
+    }
+    let weights = information.cholesky()?.solve(&gradient);
+    let (mut before, mut after) = (0.0, 0.0);
+    for (rows, shift) in all.iter().zip(shifts) {
+        for row in (0..rows.residual.len()).filter(|row| rows.held[*row]) {
+            let error = rows.residual[row];
+            before += error * error;
+            after += (error - weights.dot(&scaled(rows, *shift, row))).powi(2);
+        }
+    }
+    (before > 0.0).then(|| 1.0 - after / before)
+}

@@ -102,8 +102,8 @@ impl<'a> Conclusion<'_, 'a> {
         explanation.split = self.blocks();
         explanation.seconds = usable;
         explanation.traces = traces;
-        if let Some(ordinary) = self.ordinary {
-            explanation.take_ordinary(ordinary);
+        if let Some((ordinary, decides)) = self.ordinary {
+            explanation.take_ordinary(ordinary, decides);
         }
         let keeps = usize::from(!extended.model.knows_torque);
         let model = self.drives.first().map_or_else(

@@ -17,8 +17,9 @@ pub struct Conclusion<'c, 'a> {
     pub data: &'c Data<'c>,
     /// The plain model with unknown forces.
     pub corrected: &'c Fit<'a>,
-    /// The ordinary car, where it could be fitted.
-    pub ordinary: Option<&'c Ordinary>,
+    /// The ordinary car, where it could be fitted, and whether what it predicts decides: the plain model and its
+    /// effects did not.
+    pub ordinary: Option<(&'c Ordinary, bool)>,
     /// What was chosen.
     pub selection: &'c Selection<'a>,
     /// What it came to.

@@ -77,7 +77,8 @@ impl<'a> Case<'a> {
         let gains = Gains::of(&data, &selection, &corrected);
         progress("the ordinary car", 0.0);
         let ordinary = Ordinary::of(self.vehicle, self.effects, self.recordings, self.held_out, self.seed);
-        let verdict = match gains.verdict(drives.iter().any(turns)) {
+        let by_torque = gains.verdict(drives.iter().any(turns));
+        let verdict = match by_torque {
             // What does not repeat is the road.
             Verdict::UnknownPhysics if ordinary.as_ref().is_some_and(Ordinary::is_enough) => {
                 Verdict::Adequate
@@ -91,7 +92,7 @@ impl<'a> Case<'a> {
             drives: &drives,
             data: &data,
             corrected: &corrected,
-            ordinary: ordinary.as_ref(),
+            ordinary: ordinary.as_ref().map(|ordinary| (ordinary, by_torque == Verdict::UnknownPhysics)),
             selection: &selection,
             verdict,
         }

@@ -180,6 +180,9 @@ pub struct Explanation {
     /// The ordinary car, where it could be fitted; what the JSON has of it stands above.
     #[serde(skip)]
     pub ordinary: Option<Ordinary>,
+    /// Does it predict what the plain model does not?
+    #[serde(skip)]
+    pub needs_ordinary: bool,
 }
 
 impl Explanation {
@@ -206,14 +209,26 @@ impl Explanation {
             seconds: 0.0,
             traces: Vec::new(),
             ordinary: None,
+            needs_ordinary: false,
         }
     }
 }
 
 impl Explanation {
-    /// Says what the ordinary car says.
-    pub fn take_ordinary(&mut self, ordinary: &Ordinary) {
+    /// Says what the ordinary car says. Where it decides, the plain model is compared with it in its own way: by one free
+    /// run with the measured speed.
+    pub fn take_ordinary(&mut self, ordinary: &Ordinary, decides: bool) {
         self.fit.ordinary = Some(ordinary.fit.clone());
+        if decides {
+            let take = |to: &mut Parts<ByChannel>, from: &Parts<ByChannel>| {
+                to.train.extend(from.train.clone());
+                to.holdout.extend(from.holdout.clone());
+            };
+            take(&mut self.fit.baseline, &ordinary.plain_fit);
+            take(&mut self.fit.extended, &ordinary.fit);
+            let yaw_rate = |fit: &Parts<ByChannel>| fit.holdout.get("yaw_rate").copied().unwrap_or(f64::NAN);
+            self.needs_ordinary = yaw_rate(&ordinary.fit) > yaw_rate(&ordinary.plain_fit);
+        }
         let of_the_car = |number: &&Number| !number.is_at_bound;
         let named = |number: &Number| {
             let of = number.recording.as_ref().map_or(String::new(), |recording| format!(" of {recording}"));

@@ -17,10 +17,19 @@ pub fn lines(ordinary: &Ordinary) -> Vec<String> {
             .to_owned(),
     ];
     for (channel, fit) in &ordinary.fit.holdout {
-        let mut line = format!("{}: {fit:.1} % of the held-out driving predicted", plain(channel));
+        let mut line = format!(
+            "{}: {fit:.1} % held out (the car as configured: {:.1} %)",
+            plain(channel),
+            ordinary.plain_fit.holdout.get(channel).copied().unwrap_or(f64::NAN)
+        );
         if let Some(left) = ordinary.disturbances.get(channel) {
-            let _ =
-                write!(line, "; it leaves {:.2} {} over {:.2} s", left.std, left.unit, left.time_constant_s);
+            let _ = write!(
+                line,
+                "; it leaves {} {} over {:.2} s",
+                three(left.std),
+                left.unit,
+                left.time_constant_s
+            );
         }
         if let Some(remaining) = ordinary.remaining.get(channel) {
             let _ = write!(
@@ -68,6 +77,8 @@ pub struct Report {
     starts: Vec<Start>,
     fit: Parts<ByChannel>,
     left_out: Vec<String>,
+    /// Sideslip of the free run, [s, rad], by recording.
+    sideslip: BTreeMap<String, Vec<[f64; 2]>>,
     method: &'static str,
 }
 
@@ -121,6 +132,7 @@ pub fn report(ordinary: &Ordinary) -> Report {
         starts: (0..count).map(start).collect(),
         fit: ordinary.fit.clone(),
         left_out: ordinary.left_out.clone(),
+        sideslip: ordinary.sideslip.iter().cloned().collect(),
         method: "ordinary",
     }
 }

@@ -7,13 +7,14 @@ use physics::model::effect::EffectConfig;
 use physics::model::{TireKind, Uncertain, Vehicle};
 
 use super::fit::{FreeFit, fit};
-use super::inputs::{FreeDrive, Held, STEP_S};
-use super::numbers::{free, with_ordinary};
+use super::inputs::{FreeDrive, Held};
+use super::numbers::{free, on_time, with_ordinary};
 use super::remaining::{Remaining, remaining};
 use super::run::Predicted;
 use crate::explain::model::Model;
 use crate::explain::predict::Recording;
 use crate::explain::result::{ByChannel, Disturbance, Estimate, Parts};
+use crate::identify::Values;
 
 /// A number of the car or of a recording's measurement.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +49,8 @@ pub struct FreeTrace {
 pub struct Ordinary {
     /// Fit by channel, %, of the free run.
     pub fit: Parts<ByChannel>,
+    /// The same of the car as configured, its numbers refitted, sensors on time.
+    pub plain_fit: Parts<ByChannel>,
     /// Its numbers.
     pub numbers: Vec<Number>,
     /// What it does not predict, by channel.
@@ -58,8 +61,8 @@ pub struct Ordinary {
     pub left_out: Vec<String>,
     /// Measured and predicted.
     pub traces: Vec<FreeTrace>,
-    /// Sideslip that the free run gives, by recording: time, rad.
-    pub sideslip: Vec<Vec<[f64; 2]>>,
+    /// Sideslip that the free run gives: recording; time, s, and rad.
+    pub sideslip: Vec<(String, Vec<[f64; 2]>)>,
 }
 
 /// The magic formula's shape for lateral force where no table has it: 1.3 (Bakker, Nyborg & Pacejka 1987), and what cars
@@ -70,8 +73,13 @@ const SHAPE: Uncertain = Uncertain { value: 1.3, std: 0.15 };
 /// steered: then nothing can be said of what is left. A drive that hardly turns is not better.
 const LEAST_FIT: f64 = 60.0;
 
-/// Points of a trace, per second.
-const TRACED_PER_S: usize = 20;
+/// Of all recordings together so many seconds are run, of each at least so many: a fit takes some seconds of computing
+/// for a minute of driving, and tires do not change.
+const MOST_S: f64 = 600.0;
+const LEAST_OF_EACH_S: f64 = 60.0;
+
+/// Of so many points of a trace one is kept: twenty a second are more than a page can show.
+const TRACED_EVERY: usize = 5;
 
 impl Number {
     /// Why the recordings do not tell it; none where they do.
@@ -83,7 +91,7 @@ impl Number {
             ));
         }
         (self.estimate.std > LEAST_TOLD * self.prior.std)
-            .then(|| "the recordings say less of it than was known before".to_owned())
+            .then(|| "the recordings add little to what was known before".to_owned())
     }
 }
 
@@ -109,13 +117,14 @@ impl Ordinary {
         }
         let first_held = recordings.len() - held_out.min(recordings.len());
         let (mut drives, mut left_out) = (Vec::new(), Vec::new());
+        let most_s = (MOST_S / recordings.len().max(1) as f64).max(LEAST_OF_EACH_S);
         for (number, recording) in recordings.iter().enumerate() {
             let held = match held_out {
                 0 => Held::EveryThird,
                 _ if number >= first_held => Held::Everything,
                 _ => Held::Nothing,
             };
-            match FreeDrive::new(recording, &own, held) {
+            match FreeDrive::new(recording, &own, held, most_s) {
                 Ok(drive) => drives.push(drive),
                 Err(why) => left_out.push(format!("{}: {why}", recording.name)),
             }
@@ -126,11 +135,16 @@ impl Ordinary {
         let mut model = Model::plain(&own, false).with_configured(effects);
         // Delays are searched for, not supposed.
         model.delays = Default::default();
+        let plain = Model { vehicle, values: Values::of(vehicle), ..model.clone() };
         let model = with_ordinary(&model);
-        let found = fit(&model, free(&model, &own, &drives), &drives, false);
+        let (found, plain) = rayon::join(
+            || fit(&model, free(&model, &own, &drives), &drives),
+            || fit(&plain, on_time(free(&plain, vehicle, &drives)), &drives),
+        );
         let predicted = &found.predicted;
         let mut answer = Self {
             fit: fits(&drives, predicted),
+            plain_fit: fits(&drives, &plain.predicted),
             numbers: numbers(&found, &drives),
             disturbances: BTreeMap::new(),
             remaining: BTreeMap::new(),
@@ -163,7 +177,8 @@ impl Ordinary {
     /// Does it predict the held-out yaw rate, and does nothing of what it leaves repeat?
     pub fn is_enough(&self) -> bool {
         let fit = self.fit.holdout.get(Quantity::YawRate.name()).copied().unwrap_or(f64::NAN);
-        fit >= LEAST_FIT && !self.remaining.values().any(Remaining::repeats)
+        let asked = self.remaining.contains_key(Quantity::YawRate.name());
+        fit >= LEAST_FIT && asked && !self.remaining.values().any(Remaining::repeats)
     }
 }
 
@@ -228,14 +243,49 @@ fn numbers(found: &FreeFit<'_>, drives: &[FreeDrive]) -> Vec<Number> {
     found.free.iter().enumerate().map(of).collect()
 }
 
-fn sideslip(drive: &FreeDrive, predicted: &Predicted) -> Vec<[f64; 2]> {
-    let all = predicted.sideslip.iter().enumerate().filter(|(i, _)| drive.counts[*i]);
-    all.map(|(i, slip)| [drive.time(i), *slip]).collect()
+fn sideslip(drive: &FreeDrive, predicted: &Predicted) -> (String, Vec<[f64; 2]>) {
+    let some = predicted.sideslip.iter().enumerate().step_by(TRACED_EVERY).filter(|(i, _)| drive.counts[*i]);
+    (drive.name.clone(), some.map(|(i, slip)| [drive.time(i), *slip]).collect())
 }
 
 fn trace(drive: &FreeDrive, predicted: &Predicted, channel: Quantity) -> Option<FreeTrace> {
-    let every = (1.0 / STEP_S) as usize / TRACED_PER_S;
     let (measured, said) = (measured(drive, channel)?, said(predicted, channel));
-    let rows = (0..drive.points()).step_by(every).map(|i| [drive.time(i), measured[i], said[i]]).collect();
+    let rows =
+        (0..drive.points()).step_by(TRACED_EVERY).map(|i| [drive.time(i), measured[i], said[i]]).collect();
     Some(FreeTrace { recording: drive.name.clone(), channel, rows })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::bench::recorded;
+    use super::*;
+
+    /// What is hidden in a recording comes out of a free run: the car, delays and offsets.
+    #[test]
+    fn a_late_steering_a_small_wheel_and_a_relaxing_tire_come_out() {
+        let hidden = "[[effect]]\nkind = \"sensor_delay\"\nchannel = \"steering_wheel_angle\"\ndelay_s = 0.08\n\
+                      [[effect]]\nkind = \"sensor_bias\"\nchannel = \"yaw_rate\"\nbias = 0.02\n\
+                      [[effect]]\nkind = \"relaxation_length\"\nlength_m = 0.6\n";
+        let (vehicle, recording) = recorded(hidden);
+        let found = Ordinary::of(&vehicle, &[], &[recording], 0, 1).unwrap();
+        let number = |name: &str| found.numbers.iter().find(|number| number.name == name).unwrap();
+        let is_near = |name: &str, truth: f64, most: f64| {
+            let estimate = number(name).estimate;
+            let apart = (estimate.value - truth).abs();
+            assert!(apart < most && apart < 4.0 * estimate.std.max(0.1 * most), "{name} {estimate:?}");
+        };
+        is_near("steering_wheel_angle_delay_s", 0.08, 0.015);
+        is_near("yaw_rate_offset", 0.02, 0.004);
+        is_near("relaxation_length.length_m", 0.6, 0.2);
+        let yaw_rate = |fit: &Parts<ByChannel>| fit.holdout["yaw_rate"];
+        assert!(yaw_rate(&found.fit) > 95.0 && yaw_rate(&found.fit) > yaw_rate(&found.plain_fit) + 2.0);
+        assert!(found.is_enough(), "{:?}", found.remaining);
+    }
+
+    #[test]
+    fn a_recording_without_yaw_rate_or_driving_is_left_out() {
+        let (vehicle, mut recording) = recorded("");
+        recording.tracks[Quantity::YawRate as usize].clear();
+        assert!(Ordinary::of(&vehicle, &[], &[recording], 0, 1).is_none());
+    }
 }

@@ -67,7 +67,6 @@ struct Problem<'p, 'a> {
     model: &'p Model<'a>,
     free: &'p [Free],
     drives: &'p [FreeDrive],
-    uses_held: bool,
 }
 
 /// Normal equations at a point.
@@ -78,9 +77,9 @@ struct Normal {
     scatter: DMatrix<f64>,
 }
 
-/// Fits; with `uses_held` to everything, else to the training part only.
-pub fn fit<'a>(model: &Model<'a>, free: Vec<Free>, drives: &[FreeDrive], uses_held: bool) -> FreeFit<'a> {
-    let problem = Problem { model, free: &free, drives, uses_held };
+/// Fits to the training part.
+pub fn fit<'a>(model: &Model<'a>, free: Vec<Free>, drives: &[FreeDrive]) -> FreeFit<'a> {
+    let problem = Problem { model, free: &free, drives };
     let first = problem.first_scale();
     let starts: Vec<Vec<f64>> = STARTS.iter().map(|start| problem.start(*start)).collect();
     let mut paths: Vec<FreeStart> = starts
@@ -152,15 +151,10 @@ impl<'p, 'a> Problem<'p, 'a> {
         run(&self.drives[drive], &model.car(), sensing)
     }
 
-    /// Is a grid point fitted to?
-    fn is_used(&self, drive: &FreeDrive, i: usize) -> bool {
-        drive.counts[i] && (self.uses_held || !drive.held[i])
-    }
-
     /// Residuals of both channels at every so many grid points, not a number where there are none.
     fn residuals(&self, drive: &FreeDrive, predicted: &Predicted) -> Vec<[f64; 2]> {
         let at = |i: usize| {
-            if !self.is_used(drive, i) {
+            if !drive.counts[i] || drive.held[i] {
                 return [f64::NAN; 2];
             }
             let lateral =

@@ -77,11 +77,11 @@ pub enum Unusable {
 }
 
 impl FreeDrive {
-    /// Of a recording of this vehicle.
+    /// Of a recording of this vehicle; of a longer one those `most_s` seconds in which it turns most.
     ///
     /// # Errors
     /// If yaw rate, steering or speed is missing, or the car hardly moves.
-    pub fn new(recording: &Recording, vehicle: &Vehicle, held: Held) -> Result<Self, Unusable> {
+    pub fn new(recording: &Recording, vehicle: &Vehicle, held: Held, most_s: f64) -> Result<Self, Unusable> {
         let track = |quantity: Quantity| -> Result<&[(f64, f64)], Unusable> {
             let track = &recording.tracks[quantity as usize];
             if recording.has(quantity) { Ok(track) } else { Err(Unusable::Missing(quantity.name())) }
@@ -99,8 +99,8 @@ impl FreeDrive {
         if end - begin < (2.0 * BLOCK_S / STEP_S) as usize {
             return Err(Unusable::Standing);
         }
+        let (begin, points) = liveliest(yaw, (first, begin, end - begin), (most_s / STEP_S) as usize);
         let from_s = first + begin as f64 * STEP_S;
-        let points = end - begin;
         let time = |i: usize| from_s + i as f64 * STEP_S;
         let lateral = track(Quantity::LateralAcceleration).ok().map(|track| {
             let margin = MEAN_POINTS;
@@ -151,6 +151,24 @@ impl FreeDrive {
             .map(|i| interpolated(&self.steering, &mut cursor, self.from_s + delay + i as f64 * half).0)
             .collect()
     }
+}
+
+/// The stretch of at most so many points in which the car turns most: its first point and its length.
+fn liveliest(yaw: &[(f64, f64)], (first, begin, points): (f64, usize, usize), most: usize) -> (usize, usize) {
+    if points <= most {
+        return (begin, points);
+    }
+    let turning = resampled(yaw, first + begin as f64 * STEP_S, points);
+    let square = |i: usize| if turning[i].is_finite() { turning[i] * turning[i] } else { 0.0 };
+    let mut sum: f64 = (0..most).map(square).sum();
+    let mut best = (sum, 0);
+    for from in 1..=points - most {
+        sum += square(from + most - 1) - square(from - 1);
+        if sum > best.0 {
+            best = (sum, from);
+        }
+    }
+    (begin + best.1, most)
 }
 
 /// Means as the accelerations are compared.

@@ -101,6 +101,12 @@ const LONGEST_DELAY_S: f64 = 0.3;
 /// Wheel radii and speed messages are right to some per cent.
 const SPEED_SCALE: (f64, f64) = (1.0, 0.03);
 
+/// The same without delays, as a plain model takes its sensors.
+pub fn on_time(mut free: Vec<Free>) -> Vec<Free> {
+    free.retain(|free| !matches!(free.number, Number::SpeedDelay | Number::Of(Place::Delay(_))));
+    free
+}
+
 /// All that is free in a model for these drives.
 pub fn free(model: &Model<'_>, vehicle: &Vehicle, drives: &[FreeDrive]) -> Vec<Free> {
     let has_lateral = drives.iter().any(|drive| drive.lateral.is_some());

@@ -238,6 +238,9 @@ pub fn verdict(verdict: Verdict) -> &'static str {
 pub fn headline(explanation: &Explanation) -> String {
     match explanation.verdict {
         Verdict::MissingPhysics => found(&explanation.findings),
+        Verdict::Adequate if explanation.needs_ordinary => {
+            "What every car has explains it; what is left does not repeat".into()
+        }
         Verdict::Adequate => "The plain model is adequate".into(),
         Verdict::UnknownPhysics => "Something is missing that no known effect explains".into(),
         Verdict::InsufficientExcitation => "This drive says too little to judge the model".into(),

@@ -1,0 +1,131 @@
+//! The ordinary car on real drives, beside the yardstick that comes with them: how well it predicts what was held out.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+use testing::program::{gripd, target};
+use testing::results::Section;
+
+/// `gripd identify --method ordinary`, as JSON.
+fn identified(config: &Path, logs: &[PathBuf]) -> Value {
+    let mut command = gripd();
+    let output = command.args(["-q", "identify", "--method", "ordinary", "--json", "-", "-c"]).arg(config).args(logs);
+    let output = output.output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn held_out(answer: &Value, channel: &str) -> f64 {
+    answer["fit"]["holdout"][channel].as_f64().unwrap_or(f64::NAN)
+}
+
+#[test]
+fn a_drive_in_circles_is_predicted_by_steering_and_speed() {
+    let Some(folder) = testing::shared("recordings") else { return };
+    let log = folder.join("gti/group1controller.log.gz");
+    let answer = identified(&folder.join("gti/drives.toml"), &[log]);
+    // A plain bicycle reaches 95.7 and 50.8.
+    assert!(held_out(&answer, "yaw_rate") > 96.2, "{}", answer["fit"]);
+    assert!(held_out(&answer, "lateral_acceleration") > 50.8, "{}", answer["fit"]);
+}
+
+mod by_hand {
+    use super::*;
+
+    /// What the yardstick says of a drive: fits of yaw rate and lateral acceleration, deviation of the sideslip, degrees.
+    /// Not a number without a Python that has numpy, scipy, numba and pandas (named by `YARDSTICK_PYTHON`).
+    fn yardstick(folder: &Path, config: &Path, log: &Path) -> [f64; 3] {
+        let python = std::env::var("YARDSTICK_PYTHON").unwrap_or_else(|_| "python3".into());
+        let mut command = Command::new(python);
+        command.arg(folder.join("tools/bicycle.py")).args([config, log]);
+        command.arg("--truth").arg(log.parent().unwrap().join("truth"));
+        let output = command.output().unwrap();
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        ["yaw rate", "lateral acceleration", "sideslip rms"].map(|what| {
+            let (_, rest) = text.split_once(what).unwrap_or_default();
+            rest.split_whitespace().next().and_then(|number| number.parse().ok()).unwrap_or(f64::NAN)
+        })
+    }
+
+    /// Deviation of the sideslip from the truth beside a recording above 5 m/s, degrees.
+    fn sideslip(answer: &Value, log: &Path) -> f64 {
+        let name = log.file_name().unwrap().to_string_lossy().replace(".log.gz", ".truth.csv.gz");
+        let Ok(file) = std::fs::File::open(log.parent().unwrap().join("truth").join(name)) else { return f64::NAN };
+        let text = std::io::read_to_string(flate2::read::MultiGzDecoder::new(file)).unwrap();
+        let mut lines = text.lines();
+        let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let places = ["t", "vx", "vy"].map(|name| header.iter().position(|column| *column == name).unwrap());
+        let row = |line: &str| {
+            let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
+            places.map(|place| cells[place])
+        };
+        let truth: Vec<[f64; 3]> = lines.map(row).filter(|row| row.iter().all(|cell| cell.is_finite())).collect();
+        let (mut sum, mut count) = (0.0, 0.0);
+        for point in answer["sideslip"].as_object().unwrap().values().flat_map(|all| all.as_array().unwrap()) {
+            let (t, slip) = (point[0].as_f64().unwrap(), point[1].as_f64().unwrap());
+            let place = truth.partition_point(|row| row[0] < t).min(truth.len() - 1);
+            let [_, vx, vy] = truth[place];
+            if vx > 5.0 {
+                sum += (slip - vy.atan2(vx)).powi(2);
+                count += 1.0;
+            }
+        }
+        f64::sqrt(sum / count).to_degrees()
+    }
+
+    /// The table of the guide's results. `GRIPD_RENEW=1 YARDSTICK_PYTHON=… cargo test --release --test campaign
+    /// by_hand::free_runs_beside_the_yardstick -- --ignored`.
+    #[test]
+    #[ignore = "by hand: ten minutes, and Python with numba for the yardstick"]
+    fn free_runs_beside_the_yardstick() {
+        let Some(folder) = testing::shared("recordings") else { return };
+        let mut rows = Vec::new();
+        for config in ["gti/drives.toml", "gti/laps.toml", "tts/car.toml", "gti_payload/car.toml", "av21/car.toml"] {
+            let config = folder.join(config);
+            let mut logs: Vec<PathBuf> = std::fs::read_dir(config.parent().unwrap())
+                .unwrap()
+                .map(|entry| entry.unwrap().path())
+                .filter(|path| path.to_string_lossy().ends_with(".log.gz"))
+                .collect();
+            logs.sort();
+            let is_lap = config.ends_with("laps.toml");
+            // A group's drive belongs to drives.toml, a lap to laps.toml; two laps have another drive's steering.
+            logs.retain(|log| {
+                let name = log.file_name().unwrap().to_string_lossy().into_owned();
+                !config.starts_with(folder.join("gti")) && !is_lap
+                    || name.starts_with("group") != is_lap && !name.starts_with("dry1") && !name.starts_with("wet2")
+            });
+            for log in logs {
+                let answer = identified(&config, std::slice::from_ref(&log));
+                let [yaw, lateral, slip] = yardstick(&folder, &config, &log);
+                let own = [held_out(&answer, "yaw_rate"), held_out(&answer, "lateral_acceleration")];
+                let number = |value: f64, digits: usize| {
+                    if value.is_finite() { format!("{value:.digits$}") } else { "–".into() }
+                };
+                let place = log.strip_prefix(&folder).unwrap().display().to_string();
+                let row = format!(
+                    "{} | {} | {} | {} | {} | {} | {}",
+                    place.replace(".log.gz", ""),
+                    number(yaw, 1),
+                    number(own[0], 1),
+                    number(lateral, 1),
+                    number(own[1], 1),
+                    number(slip, 2),
+                    number(sideslip(&answer, &log), 2),
+                );
+                println!("{row}");
+                rows.push(row);
+            }
+        }
+        std::fs::write(target("free_runs.txt"), rows.join("\n")).unwrap();
+        let section = Section {
+            name: "free_runs",
+            seed: "recorded",
+            tolerance: 0.02,
+            header: "drive | bicycle: yaw rate | gripd: yaw rate | bicycle: lateral acceleration | gripd: lateral \
+                     acceleration | bicycle: sideslip, ° | gripd: sideslip, °",
+        };
+        section.check(&rows);
+    }
+}

@@ -217,7 +217,12 @@ fn quantity(out: &mut impl Write, channel: &ChannelReport) -> io::Result<()> {
 fn audit(out: &mut impl Write, chain: &ChainReport) -> io::Result<()> {
     writeln!(out, "measurement chain: {:.0} s, {:.0} s of them moving", chain.seconds, chain.moving_seconds)?;
     if chain.findings.is_empty() {
-        writeln!(out, "  nothing found wrong")?;
+        let words = if chain.compared {
+            "nothing found wrong"
+        } else {
+            "nothing could be compared, so nothing is said"
+        };
+        writeln!(out, "  {words}")?;
     }
     for finding in &chain.findings {
         let confidence = match finding.confidence {

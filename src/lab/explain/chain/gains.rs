@@ -122,7 +122,7 @@ fn next_scale(series: &Series, links: &[Link], report: &mut ChainReport) -> Opti
     let words = words.filter(|_| large);
     let confidence = if surely && best.gain - next > SURE {
         Confidence::Certain
-    } else if best.gain - next > AHEAD {
+    } else if best.gain - next > AHEAD && best.value.abs() > pressed {
         Confidence::Likely
     } else {
         Confidence::Unclear

@@ -74,13 +74,13 @@ pub fn audit(samples: &[Sample], vehicle: &Vehicle, sensors: &Sensors) -> ChainR
         offsets::at_standstill(&series, &mut report);
         return report;
     }
+    longitudinal::swapped_accelerations(&mut series, &mut report);
     foreign::signals(&mut series, &mut report);
     if series.moving_seconds() < series::LEAST_MOVING_S {
         report.unclear("everything else", "record what belongs together");
         report.sort();
         return report;
     }
-    longitudinal::swapped_accelerations(&mut series, &mut report);
     signs::lateral(&mut series, &mut report);
     longitudinal::signs(&mut series, &mut report);
     wheels::swaps(&mut series, &mut report);

@@ -16,8 +16,8 @@ const IMPOSSIBLE: f64 = 15.0;
 const COASTING: f64 = 0.8;
 /// Nobody knows better where the accelerometer sits, m. Prior: standard deviation.
 const ACCELEROMETER_PLACE_M: f64 = 0.15;
-/// Zeros of yaw rate sensors, rad/s. Prior: standard deviation, as in [`super::offsets`] what is extraordinary.
-const YAW_ZERO: f64 = 0.03;
+/// Zeros of yaw rate sensors, rad/s. Prior: standard deviation, as for the wheels.
+const YAW_ZERO: f64 = 0.01;
 /// Outer wheels, pressed down, roll on a smaller radius: difference of the two, relative, per lateral
 /// acceleration, at most about this, s²/m. Physical.
 const LOADED_RADIUS: f64 = 8e-4;

@@ -32,7 +32,8 @@ fn speed(wheel: Wheel) -> Quantity {
 /// Factors between these are no unit and no sign: there curves have to be told from errors. Physical: what the inner and
 /// the outer wheel of the tightest curve have.
 const CURVES: std::ops::Range<f64> = 0.75..1.33;
-/// Where the other axle's wheels differ by less, the car goes straight. Physical: radii of 100 m and more.
+/// Where the other axle's wheels differ by less, and would by the yaw rate, the car goes straight. Physical: radii of
+/// 100 m and more.
 const STRAIGHT: f64 = 0.015;
 /// For so long, s. Statistical: some blocks.
 const STRAIGHT_S: f64 = 8.0;
@@ -42,6 +43,7 @@ const LEAST_BLOCKS: usize = 3;
 
 /// A wheel that is far from the others: sign, unit, wrong signal. Put right in the series.
 pub(super) fn unit_factors(series: &mut Series, report: &mut ChainReport) {
+    let track = series.vehicle.track_rear_m.value;
     for wheel in Wheel::ALL {
         let (mut everywhere, mut straight) = (Vec::new(), Vec::new());
         let mut blocks = std::collections::BTreeSet::new();
@@ -58,7 +60,8 @@ pub(super) fn unit_factors(series: &mut Series, report: &mut ChainReport) {
             everywhere.push(own / middle);
             let [left, right] =
                 if wheel.is_front() { [speeds[2], speeds[3]] } else { [speeds[0], speeds[1]] };
-            if (left - right).abs() < STRAIGHT * middle {
+            let turning = track * series.r[row] / series.v[row];
+            if (left - right).abs() < STRAIGHT * middle && turning.abs() < STRAIGHT {
                 straight.push(own / middle);
                 blocks.insert(series.block(row));
             }

@@ -78,7 +78,12 @@ fn next_delay(
             pattern: links.iter().map(|link| channel.sense(link.relation)).collect(),
         })
         .collect();
-    let (_, explanations) = attribute(&evidence, &causes)?;
+    let (_, mut explanations) = attribute(&evidence, &causes)?;
+    // Nothing is early: a channel that seems so means that all others are late, and one cause is more likely than several.
+    for early in explanations.iter_mut().filter(|cause| cause.value < 0.0) {
+        early.gain = (early.gain - AHEAD).max(0.0);
+    }
+    explanations.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let best = *explanations.first()?;
     let least = if best.value.abs() > TUNING.long_s { SUSPECTED } else { FOUND };
     if best.gain < least || best.value.abs() < TUNING.ordinary_s {

@@ -194,11 +194,7 @@ fn every_real_recording_is_read() {
     for (car, log) in recorded() {
         let path = car.without(folder.path(), &[]);
         for command in ["replay", "check", "identify"] {
-            // Two of the Zoe's scenes stand still, and one creeps.
-            let output = run(command, &path, &log, &[]);
-            let said = String::from_utf8_lossy(&output.stderr);
-            let stands = command == "identify" && said.contains("no stretch of 1 s");
-            assert!(output.status.success() || stands, "{command} {}: {said}", log.display());
+            loads(command, &path, &log, &[]);
         }
     }
 }
@@ -236,23 +232,55 @@ fn what_is_certain_of_a_real_recording_is_true() {
     }
 }
 
+#[track_caller]
+fn loads(command: &str, car: &Path, log: &Path, gone: &[Quantity]) {
+    let output = run(command, car, log, &[]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    // Two of the Zoe's scenes stand still, and one creeps.
+    let stands = command == "identify" && said.contains("no stretch of 1 s");
+    assert!(output.status.success() || stands, "{command} {} without {gone:?}: {said}", log.display());
+}
+
 #[test]
-#[ignore = "long: 33 recordings, each without each of its optional signals, in every command"]
+#[ignore = "long: 33 recordings, each without each of its optional signals"]
 fn every_real_recording_is_read_without_each_of_its_optional_signals() {
     let folder = tempfile::tempdir().unwrap();
     for (car, log) in recorded() {
         for gone in car.optional() {
             let path = car.without(folder.path(), &[gone]);
-            for command in ["replay", "check", "identify", "explain"] {
-                let output = run(command, &path, &log, &[]);
-                let said = String::from_utf8_lossy(&output.stderr);
-                let stands = command == "identify" && said.contains("no stretch of 1 s");
-                assert!(
-                    output.status.success() || stands,
-                    "{command} {} without {gone}: {said}",
-                    log.display()
-                );
+            for command in ["replay", "check", "identify"] {
+                loads(command, &path, &log, &[gone]);
             }
+        }
+    }
+}
+
+/// The middle of a recording: explaining all of it takes minutes.
+fn middle(log: &Path, folder: &Path, seconds: f64) -> PathBuf {
+    let packed = flate2::read::MultiGzDecoder::new(std::fs::File::open(log).unwrap());
+    let text = std::io::read_to_string(packed).unwrap();
+    let time = |line: &str| line[1..line.find(')').unwrap()].parse::<f64>().unwrap();
+    let (first, last) = (time(text.lines().next().unwrap()), time(text.lines().last().unwrap()));
+    let around = 0.5 * (first + last);
+    let within = text.lines().filter(|line| (time(line) - around).abs() < 0.5 * seconds);
+    let path = folder.join("middle.log");
+    std::fs::write(&path, within.collect::<Vec<_>>().join("\n")).unwrap();
+    path
+}
+
+#[test]
+#[ignore = "long: explains 20 s of each of 33 recordings, and of one of each car without each optional signal"]
+fn every_real_recording_is_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut seen: Vec<toml::Table> = Vec::new();
+    for (car, log) in recorded() {
+        let log = middle(&log, folder.path(), 20.0);
+        loads("explain", &car.without(folder.path(), &[]), &log, &[]);
+        if !seen.contains(&car.0) {
+            for gone in car.optional() {
+                loads("explain", &car.without(folder.path(), &[gone]), &log, &[gone]);
+            }
+            seen.push(car.0);
         }
     }
 }

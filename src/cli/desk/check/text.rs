@@ -187,6 +187,9 @@ fn recording(out: &mut impl Write, report: &RecordingReport) -> io::Result<()> {
     for channel in &report.quantities {
         quantity(out, channel)?;
     }
+    for channel in report.quantities.iter().filter(|channel| channel.min.is_none()) {
+        writeln!(out, "warning: {} never has a value: as if it were not configured", channel.quantity)?;
+    }
     for channel in &report.quantities {
         for [from, to] in &channel.stuck {
             writeln!(out, "warning: {} stands still from {from:.1} s to {to:.1} s", channel.quantity)?;

@@ -21,6 +21,8 @@ const YAW_ZERO: f64 = 0.01;
 /// Outer wheels, pressed down, roll on a smaller radius: difference of the two, relative, per lateral
 /// acceleration, at most about this, s²/m. Physical.
 const LOADED_RADIUS: f64 = 8e-4;
+/// Delays beyond this are longer than what tires and body make a relation look late by, s. Physical.
+const EVIDENT_DELAY_S: f64 = 0.2;
 /// Delays are looked for up to this, s. Physical: the bound of `sensor_delay`.
 const LONGEST_DELAY_S: f64 = 0.5;
 
@@ -72,6 +74,8 @@ pub(super) struct Link {
     /// How far an error of the regressor, at most, has pressed the gain down (logarithmic): all that the relation leaves
     /// unexplained may be such an error (Frisch's bound: the slope the other way round).
     pub(super) pressed: f64,
+    /// The share that the regressor explains by itself.
+    alone: f64,
     /// How many blocks it rests on.
     pub(super) blocks: usize,
     /// The response is this much later than the regressor, s.
@@ -88,6 +92,7 @@ pub(super) struct Link {
 pub(super) fn link(series: &Series, relation: Relation) -> Option<Link> {
     let mut delay = 0.0;
     let mut link = evaluate(series, relation, delay)?;
+    let undelayed = link.alone;
     for _ in 0..4 {
         let step = link.delay;
         if !link.is_clear || !step.is_finite() || (delay + step).abs() > LONGEST_DELAY_S {
@@ -100,7 +105,9 @@ pub(super) fn link(series: &Series, relation: Relation) -> Option<Link> {
         }
     }
     let whole = delay + link.delay;
-    Some(Link { delay: if whole.abs() > LONGEST_DELAY_S { f64::NAN } else { whole }, ..link })
+    // A long delay shows without any small terms, too: put right, the two look more alike than before.
+    let shows = whole.abs() < EVIDENT_DELAY_S || link.alone > undelayed;
+    Some(Link { delay: if whole.abs() > LONGEST_DELAY_S || !shows { f64::NAN } else { whole }, ..link })
 }
 
 fn evaluate(series: &Series, relation: Relation, shift: f64) -> Option<Link> {
@@ -153,6 +160,7 @@ fn summary<const K: usize>(relation: Relation, fit: &Fit<K>, rows: &[Row<K>]) ->
         gain,
         gain_std: fit.std[0],
         pressed: -fit.explained.clamp(1e-6, 1.0).ln(),
+        alone: plain.explained,
         blocks: fit.blocks,
         delay: -fit.value[1] / gain,
         delay_std: fit.std[1] / gain.abs(),

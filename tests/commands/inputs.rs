@@ -269,12 +269,12 @@ fn middle(log: &Path, folder: &Path, seconds: f64) -> PathBuf {
 }
 
 #[test]
-#[ignore = "long: explains 10 s of each of 33 recordings, and of one of each car without each optional signal"]
+#[ignore = "long: explains 20 s of each of 33 recordings, and of one of each car without each optional signal"]
 fn every_real_recording_is_explained() {
     let folder = tempfile::tempdir().unwrap();
     let mut seen: Vec<toml::Table> = Vec::new();
     for (car, log) in recorded() {
-        let log = middle(&log, folder.path(), 10.0);
+        let log = middle(&log, folder.path(), 20.0);
         loads("explain", &car.without(folder.path(), &[]), &log, &[]);
         if !seen.contains(&car.0) {
             for gone in car.optional() {

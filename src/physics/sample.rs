@@ -130,20 +130,44 @@ impl Quantity {
         }
     }
 
-    /// The required ones, as bits.
-    pub const REQUIRED: u16 = {
-        let (mut bits, mut place) = (0, 0);
-        while place < Self::COUNT {
-            bits |= (Self::ALL[place].is_required() as u16) << place;
+    /// Is it required by itself? One that [tells the speed](Self::tells_speed) is required beside these; all others are
+    /// optional.
+    pub const fn is_required(self) -> bool {
+        matches!(self, Self::YawRate | Self::SteeringWheelAngle)
+    }
+
+    /// Does it tell how fast the car goes?
+    pub const fn tells_speed(self) -> bool {
+        self.wheel().is_some() || matches!(self, Self::VehicleSpeed)
+    }
+
+    /// What has to be among a car's quantities and is not, each as its alternatives: one of them will do.
+    pub fn lacking(has: impl Fn(Self) -> bool) -> Vec<Vec<Self>> {
+        let mut lacking: Vec<_> =
+            Self::ALL.into_iter().filter(|q| q.is_required() && !has(*q)).map(|q| vec![q]).collect();
+        let speeds: Vec<_> = Self::ALL.into_iter().filter(|q| q.tells_speed()).collect();
+        if !speeds.iter().any(|q| has(*q)) {
+            lacking.push(speeds);
+        }
+        lacking
+    }
+
+    /// As a bit.
+    pub const fn bit(self) -> u16 {
+        1 << self as u16
+    }
+
+    /// Of quantities (as bits) those that the estimators stand on: wheels, yaw rate, lateral acceleration and steering;
+    /// the vehicle's speed, where no wheel tells it.
+    pub const fn basic(of: u16) -> u16 {
+        let (mut wheels, mut place) = (0, 0);
+        while place < 4 {
+            wheels |= Self::ALL[place].bit();
             place += 1;
         }
-        bits
-    };
-
-    /// Without these there is nothing to estimate; all others are optional.
-    pub const fn is_required(self) -> bool {
-        self.wheel().is_some()
-            || matches!(self, Self::YawRate | Self::LateralAcceleration | Self::SteeringWheelAngle)
+        let others = Self::YawRate.bit() | Self::LateralAcceleration.bit() | Self::SteeringWheelAngle.bit();
+        let speed = if of & wheels == 0 { Self::VehicleSpeed.bit() } else { 0 };
+        of & (wheels | others | speed)
     }
 
     /// The key in `[signals]` and the column in `--samples`.
@@ -254,10 +278,16 @@ impl Sample {
         ])
     }
 
-    /// All that are required are known.
+    /// Are these (as bits) all known?
     #[inline]
-    pub fn is_complete(&self) -> bool {
-        self.present & Quantity::REQUIRED == Quantity::REQUIRED
+    pub fn has_all(&self, quantities: u16) -> bool {
+        self.present & quantities == quantities
+    }
+
+    /// What is known, as bits.
+    #[inline]
+    pub fn present(&self) -> u16 {
+        self.present
     }
 
     /// No quantity is known.
@@ -306,6 +336,16 @@ impl Sensors {
         }
     }
 
+    /// Takes a quantity out: it is configured, and never had a value.
+    pub fn remove(&mut self, quantity: Quantity) {
+        self.configured &= !quantity.bit();
+    }
+
+    /// What is configured, as bits.
+    pub fn configured(&self) -> u16 {
+        self.configured
+    }
+
     /// Is it on this bus at all?
     pub fn has(&self, quantity: Quantity) -> bool {
         self.configured & (1 << (quantity as usize)) != 0
@@ -328,6 +368,20 @@ mod tests {
             assert_eq!(quantity.name().parse::<Quantity>(), Ok(quantity));
         }
         assert!("speed".parse::<Quantity>().is_err());
+    }
+
+    #[test]
+    fn yaw_rate_steering_and_some_speed_are_enough() {
+        let lacking = |has: &[Quantity]| Quantity::lacking(|q| has.contains(&q)).len();
+        let (yaw, steering) = (Quantity::YawRate, Quantity::SteeringWheelAngle);
+        assert_eq!(lacking(&[]), 3);
+        assert_eq!(lacking(&[yaw, steering]), 1);
+        for speed in Quantity::ALL.into_iter().filter(|q| q.tells_speed()) {
+            assert_eq!(lacking(&[yaw, steering, speed]), 0);
+            let bits = yaw.bit() | steering.bit() | speed.bit();
+            assert_eq!(Quantity::basic(bits), bits);
+        }
+        assert_eq!(Quantity::basic(u16::MAX).count_ones(), 7);
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod check;
 mod demo;
 mod errors;
 mod identify_cli;
+mod inputs;
 mod map;
 mod monitor;
 mod pages;

@@ -308,7 +308,7 @@ fn real_and_realistic_driving_raises_no_fault_and_loses_no_value() {
         let seconds = (frames.last().unwrap().time - frames[0].time).seconds();
         assert!((samples.len() as f64 - seconds * 100.0).abs() < 5.0, "{name}: {} samples", samples.len());
         for sample in &samples[1..] {
-            for quantity in Quantity::ALL.into_iter().filter(|q| q.is_required()) {
+            for quantity in Quantity::ALL.into_iter().take(7) {
                 assert!(sample.get(quantity).is_some(), "{name}: {quantity} at {}", sample.time);
             }
         }

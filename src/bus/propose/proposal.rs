@@ -108,10 +108,10 @@ fn name<S: Serializer>(quantity: &Quantity, serializer: S) -> Result<S::Ok, S::E
 }
 
 impl Proposal {
-    /// Required quantities for which there is nothing.
-    pub fn missing(&self) -> Vec<Quantity> {
-        let missing = self.quantities.iter().filter(|choice| choice.confidence == Confidence::NotFound);
-        missing.map(|choice| choice.quantity).filter(|quantity| quantity.is_required()).collect()
+    /// What is required and not found, each as its alternatives.
+    pub fn missing(&self) -> Vec<Vec<Quantity>> {
+        let found = |choice: &Choice| choice.confidence != Confidence::NotFound;
+        Quantity::lacking(|quantity| self.choice(quantity).is_some_and(found))
     }
 
     /// What is proposed for a quantity.

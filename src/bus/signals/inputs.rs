@@ -42,11 +42,17 @@ impl Inputs {
         wheel_radius_m: f64,
     ) -> Result<Self, SignalsError> {
         let mut problems = Problems::default();
-        for quantity in Quantity::ALL {
-            if quantity.is_required() && !config.quantities.contains_key(&quantity) {
+        for lacking in Quantity::lacking(|quantity| config.quantities.contains_key(&quantity)) {
+            if let [quantity] = lacking[..] {
                 problems.add(
                     format!("signals.{quantity}"),
                     format!("is required; add {quantity} = \"MESSAGE.Signal\""),
+                );
+            } else {
+                let names: Vec<_> = lacking.iter().map(|quantity| quantity.name()).collect();
+                problems.add(
+                    "signals",
+                    format!("some speed is required; add one or more of {}", names.join(", ")),
                 );
             }
         }
@@ -85,10 +91,17 @@ impl Inputs {
         self.traits[quantity as usize].map(|traits| traits.noise_std)
     }
 
-    /// After so long without any frame no required quantity has a value.
+    /// What of the configured is [basic](Quantity::basic), as bits.
+    pub fn basic(&self) -> u16 {
+        let configured = Quantity::ALL.into_iter().filter(|quantity| self.has(*quantity));
+        Quantity::basic(configured.fold(0, |bits, quantity| bits | quantity.bit()))
+    }
+
+    /// After so long without any frame nothing has a value that the estimators stand on.
     pub fn longest_timeout(&self) -> Micros {
-        let required = Quantity::ALL.into_iter().filter(|quantity| quantity.is_required());
-        let timeouts = required.filter_map(|quantity| self.traits[quantity as usize]).map(|t| t.timeout);
+        let basic = self.basic();
+        let stood_on = Quantity::ALL.into_iter().filter(|quantity| basic & quantity.bit() != 0);
+        let timeouts = stood_on.filter_map(|quantity| self.traits[quantity as usize]).map(|t| t.timeout);
         timeouts.max().unwrap_or_default()
     }
 

@@ -48,6 +48,8 @@ pub struct Sampler {
     gates: Vec<Option<(Micros, bool)>>,
     /// Quantities heard of, as bits.
     heard: u16,
+    /// Those that the first sample waits for.
+    awaited: u16,
     /// Events since the last sample.
     pending: Faults,
     /// Lasting conditions of the last sample.
@@ -101,6 +103,7 @@ impl Sampler {
             grid,
             channels,
             heard: 0,
+            awaited: inputs.basic(),
             pending: Faults::empty(),
             lasting: Faults::empty(),
             too_old: 0,
@@ -185,7 +188,7 @@ impl Sampler {
             .check(frame, index)
             .or_else(|| self.too_often(frame, index))
             .unwrap_or_else(|| self.take(frame, index));
-        self.grid.start(self.heard & Quantity::REQUIRED == Quantity::REQUIRED);
+        self.grid.start(self.heard & self.awaited == self.awaited);
         if reason.is_empty() {
             Pushed::Used
         } else {

@@ -77,7 +77,9 @@ impl Map {
         if let Some(broken) = broken {
             return Err(Failure::Work(broken));
         }
-        let missing: Vec<&str> = proposal.missing().into_iter().map(Quantity::name).collect();
+        let either =
+            |group: Vec<Quantity>| group.into_iter().map(Quantity::name).collect::<Vec<_>>().join(" or ");
+        let missing: Vec<String> = proposal.missing().into_iter().map(either).collect();
         if missing.is_empty() {
             return Ok(());
         }

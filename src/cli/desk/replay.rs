@@ -17,7 +17,7 @@ use bus::can::Frame;
 use bus::can::recording::{Format, LogError, Reader, Writer};
 use bus::service::saved::{Claim, Refusal};
 use bus::service::{Engine, SavedState, Sink};
-use physics::{Estimates, Sample};
+use physics::{Estimates, Quantity, Sample};
 
 /// Without -i nothing touches a bus, and the same input gives the same output to the last bit.
 #[derive(Args)]
@@ -119,6 +119,11 @@ impl Replay {
         }
         engine.finish(&mut results);
         progress.finish();
+        for quantity in Quantity::ALL.into_iter().filter(|q| results.heard & q.bit() == 0) {
+            if engine.sampler().inputs().has(quantity) && engine.counts().samples > 0 {
+                tracing::warn!("{quantity} is configured and never has a value in what was replayed");
+            }
+        }
         let stats = totals.stats(&engine, started);
         results.finish()?;
         if let Some(state) = state.filter(|_| engine.driving_s() > driven_before_s) {
@@ -198,6 +203,8 @@ struct Results {
     /// Frames that still have to go onto a bus.
     published: Vec<Frame>,
     onto_bus: bool,
+    /// Quantities that had a value, as bits.
+    heard: u16,
     failure: Option<Failure>,
 }
 
@@ -225,6 +232,7 @@ impl Results {
             samples: samples.transpose()?,
             published: Vec::new(),
             onto_bus: command.interface.is_some(),
+            heard: 0,
             failure: None,
         })
     }
@@ -264,6 +272,7 @@ impl Results {
 
 impl Sink for Results {
     fn estimates(&mut self, sample: &Sample, estimates: &Estimates) {
+        self.heard |= sample.present();
         if let Some(table) = &mut self.estimates {
             let written = table.row(sample, estimates);
             self.check(written);

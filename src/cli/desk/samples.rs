@@ -7,8 +7,9 @@ use super::progress::Progress;
 use bus::Config;
 use bus::can::Frame;
 use bus::can::recording::Reader;
+use bus::service::sensors;
 use bus::signals::{Inputs, Pushed, Sampler};
-use physics::Sample;
+use physics::{Quantity, Sample, Sensors};
 
 /// What a configuration reads from a bus.
 pub fn inputs(config: &Config) -> Result<Inputs, Failure> {
@@ -46,6 +47,28 @@ pub fn of_recording(
     sampler.flush();
     samples.extend(std::iter::from_fn(|| sampler.next_sample()));
     Ok(samples)
+}
+
+/// What a recording has of the configured quantities. One that never has a value counts as one that the car does not
+/// have, and that is told.
+pub fn there(inputs: &Inputs, samples: &[Sample], path: &Path) -> Result<Sensors, Failure> {
+    let heard = samples.iter().fold(0, |bits, sample| bits | sample.present());
+    let mut there = sensors(inputs);
+    for quantity in Quantity::ALL.into_iter().filter(|q| inputs.has(*q) && heard & q.bit() == 0) {
+        there.remove(quantity);
+        tracing::warn!("{}: {quantity} never has a value: as if it were not configured", path.display());
+    }
+    match Quantity::lacking(|quantity| there.has(quantity)).first() {
+        Some(lacking) if !samples.is_empty() => {
+            let names: Vec<_> = lacking.iter().map(|quantity| quantity.name()).collect();
+            Err(Failure::work(format_args!(
+                "{}: {} is required and never has a value; `gripd check` tells more",
+                path.display(),
+                names.join(" or ")
+            )))
+        }
+        _ => Ok(there),
+    }
 }
 
 /// Nothing of what is needed is in a recording.

@@ -4,9 +4,9 @@ use super::predict::delay::{Delayed, Delays};
 use super::predict::{ExtendedCar, Settings};
 use super::tuning::TUNING;
 use crate::identify::{Parameter, Values};
-use physics::Quantity;
 use physics::model::effect::{Channel, Course, EffectConfig, KINDS, Kind, Setting, Spec};
 use physics::model::{TireKind, Vehicle};
+use physics::{Quantity, Wheel};
 
 /// An effect with its numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -157,8 +157,10 @@ impl<'a> Model<'a> {
     pub fn ordinary(&self, has: impl Fn(Quantity) -> bool) -> Vec<Free> {
         let drive = if self.knows_torque {
             crate::identify::LongitudinalInput::Torque
-        } else {
+        } else if Wheel::ALL.into_iter().any(|wheel| has(Quantity::wheel_speed(wheel))) {
             crate::identify::LongitudinalInput::WheelSpeeds
+        } else {
+            crate::identify::LongitudinalInput::Speed
         };
         let is_slip_offset = |p: &Parameter| {
             use Parameter::{SlipOffsetFl, SlipOffsetFr, SlipOffsetRl, SlipOffsetRr};

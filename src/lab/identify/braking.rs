@@ -47,7 +47,7 @@ pub(super) fn recognize(record: &mut Record, vehicle: &Vehicle) {
 fn unexplained_deceleration(record: &Record, vehicle: &Vehicle) -> Vec<(f64, f64)> {
     let car = Car::new(vehicle);
     let half = (0.5 * OVER_S / record.period_s).round().max(1.0) as usize;
-    let speed: Vec<f64> = record.rows.iter().map(|row| row.undriven_speed(vehicle)).collect();
+    let speed: Vec<f64> = record.rows.iter().map(|row| row.speed(vehicle)).collect();
     let by_wheels = centred_slope(&speed, half, record.period_s);
     let felt: Vec<f64> = record.rows.iter().map(|row| row.longitudinal_acceleration).collect();
     let felt = centred_mean(&felt, half);

@@ -29,6 +29,8 @@ pub(super) struct PlainCar<T> {
     /// Yaw inertia / (yaw inertia with that of these wheels at half a track from the middle).
     pub(super) yaw_share: T,
     pub(super) steering_ratio: T,
+    /// Which axles are driven.
+    pub(super) driven: [bool; 2],
     /// Force / load of each axle's wheels per unit of drive torque.
     pub(super) drive_share: [T; 2],
     /// And per bar of brake pressure.
@@ -66,7 +68,7 @@ impl<T: Real> PlainCar<T> {
         let share = |axle: usize, torque: T| torque / (nominal * load[axle]);
         let torque = number(Parameter::DriveTorqueRatio) / count;
         let from_outside = driven.map(|driven| match drive {
-            LongitudinalInput::Torque => true,
+            LongitudinalInput::Torque | LongitudinalInput::Speed => true,
             LongitudinalInput::WheelSpeeds => !driven,
             LongitudinalInput::Slips => false,
         });
@@ -113,6 +115,7 @@ impl<T: Real> PlainCar<T> {
             added_mass,
             yaw_share: yaw_inertia / (yaw_inertia + added_inertia),
             steering_ratio: number(Parameter::SteeringRatio),
+            driven,
             drive_share: [0, 1].map(|axle| if driven[axle] { share(axle, torque) } else { zero }),
             brake_share: [0, 1].map(|axle| share(axle, or_none(number(per_bar[axle])))),
             yaw_rate_offset: number(Parameter::YawRateOffset),

@@ -33,7 +33,7 @@ pub enum IdentifyError {
     },
     /// Nothing to learn from.
     #[error(
-        "no stretch of {least_s} s or more with wheel speeds above 3 m/s, steering and yaw rate or lateral \
+        "no stretch of {least_s} s or more with a speed above 3 m/s, steering and yaw rate or lateral \
          acceleration (braking {braking}) in {records}: record a longer drive, or see `gripd check`"
     )]
     NothingUsable {

@@ -4,7 +4,7 @@
 //! steering that the car does not follow, and the tires for soft ones.
 
 use super::parameter::Parameter;
-use super::record::Record;
+use super::record::{Record, Row};
 use super::smooth::centred_mean;
 use physics::model::{GRAVITY, TireKind, Vehicle};
 
@@ -51,7 +51,12 @@ pub(super) fn slides(records: &[Record], vehicle: &Vehicle) -> bool {
     let limit = NEAR_THE_LIMIT * vehicle.friction.value * GRAVITY;
     vehicle.tire != TireKind::Linear
         && records.iter().any(|record| {
-            let near = record.rows.iter().filter(|row| row.lateral_acceleration.abs() > limit).count();
+            // Without an accelerometer the curve tells.
+            let turning = |row: &Row| row.speed(vehicle) * row.yaw_rate;
+            let felt = |row: &Row| {
+                if row.lateral_acceleration.is_nan() { turning(row) } else { row.lateral_acceleration }
+            };
+            let near = record.rows.iter().filter(|row| felt(row).abs() > limit).count();
             near as f64 > NOW_AND_THEN * record.rows.len() as f64
         })
 }

@@ -92,7 +92,7 @@ const LEAST_NOISE: f64 = 1e-5;
 impl<'a> Search<'a> {
     fn problem(&self, noise: &Noise, tie: Tie) -> Problem<'a> {
         let mut weight = noise.map(|std| 1.0 / (std * std));
-        if self.drive == LongitudinalInput::WheelSpeeds {
+        if self.drive.prescribes_acceleration() {
             // The noise of a driven wheel's speed is at once in the simulated acceleration and in its
             // derivative by the stiffness: fitting it would make every tire too soft.
             weight[Output::LongitudinalAcceleration as usize] = 0.0;

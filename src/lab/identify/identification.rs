@@ -54,7 +54,7 @@ impl<'a> Identifier<'a> {
         config.validate()?;
         let has = |quantity| records.iter().any(|record| record.sensors.has(quantity));
         let slides = excitation::slides(records, vehicle);
-        let drive = config.drive.unwrap_or_else(|| LongitudinalInput::usual(has, slides));
+        let drive = config.drive.unwrap_or_else(|| LongitudinalInput::usual(vehicle, has, slides));
         if drive == LongitudinalInput::Torque && slides {
             tracing::warn!(
                 "tires slide in these recordings: with drive = \"torque\" stiffnesses come out too low"
@@ -73,10 +73,10 @@ impl<'a> Identifier<'a> {
             prepare::segments(&records, vehicle, &values, drive, config.segment_s, 0.5 * config.segment_s);
         if segments.is_empty() {
             let records = records.iter().map(|record| record.name.clone()).collect::<Vec<_>>().join(", ");
-            let braking = if drive == LongitudinalInput::Torque {
-                "only where its pressure is known"
-            } else {
-                "left out"
+            let braking = match drive {
+                LongitudinalInput::Torque => "only where its pressure is known",
+                LongitudinalInput::Speed => "counted",
+                LongitudinalInput::WheelSpeeds | LongitudinalInput::Slips => "left out",
             };
             return Err(IdentifyError::NothingUsable { least_s: 0.5 * config.segment_s, braking, records });
         }
@@ -210,9 +210,8 @@ impl<'a> Identifier<'a> {
         let correlation = sure.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
         let there = Output::ALL.into_iter().zip(fit.noise).filter(|(channel, _)| self.is_measured(*channel));
         // A channel that has no say in the search leaves no residuals.
-        let is_silent = |channel| {
-            self.drive == LongitudinalInput::WheelSpeeds && channel == Output::LongitudinalAcceleration
-        };
+        let is_silent =
+            |channel| self.drive.prescribes_acceleration() && channel == Output::LongitudinalAcceleration;
         let there = there.map(|(channel, std)| (channel, if is_silent(channel) { f64::NAN } else { std }));
         Ok(Identification {
             parameters,

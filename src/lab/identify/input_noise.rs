@@ -26,7 +26,7 @@ impl InputNoise {
     fn of(record: &Record, drive: LongitudinalInput) -> Self {
         let wheel = |row: &Row, i: usize| match drive {
             LongitudinalInput::Slips => row.slip[i],
-            LongitudinalInput::WheelSpeeds | LongitudinalInput::Torque => row.wheel_speed[i],
+            _ => row.wheel_speed[i],
         };
         Self {
             steering: white(&record.rows, |row| row.steering),

@@ -8,10 +8,10 @@
 use super::car::PlainCar;
 use super::longitudinal_input::LongitudinalInput;
 use super::record::Row;
-use physics::model::Real;
 use physics::model::body::{External, Steer, Velocity};
 use physics::model::tire::{Curve, Tire};
 use physics::model::wheel;
+use physics::model::{GRAVITY, Real};
 
 /// What is measured of the car, in the order of their places in a row of outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +78,10 @@ pub(super) struct Input {
     pub(super) wheel: [f64; 4],
     pub(super) drive_torque: f64,
     pub(super) brake_pressure: f64,
+    /// The measured speed, where it is an input, m/s.
+    pub(super) speed: f64,
+    /// Its rate, m/s².
+    pub(super) acceleration: f64,
 }
 
 impl Input {
@@ -89,6 +93,8 @@ impl Input {
             wheel: if drive == LongitudinalInput::Slips { row.slip } else { row.wheel_speed },
             drive_torque: or_zero(row.drive_torque),
             brake_pressure: or_zero(row.brake_pressure),
+            speed: or_zero(row.vehicle_speed),
+            acceleration: 0.0,
         }
     }
 
@@ -101,6 +107,8 @@ impl Input {
             steering_rate: self.steering_rate,
             drive_torque: mix(self.drive_torque, other.drive_torque),
             brake_pressure: mix(self.brake_pressure, other.brake_pressure),
+            speed: mix(self.speed, other.speed),
+            acceleration: self.acceleration,
             wheel: self.wheel,
         };
         for (i, mixed) in mixed.wheel.iter_mut().enumerate() {
@@ -133,7 +141,11 @@ impl<T: Real> PlainCar<T> {
     /// Forces and accelerations.
     #[inline(always)]
     pub(super) fn instant(&self, state: &State<T>, input: &Input, drive: LongitudinalInput) -> Instant<T> {
-        let [vx, vy, yaw_rate] = *state;
+        let [mut vx, vy, yaw_rate] = *state;
+        let moves_as_measured = drive == LongitudinalInput::Speed;
+        if moves_as_measured {
+            vx = T::constant(input.speed);
+        }
         let velocity = Velocity { vx, vy, yaw_rate };
         let steer = Steer::new((-self.steering_offset + input.steering) / self.steering_ratio);
         let body = &self.body;
@@ -144,6 +156,7 @@ impl<T: Real> PlainCar<T> {
             [wheel::slip_angle(front_along, front_across), wheel::slip_angle(rear_along, rear_across)];
         let zero = T::constant(0.0);
         let (mut fx, mut fy, mut share) = ([zero; 4], [zero; 4], [zero; 2]);
+        let taken = if moves_as_measured { self.taken(&velocity, input.acceleration) } else { [zero; 2] };
         for axle in 0..2 {
             let (contact, load, angle) = (&self.contact[axle], self.load[axle], slip_angle[axle]);
             if self.from_outside[axle] {
@@ -153,6 +166,9 @@ impl<T: Real> PlainCar<T> {
                     let torques = self.drive_share[axle] * input.drive_torque
                         - self.brake_share[axle] * input.brake_pressure;
                     x = torques.at_most(most).at_least(-most);
+                } else if moves_as_measured {
+                    let most = contact.friction_x * 0.99;
+                    x = taken[axle].at_most(most).at_least(-most);
                 }
                 share[axle] = x;
                 let y = self.across(axle, x, angle) * load;
@@ -177,9 +193,28 @@ impl<T: Real> PlainCar<T> {
             + front_across * (T::constant(input.steering_rate) / self.steering_ratio);
         let [all, front] = self.added_mass;
         let ax = (bare.ax * body.mass - all * (vy * yaw_rate) - front * turning) / (body.mass + all);
-        let vx_rate = ax + vy * yaw_rate;
+        let (ax, vx_rate) = if moves_as_measured {
+            let rate = T::constant(input.acceleration);
+            (rate - vy * yaw_rate, rate)
+        } else {
+            (ax, ax + vy * yaw_rate)
+        };
         let yaw = bare.yaw * self.yaw_share;
         Instant { rate: [vx_rate, bare.vy_rate, yaw], share, slip_angle, along, turning, ax, ay: bare.ay }
+    }
+
+    /// Force / load along each axle's wheels that an acceleration takes: driven wheels drive, all wheels brake.
+    #[inline(always)]
+    fn taken(&self, velocity: &Velocity<T>, acceleration: f64) -> [T; 2] {
+        let body = &self.body;
+        let forward = T::constant(acceleration) - velocity.vy * velocity.yaw_rate;
+        let force = forward * body.mass + velocity.vx * velocity.vx * body.drag;
+        let all = force / (body.mass * GRAVITY);
+        match self.driven {
+            [true, false] if force.value() > 0.0 => [force / (self.load[0] * 2.0), T::constant(0.0)],
+            [false, true] if force.value() > 0.0 => [T::constant(0.0), force / (self.load[1] * 2.0)],
+            _ => [all; 2],
+        }
     }
 
     /// What the sensors would say.

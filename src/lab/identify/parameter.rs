@@ -241,6 +241,7 @@ impl Parameter {
         drive: LongitudinalInput,
         has: impl Fn(Quantity) -> bool,
     ) -> bool {
+        let moves_as_measured = drive == LongitudinalInput::Speed;
         match self {
             Self::MagicShape | Self::MagicCurvature => vehicle.tire == TireKind::MagicFormula,
             Self::Friction => vehicle.tire != TireKind::Linear,
@@ -251,9 +252,17 @@ impl Parameter {
             Self::YawRateOffset => has(Quantity::YawRate),
             Self::LateralAccelerationOffset => has(Quantity::LateralAcceleration),
             Self::LongitudinalAccelerationOffset => {
-                drive != LongitudinalInput::WheelSpeeds && has(Quantity::LongitudinalAcceleration)
+                !drive.prescribes_acceleration() && has(Quantity::LongitudinalAcceleration)
             }
             Self::SteeringOffset => has(Quantity::SteeringWheelAngle),
+            Self::Longitudinal | Self::Drag | Self::RollingResistance => !moves_as_measured,
+            Self::WheelRadius | Self::WheelInertia => !moves_as_measured,
+            Self::SlipOffsetFl | Self::SlipOffsetFr | Self::SlipOffsetRl | Self::SlipOffsetRr => {
+                let is_there = Wheel::ALL
+                    .into_iter()
+                    .any(|wheel| Self::slip_offset(wheel) == self && has(Quantity::wheel_speed(wheel)));
+                is_there && !moves_as_measured
+            }
             _ => true,
         }
     }

@@ -59,6 +59,8 @@ fn cut(
         for place in 1..inputs.len() {
             let turned = inputs[place].steering - inputs[place - 1].steering;
             inputs[place - 1].steering_rate = turned / record.period_s;
+            inputs[place - 1].acceleration =
+                (inputs[place].speed - inputs[place - 1].speed) / record.period_s;
         }
         segments.push(Segment {
             inputs,

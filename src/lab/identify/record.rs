@@ -23,7 +23,7 @@ pub struct Row {
     pub drive_torque: f64,
     /// Brake pressure, bar.
     pub brake_pressure: f64,
-    /// Vehicle speed as another unit has it, m/s.
+    /// Vehicle speed as another unit has it, m/s; as well as it is known, where it is an input.
     pub vehicle_speed: f64,
     /// Slip of each wheel, where it is an input (the thesis's 5.3.2).
     pub slip: [f64; 4],
@@ -71,7 +71,12 @@ impl Record {
         for (place, row) in self.rows.iter().enumerate() {
             let usable = row.is_usable(radius)
                 && row.has_inputs(vehicle, drive)
-                && if braking { row.brake_pressure.is_finite() } else { !row.braking };
+                && match drive {
+                    // What braking takes is in the speed.
+                    LongitudinalInput::Speed => true,
+                    _ if braking => row.brake_pressure.is_finite(),
+                    _ => !row.braking,
+                };
             let follows = row.t - last_t < 1.5 * self.period_s;
             last_t = row.t;
             if let Some(from) = begin
@@ -131,8 +136,17 @@ impl Row {
         let all = vehicle.driven_axle == DrivenAxle::All;
         let counts = |wheel: &Wheel| all || !vehicle.driven_axle.drives(*wheel);
         let speeds = Wheel::ALL.into_iter().filter(counts).map(|wheel| self.wheel_speed[wheel as usize]);
-        let (sum, count) = speeds.fold((0.0, 0.0), |(sum, count), speed| (sum + speed, count + 1.0));
+        let there = speeds.filter(|speed| speed.is_finite());
+        let (sum, count) = there.fold((0.0, 0.0), |(sum, count), speed| (sum + speed, count + 1.0));
         vehicle.wheel_radius_m.value * sum / count
+    }
+
+    /// The car's speed as well as it is known, m/s: by the wheels that roll freely, else as another unit has it, else
+    /// by the wheels there are.
+    pub(super) fn speed(&self, vehicle: &Vehicle) -> f64 {
+        let known = [self.undriven_speed(vehicle), self.vehicle_speed];
+        let known = known.into_iter().find(|speed| speed.is_finite());
+        known.unwrap_or_else(|| self.rolling_speed(vehicle.wheel_radius_m.value))
     }
 
     /// Is all there that the equations are driven by?
@@ -144,6 +158,7 @@ impl Row {
                 driven.map(|w| self.wheel_speed[w as usize]).all(f64::is_finite)
             }
             LongitudinalInput::Slips => self.slip.iter().all(|slip| slip.is_finite()),
+            LongitudinalInput::Speed => self.vehicle_speed.is_finite(),
         }
     }
 

@@ -50,7 +50,7 @@ pub(super) fn measured(row: &Row, drive: LongitudinalInput, vehicle: &Vehicle) -
         LongitudinalInput::Torque if slides && driven[i] => f64::NAN,
         LongitudinalInput::Torque => row.wheel_speed[i],
         LongitudinalInput::WheelSpeeds if !driven[i] => row.wheel_speed[i],
-        LongitudinalInput::WheelSpeeds | LongitudinalInput::Slips => f64::NAN,
+        LongitudinalInput::WheelSpeeds | LongitudinalInput::Slips | LongitudinalInput::Speed => f64::NAN,
     });
     let undriven = row.wheel_speed.iter().zip(driven).filter(|(speed, driven)| speed.is_finite() && !driven);
     let (sum, count) = undriven.fold((0.0, 0.0), |(sum, n), (speed, _)| (sum + radius * speed, n + 1.0));
@@ -58,7 +58,9 @@ pub(super) fn measured(row: &Row, drive: LongitudinalInput, vehicle: &Vehicle) -
         // There the speed is that of the freely rolling wheels (thesis 4.4).
         LongitudinalInput::Slips if count > 0.0 => sum / count,
         LongitudinalInput::Slips => row.vehicle_speed,
-        LongitudinalInput::Torque | LongitudinalInput::WheelSpeeds => f64::NAN,
+        // Where no wheel tells.
+        LongitudinalInput::Torque if row.wheel_speed.iter().all(|speed| speed.is_nan()) => row.vehicle_speed,
+        LongitudinalInput::Torque | LongitudinalInput::WheelSpeeds | LongitudinalInput::Speed => f64::NAN,
     };
     let (r, ay, ax) = (row.yaw_rate, row.lateral_acceleration, row.longitudinal_acceleration);
     [fl, fr, rl, rr, r, ay, ax, speed]

@@ -11,6 +11,7 @@ use super::longitudinal_input::LongitudinalInput;
 use super::parameter::Parameter;
 use super::record::Record;
 use super::slips;
+use super::smooth::centred_mean;
 use physics::model::Vehicle;
 use physics::{Quantity, Wheel};
 
@@ -25,11 +26,28 @@ pub(super) fn prepared<'a>(
         if !braking::is_told(&records[place]) {
             braking::recognize(&mut records.to_mut()[place], vehicle);
         }
+        if drive == LongitudinalInput::Speed {
+            prescribe_speed(&mut records.to_mut()[place], vehicle);
+        }
         if drive == LongitudinalInput::Slips && !has_slips(&records[place]) {
             slips::fill(&mut records.to_mut()[place], vehicle);
         }
     }
     records
+}
+
+/// A prescribed speed is averaged over this time, s. Physical: its change is the acceleration, and cars do not change
+/// that faster.
+const SPEED_OVER_S: f64 = 0.2;
+
+/// Makes the speed an input.
+fn prescribe_speed(record: &mut Record, vehicle: &Vehicle) {
+    let half = (0.5 * SPEED_OVER_S / record.period_s).round().max(1.0) as usize;
+    let measured: Vec<f64> = record.rows.iter().map(|row| row.speed(vehicle)).collect();
+    let smooth = centred_mean(&measured, half);
+    for ((row, measured), smooth) in record.rows.iter_mut().zip(measured).zip(smooth) {
+        row.vehicle_speed = if measured.is_finite() { smooth } else { f64::NAN };
+    }
 }
 
 /// Whoever has measured slips by other means may bring them along.

@@ -18,7 +18,7 @@ pub struct Block {
     pub speed: f64,
     /// Rate of change of the forward speed, m/s².
     pub acceleration: f64,
-    /// Circumferential speed of each wheel, m/s.
+    /// Circumferential speed of each wheel, m/s; not-a-number where the car does not tell.
     pub wheels: [f64; 4],
     /// Its rate of change, m/s².
     pub wheel_acceleration: [f64; 4],
@@ -169,6 +169,9 @@ impl Sums {
         let rate = |line: usize| (product[line] - self.time * sum[line] / n) / spread;
         let scatter = |line: usize| {
             let around_mean = square[line] - sum[line] * sum[line] / n;
+            if around_mean.is_nan() {
+                return f64::NAN;
+            }
             let explained = rate(line).powi(2) * spread;
             ((around_mean - explained).max(0.0) / (n - 2.0)).sqrt()
         };

@@ -248,16 +248,20 @@ impl Kinematics {
     /// Brake torque (all wheels) that counts as braking, N m. Tuned, no test on record.
     const BRAKING_TORQUE: f64 = 40.0;
 
-    /// Translates a sample.
+    /// Translates a sample of a car that has every sensor.
     pub fn new(sample: &Sample, car: &Car) -> Self {
+        Self::of(sample, car, Heard::EVERYTHING)
+    }
+
+    /// Translates a sample. Driven wheels slip: they tell the speed only where nothing else does.
+    pub fn of(sample: &Sample, car: &Car, heard: Heard) -> Self {
         let wheels = sample.wheel_speeds().map(|speeds| speeds.map(|omega| omega * car.radius));
         let yaw_rate = sample.get(Quantity::YawRate);
         let lateral_acceleration = sample.get(Quantity::LateralAcceleration);
         let road_angle = sample.get(Quantity::SteeringWheelAngle).map(|angle| angle / car.steering_ratio);
         Self {
             elapsed_s: sample.elapsed_s,
-            speed: forward_speed(sample, car, yaw_rate.unwrap_or(0.0), road_angle.unwrap_or(0.0))
-                .or(sample.get(Quantity::VehicleSpeed)),
+            speed: forward_speed(sample, car, heard, yaw_rate.unwrap_or(0.0), road_angle.unwrap_or(0.0)),
             wheels,
             yaw_rate,
             lateral_acceleration,
@@ -266,6 +270,29 @@ impl Kinematics {
             axle_torque: sample.get(Quantity::DriveTorque).map(|torque| torque * car.drive_torque_ratio),
             braking: Self::braking(sample),
             abs: sample.get(Quantity::AbsActive).map(|flag| flag > 0.5),
+        }
+    }
+
+    /// The same for slip along the car, which does not need every sensor: wheels that the car does not tell of are
+    /// not-a-number, and how sharp a curve is, speed times yaw rate tells where there is no lateral acceleration.
+    #[must_use]
+    pub fn along(&self, sample: &Sample, car: &Car, heard: Heard) -> Self {
+        let of_wheel = |wheel: Wheel| {
+            let quantity = Quantity::wheel_speed(wheel);
+            let speed = sample.get(quantity).map(|omega| omega * car.radius);
+            speed.or((!heard.has(quantity)).then_some(f64::NAN))
+        };
+        let some = || {
+            let [fl, fr, rl, rr] = Wheel::ALL.map(of_wheel);
+            Some([fl?, fr?, rl?, rr?])
+        };
+        let turning = || {
+            if heard.has(Quantity::LateralAcceleration) { None } else { Some(self.speed? * self.yaw_rate?) }
+        };
+        Self {
+            wheels: self.wheels.or_else(some),
+            lateral_acceleration: self.lateral_acceleration.or_else(turning),
+            ..*self
         }
     }
 
@@ -280,8 +307,8 @@ impl Kinematics {
 }
 
 /// Mean over the wheels that roll freely, as far as their sensors speak; with all-wheel drive that of the slower
-/// axle, which slips least when driving.
-fn forward_speed(sample: &Sample, car: &Car, yaw_rate: f64, road_angle: f64) -> Option<f64> {
+/// axle, which slips least when driving. Else as another unit computed it.
+fn forward_speed(sample: &Sample, car: &Car, heard: Heard, yaw_rate: f64, road_angle: f64) -> Option<f64> {
     let vy = car.b * yaw_rate;
     let at = |wheel: Wheel| {
         let plane_speed = sample.get(Quantity::wheel_speed(wheel))? * car.radius;
@@ -292,10 +319,43 @@ fn forward_speed(sample: &Sample, car: &Car, yaw_rate: f64, road_angle: f64) -> 
         (one, other) => one.or(other),
     };
     let (front, rear) = (|| mean(Wheel::Fl, Wheel::Fr), || mean(Wheel::Rl, Wheel::Rr));
-    match car.driven_axle {
+    let heard_of =
+        |left, right| heard.has(Quantity::wheel_speed(left)) || heard.has(Quantity::wheel_speed(right));
+    let (has_front, has_rear) = (heard_of(Wheel::Fl, Wheel::Fr), heard_of(Wheel::Rl, Wheel::Rr));
+    let rolling = match car.driven_axle {
         DrivenAxle::Front => rear(),
         DrivenAxle::Rear => front(),
-        DrivenAxle::All => front().zip(rear()).map(|(front, rear)| front.min(rear)),
+        DrivenAxle::All if has_front && has_rear => front().zip(rear()).map(|(front, rear)| front.min(rear)),
+        DrivenAxle::All => front().or_else(rear),
+    };
+    let last_resort = || match car.driven_axle {
+        _ if heard.has(Quantity::VehicleSpeed) => None,
+        DrivenAxle::Front if !has_rear => front(),
+        DrivenAxle::Rear if !has_front => rear(),
+        _ => None,
+    };
+    rolling.or(sample.get(Quantity::VehicleSpeed)).or_else(last_resort)
+}
+
+/// What has had a value since the start. A sensor that never had one, configured or not, is none that is late: the car
+/// does not have it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Heard(u16);
+
+impl Heard {
+    /// Of a car that has every sensor.
+    pub const EVERYTHING: Self = Self(u16::MAX);
+
+    /// Takes note of what a sample has.
+    #[inline]
+    pub fn hear(&mut self, sample: &Sample) {
+        self.0 |= sample.present();
+    }
+
+    /// Has it ever had a value?
+    #[inline]
+    pub const fn has(self, quantity: Quantity) -> bool {
+        self.0 & quantity.bit() != 0
     }
 }
 
@@ -330,6 +390,25 @@ mod tests {
         // The rear wheels are driven: they tell no speed.
         sample.clear(Quantity::wheel_speed(Wheel::Fr));
         assert_eq!(speed(&sample), None);
+    }
+
+    #[test]
+    fn what_the_car_has_tells_the_speed() {
+        let car = Car::new(&Vehicle { driven_axle: DrivenAxle::Front, ..Vehicle::thesis() });
+        let speed = |there: &[(Quantity, f64)]| {
+            let mut sample = Sample::empty(Micros(0), 0.01);
+            there.iter().for_each(|(quantity, value)| sample.set(*quantity, *value));
+            let mut heard = Heard::default();
+            heard.hear(&sample);
+            Kinematics::of(&sample, &car, heard).speed
+        };
+        let (driven, free) =
+            ((Quantity::WheelSpeedFl, 21.0 / car.radius), (Quantity::WheelSpeedRr, 20.0 / car.radius));
+        let other = (Quantity::VehicleSpeed, 20.5);
+        assert_eq!(speed(&[]), None);
+        assert!((speed(&[driven, free, other]).unwrap() - 20.0).abs() < 1e-9);
+        assert_eq!(speed(&[driven, other]), Some(20.5));
+        assert!((speed(&[driven]).unwrap() - 21.0).abs() < 1e-9);
     }
 
     #[test]

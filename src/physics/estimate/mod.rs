@@ -24,7 +24,7 @@ mod traction;
 
 pub use config::{BrushConfig, EstimatorsConfig, FrictionConfig, SlopeConfig};
 pub use cornering::{Axle, CorneringConfig, Doubt};
-pub use kinematics::{Car, Cornering, Kinematics};
+pub use kinematics::{Car, Cornering, Heard, Kinematics};
 pub use learned::{Known, Learned};
 pub use pipeline::Pipeline;
 pub use saturation::{LimitFriction, SlipPoint, WheelSaturation};

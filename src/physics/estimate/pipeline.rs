@@ -7,7 +7,7 @@ use super::brush::BrushEstimator;
 use super::config::EstimatorsConfig;
 use super::cornering::{CorneringEstimator, Doubt};
 use super::friction::{Evidence, FrictionMonitor};
-use super::kinematics::{Car, Kinematics};
+use super::kinematics::{Car, Heard, Kinematics};
 use super::learned::Learned;
 use super::mapping::{MappedFriction, Mapping, mean_slope};
 use super::overall_slope::OverallSlope;
@@ -52,6 +52,7 @@ pub struct Pipeline {
     config: EstimatorsConfig,
     car: Car,
     sensors: Sensors,
+    heard: Heard,
     blocks: BlockBuilder,
     traction: Traction,
     slope: SlopeEstimator,
@@ -105,6 +106,7 @@ impl Pipeline {
             latest: Estimates::default(),
             config: config.clone(),
             sensors: *sensors,
+            heard: Heard::default(),
             car,
         }
     }
@@ -148,7 +150,8 @@ impl Pipeline {
 
     /// Takes a sample; what is returned holds until the next one.
     pub fn step(&mut self, sample: &Sample) -> &Estimates {
-        let now = Kinematics::new(sample, &self.car);
+        self.heard.hear(sample);
+        let now = Kinematics::of(sample, &self.car, self.heard);
         self.latest.time = sample.time;
         self.latest.faults = sample.faults;
         self.latest.state = self.state(sample);
@@ -159,7 +162,7 @@ impl Pipeline {
             self.driving_s += now.elapsed_s;
         }
         self.abs.step(&now);
-        self.longitudinal(&now);
+        self.longitudinal(&now.along(sample, &self.car, self.heard));
         self.lateral(&now);
         self.use_of_friction(&now);
         if let Some(thesis) = &mut self.thesis {
@@ -205,7 +208,8 @@ impl Pipeline {
             return State::NoInput;
         }
         let doubtful = Faults::WHEEL_MISMATCH | Faults::MOTION_MISMATCH | Faults::STUCK;
-        let is_usual = sample.is_complete() && !sample.faults.intersects(doubtful);
+        let is_usual =
+            sample.has_all(Quantity::basic(self.sensors.configured())) && !sample.faults.intersects(doubtful);
         if is_usual { State::Running } else { State::Degraded }
     }
 
@@ -320,7 +324,7 @@ impl Pipeline {
 
     /// Longitudinal acceleration, measured or from the wheels.
     fn acceleration(&self, now: &Kinematics) -> Option<f64> {
-        if self.sensors.has(Quantity::LongitudinalAcceleration) {
+        if self.heard.has(Quantity::LongitudinalAcceleration) {
             now.longitudinal_acceleration
         } else {
             self.block_acceleration

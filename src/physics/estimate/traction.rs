@@ -81,10 +81,11 @@ impl Traction {
         let measured = block.wheels[reference as usize];
         let vx = car.forward_speed(reference, measured, vy, block.yaw_rate, block.road_angle);
         let rolling = car.wheel_plane_speed(wheel, vx, vy, block.yaw_rate, block.road_angle);
-        if rolling < 0.5 * self.minimum_speed {
+        let slip = block.wheels[wheel as usize] / rolling - 1.0;
+        // A wheel that is not on the bus has no slip, nor has one without a wheel to compare it with.
+        if rolling < 0.5 * self.minimum_speed || slip.is_nan() {
             return None;
         }
-        let slip = block.wheels[wheel as usize] / rolling - 1.0;
         // What the sensors promise, or what the road adds to it.
         let side = usize::from(!wheel.is_left());
         let scatter = block.difference_std[side].max(self.wheel_noise * 2.0_f64.sqrt());
@@ -156,9 +157,10 @@ impl Traction {
                 let spin: f64 = Wheel::ALL
                     .into_iter()
                     .filter(|&wheel| self.car.driven_axle.drives(wheel))
-                    .map(|wheel| {
-                        self.car.wheel_inertia * block.wheel_acceleration[wheel as usize] / self.car.radius
-                    })
+                    .map(|wheel| block.wheel_acceleration[wheel as usize])
+                    // A wheel that is not on the bus turns as the car goes.
+                    .map(|rate| if rate.is_nan() { block.acceleration } else { rate })
+                    .map(|rate| self.car.wheel_inertia * rate / self.car.radius)
                     .sum();
                 let driving = (torque - spin) / self.car.radius / self.car.mass - resisting;
                 driving - acceleration > tolerance

@@ -227,8 +227,11 @@ fn crc(bytes: &[u8]) -> u32 {
 /// signal or another data sheet is another vehicle; time-outs, limits and noise are not.
 pub fn fingerprint(config: &Config) -> String {
     let mut text = toml::to_string(&config.vehicle).unwrap_or_default();
+    let configured = config.signals.quantities.keys().fold(0, |bits, quantity| bits | quantity.bit());
+    let others = Quantity::DriveTorque.bit() | Quantity::LongitudinalAcceleration.bit();
+    let matters = Quantity::basic(configured) | others;
     for (quantity, mapping) in &config.signals.quantities {
-        if !matters(*quantity) {
+        if matters & quantity.bit() == 0 {
             continue;
         }
         let QuantityConfig { signal, sum, sign, gain, offset, unit, .. } = mapping;
@@ -236,10 +239,6 @@ pub fn fingerprint(config: &Config) -> String {
         let _ = writeln!(text, "{quantity} {signal:?} {sum:?} {sign:?} {gain:?} {offset:?} {unit:?}");
     }
     format!("{:08x}-{:x}", crc(text.as_bytes()), text.len())
-}
-
-fn matters(quantity: Quantity) -> bool {
-    quantity.is_required() || matches!(quantity, Quantity::DriveTorque | Quantity::LongitudinalAcceleration)
 }
 
 #[cfg(test)]

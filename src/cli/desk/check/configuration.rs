@@ -254,6 +254,13 @@ fn used_twice(signals: &SignalsConfig) -> Vec<String> {
 /// What the estimators lose without a quantity.
 fn cost(quantity: Quantity) -> &'static str {
     match quantity {
+        _ if quantity.wheel().is_some() => {
+            "no slip slope of this wheel, nor of the driven one that it is compared with; no check of one wheel by the \
+             others"
+        }
+        Quantity::LateralAcceleration => {
+            "no sideslip, cornering stiffness and friction in curves; the slip slopes remain"
+        }
         Quantity::LongitudinalAcceleration => {
             "acceleration is differentiated from wheel speeds: noisier, and blind to grade"
         }

@@ -88,9 +88,10 @@ fn failure(recordings: &RecordingReport) -> Result<(), Failure> {
             file.file, file.skipped_lines
         )
     }));
-    for channel in recordings.quantities.iter().filter(|channel| channel.min.is_none()) {
-        let required = Quantity::ALL.iter().any(|q| q.name() == channel.quantity && q.is_required());
-        if required {
+    let channel = |quantity: Quantity| recordings.quantities.iter().find(|c| c.quantity == quantity.name());
+    let has = |quantity| channel(quantity).is_some_and(|channel| channel.min.is_some());
+    for lacking in Quantity::lacking(has) {
+        for channel in lacking.into_iter().filter_map(channel) {
             let why = if channel.frames == 0 {
                 "its message never comes: check the identifier in the DBC and which bus was recorded"
             } else {

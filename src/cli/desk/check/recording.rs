@@ -331,7 +331,9 @@ impl Channel {
 
 /// Sensors that always move a little while the car drives.
 fn can_be_stuck(quantity: Quantity) -> bool {
-    quantity.is_required() || quantity == Quantity::LongitudinalAcceleration
+    quantity.is_required()
+        || quantity.wheel().is_some()
+        || matches!(quantity, Quantity::LateralAcceleration | Quantity::LongitudinalAcceleration)
 }
 
 fn median<T: Copy + PartialOrd>(values: &mut [T]) -> Option<T> {

@@ -187,6 +187,9 @@ fn recording(out: &mut impl Write, report: &RecordingReport) -> io::Result<()> {
     for channel in &report.quantities {
         quantity(out, channel)?;
     }
+    for channel in report.quantities.iter().filter(|channel| channel.min.is_none()) {
+        writeln!(out, "warning: {} never has a value: as if it were not configured", channel.quantity)?;
+    }
     for channel in &report.quantities {
         for [from, to] in &channel.stuck {
             writeln!(out, "warning: {} stands still from {from:.1} s to {to:.1} s", channel.quantity)?;
@@ -217,7 +220,12 @@ fn quantity(out: &mut impl Write, channel: &ChannelReport) -> io::Result<()> {
 fn audit(out: &mut impl Write, chain: &ChainReport) -> io::Result<()> {
     writeln!(out, "measurement chain: {:.0} s, {:.0} s of them moving", chain.seconds, chain.moving_seconds)?;
     if chain.findings.is_empty() {
-        writeln!(out, "  nothing found wrong")?;
+        let words = if chain.compared {
+            "nothing found wrong"
+        } else {
+            "nothing could be compared, so nothing is said"
+        };
+        writeln!(out, "  {words}")?;
     }
     for finding in &chain.findings {
         let confidence = match finding.confidence {

@@ -7,7 +7,6 @@ use crate::cli::desk::progress::Progress;
 use crate::cli::desk::samples;
 use bus::Config;
 use bus::can::Frame;
-use bus::service::sensors;
 use bus::signals::Sampler;
 use lab::explain::Recording;
 use lab::explain::chain::{self, ChainReport};
@@ -39,7 +38,8 @@ pub fn read(logs: &[PathBuf], config: &Config) -> Result<Read, Failure> {
         if tracks.recording.seconds() == 0.0 && read.broken.is_empty() {
             return Err(samples::none_of(&inputs, path, "nothing to explain"));
         }
-        read.chain.push(chain::audit(&samples, &config.vehicle, &sensors(&inputs)));
+        let there = samples::there(&inputs, &samples, path)?;
+        read.chain.push(chain::audit(&samples, &config.vehicle, &there));
         read.recordings.push(tracks.recording);
     }
     progress.finish();

@@ -41,7 +41,7 @@ pub struct Identify {
     #[arg(long, value_parser = one_of::<Method>(&["auto", "free_run", "segments", "ordinary"]))]
     method: Option<Method>,
     /// What the longitudinal forces come from.
-    #[arg(long, value_parser = one_of::<LongitudinalInput>(&["torque", "wheel_speeds", "slips"]))]
+    #[arg(long, value_parser = one_of::<LongitudinalInput>(&["torque", "wheel_speeds", "slips", "speed"]))]
     drive: Option<LongitudinalInput>,
     /// Search from so many starts.
     #[arg(long, value_name = "N", value_parser = starts())]

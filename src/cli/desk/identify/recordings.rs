@@ -6,7 +6,6 @@ use crate::cli::Failure;
 use crate::cli::desk::progress::Progress;
 use crate::cli::desk::samples;
 use bus::Config;
-use bus::service::sensors;
 use bus::signals::Sampler;
 use lab::identify::Record;
 
@@ -22,7 +21,8 @@ pub fn read(logs: &[PathBuf], config: &Config) -> Result<(Vec<Record>, Vec<Strin
         if samples.is_empty() && broken.is_empty() {
             return Err(samples::none_of(&inputs, path, "nothing to identify from"));
         }
-        records.push(Record::new(&name(path), &samples, &sensors(&inputs)));
+        let there = samples::there(&inputs, &samples, path)?;
+        records.push(Record::new(&name(path), &samples, &there));
     }
     progress.finish();
     Ok((records, broken))

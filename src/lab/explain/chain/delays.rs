@@ -35,7 +35,8 @@ impl SensorGroup {
 /// Finds the channel that is late; returns the delay of each relation.
 pub(super) fn delays(series: &Series, report: &mut ChainReport) -> Vec<Link> {
     let links: Vec<Link> = Relation::ALL.into_iter().filter_map(|r| link(series, r)).collect();
-    let links: Vec<Link> = links.into_iter().filter(|l| l.is_clear && l.delay.is_finite()).collect();
+    let told = |link: &Link| link.is_clear && link.delay.is_finite() && link.explained > TUNING.told_late;
+    let links: Vec<Link> = links.into_iter().filter(told).collect();
     for link in &links {
         if let Some(entry) = report.relations.iter_mut().find(|entry| entry.relation == link.relation.name())
         {
@@ -44,13 +45,14 @@ pub(super) fn delays(series: &Series, report: &mut ChainReport) -> Vec<Link> {
     }
     let mut known = [0.0; SensorGroup::ALL.len()];
     for _ in 0..2 {
-        let Some((channel, delay)) = next_delay(&links, &known, report) else { break };
+        let Some((channel, delay)) = next_delay(series, &links, &known, report) else { break };
         known[channel as usize] += delay;
     }
     links
 }
 
 fn next_delay(
+    series: &Series,
     links: &[Link],
     known: &[f64; SensorGroup::ALL.len()],
     report: &mut ChainReport,
@@ -63,7 +65,7 @@ fn next_delay(
         seen: links.iter().map(|link| link.delay - expected(link.relation)).collect(),
         covariance: DMatrix::from_fn(links.len(), links.len(), |i, j| {
             let (a, b) = (&links[i], &links[j]);
-            let own = if i == j { a.delay_std.powi(2) + PHASES_S.powi(2) } else { 0.0 };
+            let own = if i == j { (a.widened() * a.delay_std).powi(2) + PHASES_S.powi(2) } else { 0.0 };
             own + WHEELS_LATE_STD_S.powi(2)
                 * SensorGroup::Wheels.sense(a.relation)
                 * SensorGroup::Wheels.sense(b.relation)
@@ -76,7 +78,12 @@ fn next_delay(
             pattern: links.iter().map(|link| channel.sense(link.relation)).collect(),
         })
         .collect();
-    let (_, explanations) = attribute(&evidence, &causes)?;
+    let (_, mut explanations) = attribute(&evidence, &causes)?;
+    // Nothing is early: a channel that seems so means that all others are late, and one cause is more likely than several.
+    for early in explanations.iter_mut().filter(|cause| cause.value < 0.0) {
+        early.gain = (early.gain - AHEAD).max(0.0);
+    }
+    explanations.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let best = *explanations.first()?;
     let least = if best.value.abs() > TUNING.long_s { SUSPECTED } else { FOUND };
     if best.gain < least || best.value.abs() < TUNING.ordinary_s {
@@ -99,7 +106,7 @@ fn next_delay(
     let mut or: Vec<String> = explanations[1..]
         .iter()
         .filter(|other| best.gain - other.gain < AHEAD && other.gain > SUSPECTED)
-        .map(|other| format!("sensor_delay of {} ({:+.0} ms)", other.channel.name(), 1e3 * other.value))
+        .map(|other| format!("sensor_delay of {} ({:+.0} ms)", series.name(other.channel), 1e3 * other.value))
         .collect();
     if !kinematic {
         or.push("steering_lag, steering_compliance or relaxation_length".to_owned());
@@ -115,7 +122,7 @@ fn next_delay(
     };
     report.findings.push(AuditFinding {
         effect: "sensor_delay",
-        channel: best.channel.name().to_owned(),
+        channel: series.name(best.channel).to_owned(),
         value: Some(best.value),
         std: Some(best.std),
         t: best.gain.sqrt(),

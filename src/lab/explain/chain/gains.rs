@@ -42,7 +42,7 @@ fn covariance(series: &Series, links: &[Link]) -> DMatrix<f64> {
             sum += track.powi(2);
         }
         if i == j {
-            sum += (a.gain_std / a.gain).powi(2) + model_error(series, a.relation).powi(2);
+            sum += (a.widened() * a.gain_std / a.gain).powi(2) + model_error(series, a.relation).powi(2);
             if a.relation == Relation::Steering {
                 sum += share(vehicle.steering_ratio).powi(2) + share(vehicle.wheelbase_m).powi(2);
             }
@@ -61,7 +61,7 @@ pub(super) fn scales(series: &mut Series, report: &mut ChainReport) {
         }
         let links: Vec<Link> = links.into_iter().filter(Link::has_scale).collect();
         let Some((channel, factor)) = next_scale(series, &links, report) else { return };
-        for quantity in channel.quantities() {
+        for quantity in series.quantities(channel) {
             series.scale(quantity, 1.0 / factor);
         }
         series.refresh();
@@ -109,11 +109,20 @@ fn next_scale(series: &Series, links: &[Link], report: &mut ChainReport) -> Opti
     }
     let next = explanations.get(1).map_or(0.0, |next| next.gain);
     let factor = best.value.exp();
+    let seen_in = || links.iter().filter(|link| best.channel.power(link.relation) != 0.0);
     let large = best.value.abs() > best.channel.explained_by_physics();
-    let words = units::mistake(best.channel, factor, best.std, &series.vehicle).filter(|_| large);
-    let confidence = if large && best.gain - next > SURE {
+    // The relation that says it best says it whatever error its regressor has.
+    let pressed = seen_in().map(|link| link.pressed).fold(f64::INFINITY, f64::min);
+    let surely = best.value.abs() - pressed > best.channel.explained_by_physics();
+    let words = if series.is_by_wheels() || best.channel != SensorGroup::Wheels {
+        units::mistake(best.channel, factor, best.std, &series.vehicle)
+    } else {
+        units::mistaken_speed(factor, best.std)
+    };
+    let words = words.filter(|_| large);
+    let confidence = if surely && best.gain - next > SURE {
         Confidence::Certain
-    } else if best.gain - next > AHEAD {
+    } else if best.gain - next > AHEAD && best.value.abs() > pressed {
         Confidence::Likely
     } else {
         Confidence::Unclear
@@ -122,11 +131,11 @@ fn next_scale(series: &Series, links: &[Link], report: &mut ChainReport) -> Opti
         .iter()
         .filter(|other| best.gain - other.gain < AHEAD && other.gain > FOUND)
         .map(|other| {
-            format!("sensor_scale of {} ({:+.1} %)", other.channel.name(), 100.0 * other.value.exp_m1())
+            format!("sensor_scale of {} ({:+.1} %)", series.name(other.channel), 100.0 * other.value.exp_m1())
         })
         .collect();
     if !large {
-        or.extend(physics(best.channel).map(str::to_owned));
+        or.extend(physics(best.channel).filter(|_| series.is_by_wheels()).map(str::to_owned));
     }
     let repair = match words {
         Some(words) => format!("{words}; or multiply its gain by {:.5}", 1.0 / factor),
@@ -134,15 +143,13 @@ fn next_scale(series: &Series, links: &[Link], report: &mut ChainReport) -> Opti
     };
     report.findings.push(AuditFinding {
         effect: "sensor_scale",
-        channel: best.channel.name().to_owned(),
+        channel: series.name(best.channel).to_owned(),
         value: Some(factor - 1.0),
         std: Some(factor * best.std),
         t: best.gain.sqrt(),
         evidence: format!(
             "values are {factor:.4} times what the other channels say ({})",
-            links
-                .iter()
-                .filter(|link| best.channel.power(link.relation) != 0.0)
+            seen_in()
                 .map(|link| format!("{}: {:.3} ± {:.3}", link.relation.name(), link.gain, link.gain_std))
                 .collect::<Vec<_>>()
                 .join("; ")
@@ -167,7 +174,7 @@ fn physics(channel: SensorGroup) -> Option<&'static str> {
 
 fn correction(series: &Series, channel: SensorGroup, factor: f64) -> String {
     match channel {
-        SensorGroup::Wheels => format!(
+        SensorGroup::Wheels if series.is_by_wheels() => format!(
             "[vehicle] wheel_radius_m = {:.4}, or multiply the gain of all wheel speeds by {:.4}",
             series.vehicle.wheel_radius_m.value * factor,
             1.0 / factor

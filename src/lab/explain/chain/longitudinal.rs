@@ -120,6 +120,13 @@ pub(super) fn torques(series: &Series, report: &mut ChainReport) {
         [FREE, FREE, FREE, (drag.value.max(0.3), 0.3), (-vehicle.rolling_resistance.value * GRAVITY, 0.5)];
     let Some(fit) = fit(&rows, priors) else { return };
     let quantities = [Quantity::DriveTorque, Quantity::BrakePressure, Quantity::BrakeTorque];
+    // What the vehicle's table leaves open is no error of the sensor.
+    let share = |u: physics::model::Uncertain| u.std / u.value.abs();
+    let open = [
+        share(vehicle.drive_torque_ratio),
+        per_bar.map_or(0.0, |(front, rear)| share(front).max(share(rear))),
+        0.0,
+    ];
     for (index, quantity) in quantities.into_iter().enumerate().filter(|(_, q)| series.has(*q)) {
         let (gain, std) = (fit.value[index], fit.std[index]);
         if !fit.is_significant(index) || fit.explained < TUNING.explained {
@@ -132,7 +139,7 @@ pub(super) fn torques(series: &Series, report: &mut ChainReport) {
         let evidence = format!("{gain:+.3} ± {std:.3} times the acceleration that it should give");
         if gain < 0.0 {
             report.findings.push(sign(quantity, fit.t(index).abs(), evidence));
-        } else if gain.ln().abs() > TUNING.torque_map
+        } else if gain.ln().abs() > TUNING.torque_map.max(2.0 * open[index])
             && (gain - 1.0).abs() > 4.0 * std
             && (quantity != Quantity::BrakePressure || per_bar.is_some())
         {

@@ -5,6 +5,7 @@
 //!
 //! | relation | equation |
 //! |---|---|
+//! | all that turns, among itself | correlated at some delay |
 //! | wheels of an axle, yaw rate | (ω_R − ω_L) r0 / track = r |
 //! | lateral acceleration, yaw rate | a_y = v r + v̇y,  vy = b r − v F_R/C_R |
 //! | steering, yaw rate | δ v / L = r (1 + K v²) + … |
@@ -21,6 +22,7 @@
 
 mod attribution;
 mod delays;
+mod foreign;
 mod gains;
 mod longitudinal;
 mod offsets;
@@ -73,6 +75,12 @@ pub fn audit(samples: &[Sample], vehicle: &Vehicle, sensors: &Sensors) -> ChainR
         return report;
     }
     longitudinal::swapped_accelerations(&mut series, &mut report);
+    foreign::signals(&mut series, &mut report);
+    if series.moving_seconds() < series::LEAST_MOVING_S {
+        report.unclear("everything else", "record what belongs together");
+        report.sort();
+        return report;
+    }
     signs::lateral(&mut series, &mut report);
     longitudinal::signs(&mut series, &mut report);
     wheels::swaps(&mut series, &mut report);
@@ -81,6 +89,7 @@ pub fn audit(samples: &[Sample], vehicle: &Vehicle, sensors: &Sensors) -> ChainR
     offsets::offsets(&series, &delays, &mut report);
     wheels::radii(&series, &mut report);
     longitudinal::torques(&series, &mut report);
+    report.compared = report.relations.iter().any(|relation| relation.delay_s.is_some());
     report.sort();
     report
 }

@@ -5,7 +5,7 @@ use super::relations::{Link, Relation, rows};
 use super::report::{AuditFinding, ChainReport, Confidence, Offset};
 use super::series::Series;
 use super::tuning::TUNING;
-use physics::{Quantity, Wheel};
+use physics::Quantity;
 
 /// Wheels slower than this stand, rad/s. Physical: less than a tooth a second.
 const STANDING: f64 = 0.05;
@@ -56,9 +56,8 @@ fn add(
 
 /// The yaw rate while the car stands: nothing could be clearer.
 pub(super) fn at_standstill(series: &Series, report: &mut ChainReport) -> bool {
-    let stands = |row: usize| {
-        Wheel::ALL.iter().all(|wheel| series.raw(Quantity::wheel_speed(*wheel))[row].abs() < STANDING)
-    };
+    let standing: Vec<bool> = (0..series.len()).map(|row| series.stands(row, STANDING)).collect();
+    let stands = |row: usize| standing[row];
     let yaw = series.raw(Quantity::YawRate);
     let least = (STANDING_S / series.dt) as usize;
     let mut means: Vec<f64> = Vec::new();
@@ -122,7 +121,8 @@ fn yaw_rate(series: &Series, delay: f64) -> Option<Fit<3>> {
     let to_yaw = vehicle.wheel_radius_m.value / track;
     let y = series.smoothed(|row| (right[row] - left[row]) * to_yaw);
     let rows = rows(series, &y, delay, |_| true, |row| [series.r[row], 1.0, series.v[row]]);
-    fit(&rows, [FREE, FREE, (0.0, 0.002 / track)])
+    // Going round one way at one speed, a zero and a slope look alike: track and radius are known by a tenth at least.
+    fit(&rows, [(1.0, 0.1), FREE, (0.0, 0.002 / track)])
 }
 
 fn lateral(series: &Series, delay: f64, zero: (f64, f64)) -> Option<Fit<4>> {

@@ -8,7 +8,7 @@ const LEAST_BLOCKS: usize = 5;
 const LONGEST_LAG: usize = 400;
 /// Significance of a verdict, in standard deviations of a normal distribution.
 /// Statistical: six false alarms in 100,000.
-const SIGNIFICANT: f64 = 4.0;
+pub(super) const SIGNIFICANT: f64 = 4.0;
 
 /// One equation: y = x · θ + e.
 #[derive(Clone, Copy, Debug)]

@@ -16,9 +16,13 @@ const IMPOSSIBLE: f64 = 15.0;
 const COASTING: f64 = 0.8;
 /// Nobody knows better where the accelerometer sits, m. Prior: standard deviation.
 const ACCELEROMETER_PLACE_M: f64 = 0.15;
+/// Zeros of yaw rate sensors, rad/s. Prior: standard deviation, as for the wheels.
+const YAW_ZERO: f64 = 0.01;
 /// Outer wheels, pressed down, roll on a smaller radius: difference of the two, relative, per lateral
 /// acceleration, at most about this, s²/m. Physical.
 const LOADED_RADIUS: f64 = 8e-4;
+/// Delays beyond this are longer than what tires and body make a relation look late by, s. Physical.
+const EVIDENT_DELAY_S: f64 = 0.2;
 /// Delays are looked for up to this, s. Physical: the bound of `sensor_delay`.
 const LONGEST_DELAY_S: f64 = 0.5;
 
@@ -67,6 +71,13 @@ pub(super) struct Link {
     pub(super) relation: Relation,
     pub(super) gain: f64,
     pub(super) gain_std: f64,
+    /// How far an error of the regressor, at most, has pressed the gain down (logarithmic): all that the relation leaves
+    /// unexplained may be such an error (Frisch's bound: the slope the other way round).
+    pub(super) pressed: f64,
+    /// The share that the regressor explains by itself.
+    alone: f64,
+    /// How many blocks it rests on.
+    pub(super) blocks: usize,
     /// The response is this much later than the regressor, s.
     pub(super) delay: f64,
     pub(super) delay_std: f64,
@@ -81,6 +92,7 @@ pub(super) struct Link {
 pub(super) fn link(series: &Series, relation: Relation) -> Option<Link> {
     let mut delay = 0.0;
     let mut link = evaluate(series, relation, delay)?;
+    let undelayed = link.alone;
     for _ in 0..4 {
         let step = link.delay;
         if !link.is_clear || !step.is_finite() || (delay + step).abs() > LONGEST_DELAY_S {
@@ -92,7 +104,10 @@ pub(super) fn link(series: &Series, relation: Relation) -> Option<Link> {
             break;
         }
     }
-    Some(Link { delay: delay + link.delay, ..link })
+    let whole = delay + link.delay;
+    // A long delay shows without any small terms, too: put right, the two look more alike than before.
+    let shows = whole.abs() < EVIDENT_DELAY_S || link.alone > undelayed;
+    Some(Link { delay: if whole.abs() > LONGEST_DELAY_S || !shows { f64::NAN } else { whole }, ..link })
 }
 
 fn evaluate(series: &Series, relation: Relation, shift: f64) -> Option<Link> {
@@ -144,6 +159,9 @@ fn summary<const K: usize>(relation: Relation, fit: &Fit<K>, rows: &[Row<K>]) ->
         relation,
         gain,
         gain_std: fit.std[0],
+        pressed: -fit.explained.clamp(1e-6, 1.0).ln(),
+        alone: plain.explained,
+        blocks: fit.blocks,
         delay: -fit.value[1] / gain,
         delay_std: fit.std[1] / gain.abs(),
         explained: fit.explained,
@@ -153,6 +171,12 @@ fn summary<const K: usize>(relation: Relation, fit: &Fit<K>, rows: &[Row<K>]) ->
 }
 
 impl Link {
+    /// Standard deviations of few blocks are uncertain themselves: so much wider a normal distribution has to be for
+    /// bounds of four of them to mean what Student's do.
+    pub(super) fn widened(&self) -> f64 {
+        regression::student(self.blocks) / regression::SIGNIFICANT
+    }
+
     /// Is the magnitude of the gain known well enough to speak of a scale?
     pub(super) fn has_scale(&self) -> bool {
         self.is_clear && (self.gain < 0.0) == self.is_negative && self.gain_std < 0.3 * self.gain.abs()
@@ -202,10 +226,15 @@ fn lateral(series: &Series, shift: f64) -> Option<Link> {
         &y,
         shift,
         |row| gentle(series, row),
-        |row| [series.vr[row], series.vr_dot[row], series.r_dot[row], -q[row], 1.0],
+        |row| {
+            let turning = [series.vr[row], series.vr_dot[row], series.r_dot[row]];
+            [turning[0], turning[1], turning[2], -q[row], series.v[row], 1.0]
+        },
     );
     let place = vehicle.cg_to_front_m.std.hypot(ACCELEROMETER_PLACE_M);
-    let priors = [FREE, FREE, (gain * vehicle.b(), gain.abs() * place), series.kappa(false), FREE];
+    // A zero of the yaw rate goes with the speed; left out, it would pass for a delay wherever the speed changes.
+    let zero = (0.0, gain.abs() * YAW_ZERO);
+    let priors = [FREE, FREE, (gain * vehicle.b(), gain.abs() * place), series.kappa(false), zero, FREE];
     let fit = fit(&rows, priors)?;
     summary(Relation::Lateral, &fit, &rows)
 }
@@ -230,7 +259,9 @@ fn steering(series: &Series, shift: f64) -> Option<Link> {
     let to_yaw = 1.0 / (vehicle.steering_ratio.value * l);
     let angle = series.raw(Quantity::SteeringWheelAngle);
     let y = series.smoothed(|row| angle[row] * series.speed(row) * to_yaw);
-    let ay = series.smooth(Quantity::LateralAcceleration);
+    // Where nobody feels it, what a steady curve has.
+    let felt = series.has(Quantity::LateralAcceleration);
+    let ay = if felt { series.smooth(Quantity::LateralAcceleration) } else { series.vr.clone() };
     let ay_gain = rough_gain(series, &ay);
     let rows = rows(
         series,

@@ -19,7 +19,7 @@ pub enum Confidence {
 /// One thing wrong with the measurement chain.
 #[derive(Clone, Debug, Serialize)]
 pub struct AuditFinding {
-    /// `sensor_sign`, `channel_swap`, `sensor_scale`, `sensor_delay`, `sensor_bias` or `tire_radius`.
+    /// `foreign_signal`, `sensor_sign`, `channel_swap`, `sensor_scale`, `sensor_delay`, `sensor_bias` or `tire_radius`.
     pub effect: &'static str,
     /// The quantity; two with a slash for a swap; `wheel_speed` for all four.
     pub channel: String,
@@ -41,6 +41,10 @@ pub struct AuditFinding {
 }
 
 impl AuditFinding {
+    /// The effect of a signal that does not belong to the others. While it is there, nothing else means much: it is said
+    /// first.
+    pub const FOREIGN: &'static str = "foreign_signal";
+
     /// How much, as it is read: with its unit, and digits as its standard deviation has them.
     pub fn amount(&self) -> Option<String> {
         let (value, std) = self.value.zip(self.std)?;
@@ -111,6 +115,8 @@ pub struct ChainReport {
     pub unclear: Vec<Unclear>,
     /// All comparisons.
     pub relations: Vec<RelationReport>,
+    /// Was there enough driving to compare anything? Else nothing was found because nothing was looked at.
+    pub compared: bool,
 }
 
 impl ChainReport {
@@ -121,7 +127,11 @@ impl ChainReport {
 
     /// Surest first, then by evidence.
     pub(super) fn sort(&mut self) {
-        self.findings.sort_by(|a, b| b.confidence.cmp(&a.confidence).then(b.t.abs().total_cmp(&a.t.abs())));
+        let is_other = |finding: &AuditFinding| finding.effect != AuditFinding::FOREIGN;
+        self.findings.sort_by(|a, b| {
+            let by_confidence = is_other(a).cmp(&is_other(b)).then(b.confidence.cmp(&a.confidence));
+            by_confidence.then(b.t.abs().total_cmp(&a.t.abs()))
+        });
     }
 }
 

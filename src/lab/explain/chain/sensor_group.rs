@@ -1,6 +1,7 @@
 //! Sensors that share a cause: one of them, or the four wheels.
 
 use super::relations::Relation;
+use super::series::Series;
 use physics::{Quantity, Wheel};
 
 /// A sensor, or those of the four wheels together, whose scale or delay may be wrong.
@@ -17,7 +18,7 @@ impl SensorGroup {
     pub(super) const ALL: [Self; 5] =
         [Self::Wheels, Self::Yaw, Self::Lateral, Self::Steering, Self::Longitudinal];
 
-    pub(super) fn name(self) -> &'static str {
+    fn name(self) -> &'static str {
         match self {
             Self::Wheels => "wheel_speed",
             Self::Yaw => Quantity::YawRate.name(),
@@ -27,7 +28,7 @@ impl SensorGroup {
         }
     }
 
-    pub(super) fn quantities(self) -> Vec<Quantity> {
+    fn quantities(self) -> Vec<Quantity> {
         match self {
             Self::Wheels => Wheel::ALL.map(Quantity::wheel_speed).to_vec(),
             Self::Yaw => vec![Quantity::YawRate],
@@ -64,5 +65,23 @@ impl SensorGroup {
             _ => {}
         }
         power
+    }
+}
+
+impl Series {
+    /// What a group is called. Where no wheel tells the speed, the vehicle's speed stands for the wheels.
+    pub(super) fn name(&self, group: SensorGroup) -> &'static str {
+        match group {
+            SensorGroup::Wheels if !self.is_by_wheels() => Quantity::VehicleSpeed.name(),
+            _ => group.name(),
+        }
+    }
+
+    /// The quantities of a group.
+    pub(super) fn quantities(&self, group: SensorGroup) -> Vec<Quantity> {
+        match group {
+            SensorGroup::Wheels if !self.is_by_wheels() => vec![Quantity::VehicleSpeed],
+            _ => group.quantities(),
+        }
     }
 }

@@ -25,7 +25,9 @@ pub(super) struct Series {
     /// Distance of the rows, s.
     pub(super) dt: f64,
     raw: Vec<Vec<f64>>,
-    /// Smoothed speed, m/s, of the wheels that are not driven (of all, where all are).
+    /// The wheels whose speed is the car's; none: the vehicle's speed is.
+    reference: Vec<Wheel>,
+    /// Smoothed speed, m/s, of the wheels that are not driven (of all, where all are), or the vehicle's.
     pub(super) v: Vec<f64>,
     pub(super) v_dot: Vec<f64>,
     /// Smoothed yaw rate.
@@ -59,6 +61,7 @@ impl Series {
         let mut series = Self {
             vehicle: vehicle.clone(),
             dt,
+            reference: Vec::new(),
             raw,
             v: Vec::new(),
             v_dot: Vec::new(),
@@ -68,6 +71,7 @@ impl Series {
             vr_dot: Vec::new(),
             moving: Vec::new(),
         };
+        series.reference = series.best_reference();
         series.refresh();
         Some(series)
     }
@@ -136,19 +140,48 @@ impl Series {
             .collect()
     }
 
-    /// Wheels whose speed is the car's.
-    fn reference(&self) -> [bool; 4] {
+    /// The wheels that roll freely, as far as they are there; else the vehicle's speed (no wheel); else the wheels there
+    /// are.
+    fn best_reference(&self) -> Vec<Wheel> {
         let driven = self.vehicle.driven_axle;
-        Wheel::ALL.map(|wheel| driven == DrivenAxle::All || !driven.drives(wheel))
+        let there = |wheel: &Wheel| self.has(Quantity::wheel_speed(*wheel));
+        let all: Vec<Wheel> = Wheel::ALL.into_iter().filter(there).collect();
+        let free: Vec<Wheel> =
+            all.iter().copied().filter(|wheel| driven == DrivenAxle::All || !driven.drives(*wheel)).collect();
+        match (free.is_empty(), self.has(Quantity::VehicleSpeed)) {
+            (false, _) => free,
+            (true, true) => Vec::new(),
+            (true, false) => all,
+        }
     }
 
-    /// Speed of the car from wheels, unsmoothed, m/s.
+    /// Is the car's speed that of its wheels?
+    pub(super) fn is_by_wheels(&self) -> bool {
+        !self.reference.is_empty()
+    }
+
+    /// Speed of the car, unsmoothed, m/s.
     pub(super) fn speed(&self, row: usize) -> f64 {
-        let reference = self.reference();
-        let wheels = Wheel::ALL.into_iter().filter(|wheel| reference[*wheel as usize]);
-        let count = reference.iter().filter(|used| **used).count() as f64;
-        let sum: f64 = wheels.map(|wheel| self.raw(Quantity::wheel_speed(wheel))[row]).sum();
-        self.vehicle.wheel_radius_m.value * sum / count
+        if self.reference.is_empty() {
+            return self.raw(Quantity::VehicleSpeed)[row];
+        }
+        let sum: f64 = self.reference.iter().map(|wheel| self.raw(Quantity::wheel_speed(*wheel))[row]).sum();
+        self.vehicle.wheel_radius_m.value * sum / self.reference.len() as f64
+    }
+
+    /// Does the car stand, its wheels below this, rad/s?
+    pub(super) fn stands(&self, row: usize, below: f64) -> bool {
+        let mut wheels =
+            Wheel::ALL.into_iter().map(Quantity::wheel_speed).filter(|wheel| self.has(*wheel)).peekable();
+        if wheels.peek().is_none() {
+            return self.speed(row).abs() < below * self.vehicle.wheel_radius_m.value;
+        }
+        wheels.all(|wheel| self.raw(wheel)[row].abs() < below)
+    }
+
+    /// Takes a channel out; call [`Self::refresh`] afterwards.
+    pub(super) fn forget(&mut self, quantity: Quantity) {
+        self.raw[quantity as usize].fill(f64::NAN);
     }
 
     /// Everything derived, anew.

@@ -20,6 +20,8 @@ pub(super) struct Tuning {
     pub(super) harmless_scale: f64,
     /// A delay as long as this, s, is mentioned from [`SUSPECTED`](super::attribution::SUSPECTED) on.
     pub(super) long_s: f64,
+    /// A relation that explains less tells of no delay: whatever else is in it may look late.
+    pub(super) told_late: f64,
     /// Where a delay leaves more than the rest of a relation unexplained, something else may have feigned it.
     pub(super) put_right: f64,
     /// A delay below this is ordinary, s …
@@ -43,6 +45,7 @@ pub(super) const TUNING: Tuning = Tuning {
     clearly: 0.9,
     harmless_scale: 0.015,
     long_s: 0.025,
+    told_late: 0.5,
     put_right: 0.95,
     ordinary_s: 0.012,
     extraordinary_s: 0.02,

@@ -52,6 +52,21 @@ pub(super) fn mistake(
             ),
         ],
     };
+    nearest(&known, factor, std)
+}
+
+/// The same of the vehicle's speed.
+pub(super) fn mistaken_speed(factor: f64, std: f64) -> Option<&'static str> {
+    let known = [
+        (3.6, "the speed is in km/h but taken for m/s: unit = \"km/h\""),
+        (1.0 / 3.6, "the speed is in m/s but taken for km/h: unit = \"m/s\""),
+        (1.609_344, "the speed is in km/h but taken for mph: unit = \"km/h\""),
+        (1.0 / 1.609_344, "the speed is in mph but taken for km/h: unit = \"mph\""),
+    ];
+    nearest(&known, factor, std)
+}
+
+fn nearest(known: &[(f64, &'static str)], factor: f64, std: f64) -> Option<&'static str> {
     let near = (3.0 * std).clamp(NEAR, 2.0 * NEAR);
-    known.into_iter().find(|(known, _)| (factor / known).ln().abs() < near).map(|(_, words)| words)
+    known.iter().find(|(known, _)| (factor / known).ln().abs() < near).map(|(_, words)| *words)
 }

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::attribution::{Cause, Evidence, FOUND, attribute};
+use super::regression::{SIGNIFICANT, student};
 use super::relations::{Relation, link};
 use super::report::{AuditFinding, ChainReport, Confidence};
 use super::sensor_group::SensorGroup;
@@ -28,23 +29,57 @@ fn speed(wheel: Wheel) -> Quantity {
     Quantity::wheel_speed(wheel)
 }
 
+/// Factors between these are no unit and no sign: there curves have to be told from errors. Physical: what the inner and
+/// the outer wheel of the tightest curve have.
+const CURVES: std::ops::Range<f64> = 0.75..1.33;
+/// Where the other axle's wheels differ by less, and would by the yaw rate, the car goes straight. Physical: radii of
+/// 100 m and more.
+const STRAIGHT: f64 = 0.015;
+/// For so long, s. Statistical: some blocks.
+const STRAIGHT_S: f64 = 8.0;
+/// Rows that are too few to tell, and blocks of seconds. Statistical: a median, and that it is not one place's.
+const LEAST_ROWS: usize = 200;
+const LEAST_BLOCKS: usize = 3;
+
 /// A wheel that is far from the others: sign, unit, wrong signal. Put right in the series.
 pub(super) fn unit_factors(series: &mut Series, report: &mut ChainReport) {
+    let track = series.vehicle.track_rear_m.value;
     for wheel in Wheel::ALL {
-        let mut ratios = Vec::new();
+        let (mut everywhere, mut straight) = (Vec::new(), Vec::new());
+        let mut blocks = std::collections::BTreeSet::new();
         for row in 0..series.len() {
-            let mut speeds = Wheel::ALL.map(|wheel| series.raw(speed(wheel))[row]);
+            let speeds = Wheel::ALL.map(|wheel| series.raw(speed(wheel))[row]);
             let own = speeds[wheel as usize];
-            speeds.sort_by(f64::total_cmp);
-            let middle = 0.5 * (speeds[1] + speeds[2]);
-            if middle > 1.0 && own.is_finite() {
-                ratios.push(own / middle);
+            let mut sorted = speeds;
+            sorted.sort_by(f64::total_cmp);
+            let middle = 0.5 * (sorted[1] + sorted[2]);
+            // With a wheel missing there is no middle.
+            if !(middle > 1.0 && speeds.iter().all(|speed| speed.is_finite())) {
+                continue;
+            }
+            everywhere.push(own / middle);
+            let [left, right] =
+                if wheel.is_front() { [speeds[2], speeds[3]] } else { [speeds[0], speeds[1]] };
+            let turning = track * series.r[row] / series.v[row];
+            if (left - right).abs() < STRAIGHT * middle && turning.abs() < STRAIGHT {
+                straight.push(own / middle);
+                blocks.insert(series.block(row));
             }
         }
-        if ratios.len() < 200 {
+        if everywhere.len() < LEAST_ROWS {
             continue;
         }
+        let mut ratios = everywhere;
         ratios.sort_by(f64::total_cmp);
+        let mut place = "half of the time";
+        if CURVES.contains(&ratios[ratios.len() / 2]) {
+            if straight.len() < LEAST_ROWS || blocks.len() < LEAST_BLOCKS {
+                continue;
+            }
+            ratios = straight;
+            ratios.sort_by(f64::total_cmp);
+            place = "going straight";
+        }
         let median = ratios[ratios.len() / 2];
         let spread = 0.5 * (ratios[ratios.len() * 84 / 100] - ratios[ratios.len() * 16 / 100]);
         // A second of rows says the same.
@@ -65,8 +100,12 @@ pub(super) fn unit_factors(series: &mut Series, report: &mut ChainReport) {
             value: (!negative).then_some(median - 1.0),
             std: (!negative).then_some(std),
             t: (median - 1.0).abs() / std.max(1e-9),
-            evidence: format!("{median:.4} times the middle of the four wheel speeds, half of the time"),
-            confidence: Confidence::Certain,
+            evidence: format!("{median:.4} times the middle of the four wheel speeds, {place}"),
+            confidence: if CURVES.contains(&median) && (median - 1.0).abs() < TIRES_DIFFER + 4.0 * std {
+                Confidence::Likely
+            } else {
+                Confidence::Certain
+            },
             repair: match words {
                 Some(words) if !negative => words.to_owned(),
                 _ => format!("multiply its gain by {:.4}", 1.0 / median),
@@ -188,10 +227,31 @@ fn names(pairs: &[(Wheel, Wheel)]) -> String {
     pairs.iter().map(|(a, b)| format!("{}/{}", speed(*a), speed(*b))).collect::<Vec<_>>().join(" and ")
 }
 
+/// Did the car go straight for a while, or round both ways? Going round one way, a small wheel, a zero of the yaw rate
+/// and a track that is a little wider look all the same.
+fn tells_radii(series: &Series) -> bool {
+    let track = series.vehicle.track_rear_m.value;
+    let slopes: Vec<f64> = (0..series.len())
+        .filter(|row| series.moves(*row))
+        .map(|row| track * series.r[row] / series.v[row])
+        .filter(|slope| slope.is_finite())
+        .collect();
+    let seconds =
+        |of: &dyn Fn(f64) -> bool| slopes.iter().filter(|slope| of(**slope)).count() as f64 * series.dt;
+    let straight = seconds(&|slope| slope.abs() < STRAIGHT);
+    let curves = [1.0, -1.0].map(|side| seconds(&|slope| side * slope > STRAIGHT));
+    straight > STRAIGHT_S || curves.iter().all(|seconds| *seconds > STRAIGHT_S)
+}
+
 /// Wheels whose tires are smaller or larger than the others.
 pub(super) fn radii(series: &Series, report: &mut ChainReport) {
     let Some((fit, _)) = model(series, AS_LABELLED, 1.0) else { return };
-    let stds = [fit.axles[0].std[2], fit.axles[1].std[2], fit.along.std[3]];
+    if !tells_radii(series) {
+        report.unclear("radii of the tires", "drive straight ahead for a while, or curves to both sides");
+        return;
+    }
+    let widened = student(fit.along.blocks) / SIGNIFICANT;
+    let stds = [fit.axles[0].std[2], fit.axles[1].std[2], fit.along.std[3]].map(|std| widened * std);
     let mut seen = vec![fit.axles[0].value[2], fit.axles[1].value[2], fit.along.value[3]];
     let model_error = [WITHIN_AXLE, WITHIN_AXLE, BETWEEN_AXLES];
     let covariance =

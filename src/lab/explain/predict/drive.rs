@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::grid::{COMPARED, Measured, SLOWEST_MPS, STEP_S, points};
+use super::grid::{COMPARED, Measured, SLOWEST_MPS, SPEED, STEP_S, points};
 use super::slide::{Slide, slides};
 use super::smoothing::{on_grid, smooth_on_grid};
 use physics::model::effect::Recorded;
@@ -61,7 +61,7 @@ pub struct GriddedDrive {
     pub first: Arc<Vec<u32>>,
     /// Grid points from, to between which all inputs are there and the car is moving.
     pub runs: Vec<(usize, usize)>,
-    /// Speed by the wheels at each grid point, m/s.
+    /// Speed by the wheels at each grid point, m/s; where none is on the bus, the vehicle's.
     pub speed: Arc<Vec<f64>>,
     /// Are drive and brake torques known?
     pub knows_torque: bool,
@@ -81,7 +81,12 @@ impl GriddedDrive {
         let (torque, pressure) = (input(Quantity::DriveTorque), input(Quantity::BrakePressure));
         let radius = vehicle.wheel_radius_m.value;
         let wheels = Wheel::ALL.map(|wheel| at(Quantity::wheel_speed(wheel)));
+        let has_wheels = Wheel::ALL.into_iter().any(|wheel| recording.has(Quantity::wheel_speed(wheel)));
+        let vehicle_speed = at(SPEED);
         let speed = |k: usize| {
+            if !has_wheels {
+                return vehicle_speed[k];
+            }
             let there = wheels.iter().map(|wheel| wheel[k]).filter(|speed| speed.is_finite());
             let (sum, count) = there.fold((0.0, 0.0), |(sum, count), speed| (sum + speed, count + 1.0));
             radius * sum / count
@@ -95,7 +100,7 @@ impl GriddedDrive {
         });
         let inputs: Vec<Recorded> = inputs.collect();
         let mut measured = Vec::new();
-        for channel in COMPARED {
+        for channel in COMPARED.into_iter().chain((!has_wheels).then_some(SPEED)) {
             for (t, value) in &recording.tracks[channel as usize] {
                 let place = t / STEP_S;
                 let step = (place.ceil() - 1.0).max(0.0);

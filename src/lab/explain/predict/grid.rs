@@ -35,6 +35,9 @@ impl Measured {
     }
 }
 
+/// Where no wheel is on the bus, the filter is told the speed by this; an input then, and no channel of the comparison.
+pub const SPEED: Quantity = Quantity::VehicleSpeed;
+
 /// Quantities that the filter compares.
 pub const COMPARED: [Quantity; 7] = [
     Quantity::WheelSpeedFl,

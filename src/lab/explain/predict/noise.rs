@@ -2,7 +2,7 @@
 
 use super::car::{BODY_STATES, MOST_LIVE};
 use super::drive::GriddedDrive;
-use super::grid::COMPARED;
+use super::grid::{COMPARED, SPEED};
 use super::smoothing::white_std;
 use physics::Quantity;
 
@@ -35,7 +35,7 @@ impl Noise {
     /// A first guess: sensors from the differences of their readings, equations nearly right.
     pub fn first(drives: &[GriddedDrive]) -> Self {
         let mut sensor = [f64::NAN; Quantity::COUNT];
-        for channel in COMPARED {
+        for channel in COMPARED.into_iter().chain([SPEED]) {
             let of_drive = |drive: &GriddedDrive| -> Vec<f64> {
                 drive.measured.iter().filter(|m| m.channel == channel as u8).map(|m| m.value).collect()
             };

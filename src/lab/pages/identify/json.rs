@@ -20,6 +20,8 @@ pub struct Report {
     seconds: f64,
     segments: usize,
     drive: LongitudinalInput,
+    /// What the recordings cannot tell, for what they lack.
+    untold: Vec<&'static str>,
     method: Method,
     recordings: Vec<Recording>,
     /// To be put into the configuration.
@@ -98,6 +100,7 @@ pub fn report(story: &Story<'_>) -> Report {
         seconds: found.seconds,
         segments: found.segments,
         drive: found.drive,
+        untold: story.untold(),
         method: story.used.method,
         recordings: story
             .records

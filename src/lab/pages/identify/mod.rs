@@ -40,6 +40,9 @@ pub fn html(story: &Story<'_>) -> Result<String, PlotError> {
     search::profiles(&mut page, story)?;
     page.heading("Where it comes from");
     page.notes(&[("Recordings", &recordings(story)), ("Search", &text::summary(story))]);
+    for untold in story.untold() {
+        page.notes(&[("Not told", untold)]);
+    }
     page.heading("How to read this");
     page.notes(NOTES);
     Ok(page.html())

@@ -2,7 +2,7 @@
 
 use physics::Quantity;
 
-use crate::identify::{Identification, IdentifyConfig, Record};
+use crate::identify::{Identification, IdentifyConfig, LongitudinalInput, Record};
 
 /// Everything that is told of an identification.
 pub struct Story<'a> {
@@ -14,6 +14,28 @@ pub struct Story<'a> {
     pub records: &'a [Record],
     /// What was found.
     pub found: &'a Identification,
+}
+
+impl Story<'_> {
+    /// What the recordings cannot tell, for what they lack.
+    pub(super) fn untold(&self) -> Vec<&'static str> {
+        let has = |quantity| self.records.iter().any(|record| record.sensors.has(quantity));
+        let mut untold = Vec::new();
+        if self.found.drive == LongitudinalInput::Speed {
+            untold.push(
+                "the measured speed is an input (no forces along the car without drive_torque or the speeds of all \
+                 driven wheels): nothing can be told of longitudinal stiffness, drag, rolling resistance, wheel radius \
+                 and inertia",
+            );
+        }
+        if !has(Quantity::LateralAcceleration) {
+            untold.push(
+                "without lateral_acceleration the yaw rate has to tell alone: which axle is softer shows in every \
+                 curve, how stiff both are only in quick steering",
+            );
+        }
+        untold
+    }
 }
 
 /// Four significant digits, or as many as a number of this uncertainty has.

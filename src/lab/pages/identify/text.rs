@@ -11,6 +11,9 @@ pub fn text(story: &Story<'_>) -> String {
     let head = ["parameter", "unit", "the table's", "identified", "95 % interval", "identifiable"]
         .map(str::to_owned);
     table(&mut text, &head, &rows);
+    for untold in story.untold() {
+        text += &format!("not told: {untold}\n");
+    }
     text += "\nfree run restarted each 20 s: fit in per cent; noise that is left\n";
     let head = ["channel", "table's", "identified", "noise", "unit", ""].map(str::to_owned);
     table(&mut text, &head, &fit_rows(story));
@@ -29,6 +32,7 @@ pub fn summary(story: &Story<'_>) -> String {
         LongitudinalInput::Torque => "drive torque",
         LongitudinalInput::WheelSpeeds => "the driven wheels' speeds",
         LongitudinalInput::Slips => "slips",
+        LongitudinalInput::Speed => "the measured speed",
     };
     let total: f64 = story.records.iter().map(|record| record.rows.len() as f64 * record.period_s).sum();
     format!(

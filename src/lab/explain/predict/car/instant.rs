@@ -147,6 +147,7 @@ impl ExtendedCar {
             fy,
         };
         let mut rate = State { body: [vx_rate, bare.vy_rate, yaw], ..State::default() };
+        readings[Quantity::VehicleSpeed as usize] = velocity.vx;
         readings[Quantity::YawRate as usize] = yaw_rate;
         readings[Quantity::LateralAcceleration as usize] = felt.ay;
         readings[Quantity::LongitudinalAcceleration as usize] = felt.ax;

@@ -10,7 +10,8 @@ use testing::results::Section;
 /// `gripd identify --method ordinary`, as JSON.
 fn identified(config: &Path, logs: &[PathBuf]) -> Value {
     let mut command = gripd();
-    let output = command.args(["-q", "identify", "--method", "ordinary", "--json", "-", "-c"]).arg(config).args(logs);
+    let output =
+        command.args(["-q", "identify", "--method", "ordinary", "--json", "-", "-c"]).arg(config).args(logs);
     let output = output.output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
@@ -51,7 +52,9 @@ mod by_hand {
     /// Deviation of the sideslip from the truth beside a recording above 5 m/s, degrees.
     fn sideslip(answer: &Value, log: &Path) -> f64 {
         let name = log.file_name().unwrap().to_string_lossy().replace(".log.gz", ".truth.csv.gz");
-        let Ok(file) = std::fs::File::open(log.parent().unwrap().join("truth").join(name)) else { return f64::NAN };
+        let Ok(file) = std::fs::File::open(log.parent().unwrap().join("truth").join(name)) else {
+            return f64::NAN;
+        };
         let text = std::io::read_to_string(flate2::read::MultiGzDecoder::new(file)).unwrap();
         let mut lines = text.lines();
         let header: Vec<&str> = lines.next().unwrap().split(',').collect();
@@ -60,9 +63,11 @@ mod by_hand {
             let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
             places.map(|place| cells[place])
         };
-        let truth: Vec<[f64; 3]> = lines.map(row).filter(|row| row.iter().all(|cell| cell.is_finite())).collect();
+        let truth: Vec<[f64; 3]> =
+            lines.map(row).filter(|row| row.iter().all(|cell| cell.is_finite())).collect();
         let (mut sum, mut count) = (0.0, 0.0);
-        for point in answer["sideslip"].as_object().unwrap().values().flat_map(|all| all.as_array().unwrap()) {
+        for point in answer["sideslip"].as_object().unwrap().values().flat_map(|all| all.as_array().unwrap())
+        {
             let (t, slip) = (point[0].as_f64().unwrap(), point[1].as_f64().unwrap());
             let place = truth.partition_point(|row| row[0] < t).min(truth.len() - 1);
             let [_, vx, vy] = truth[place];
@@ -81,7 +86,9 @@ mod by_hand {
     fn free_runs_beside_the_yardstick() {
         let Some(folder) = testing::shared("recordings") else { return };
         let mut rows = Vec::new();
-        for config in ["gti/drives.toml", "gti/laps.toml", "tts/car.toml", "gti_payload/car.toml", "av21/car.toml"] {
+        for config in
+            ["gti/drives.toml", "gti/laps.toml", "tts/car.toml", "gti_payload/car.toml", "av21/car.toml"]
+        {
             let config = folder.join(config);
             let mut logs: Vec<PathBuf> = std::fs::read_dir(config.parent().unwrap())
                 .unwrap()
@@ -94,7 +101,9 @@ mod by_hand {
             logs.retain(|log| {
                 let name = log.file_name().unwrap().to_string_lossy().into_owned();
                 !config.starts_with(folder.join("gti")) && !is_lap
-                    || name.starts_with("group") != is_lap && !name.starts_with("dry1") && !name.starts_with("wet2")
+                    || name.starts_with("group") != is_lap
+                        && !name.starts_with("dry1")
+                        && !name.starts_with("wet2")
             });
             for log in logs {
                 let answer = identified(&config, std::slice::from_ref(&log));

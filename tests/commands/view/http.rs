@@ -96,7 +96,7 @@ fn events_begin_with_the_past_and_go_on() {
     let (name, late) = server.events().next();
     assert_eq!((name.as_str(), late["rows"].as_array()), ("hello", Some(&rows)));
     assert!(late["now"]["estimates"]["speed"].as_f64().unwrap() > 1.0);
-    assert_eq!(late["now"]["messages"].as_array().unwrap().len(), 6);
+    assert_eq!(late["now"]["messages"].as_array().unwrap().len(), 7);
 }
 
 #[test]

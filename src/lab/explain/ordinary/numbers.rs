@@ -95,8 +95,8 @@ const DELAY: (f64, f64) = (0.02, 0.1);
 /// The accelerometer is of the same unit as the gyroscope.
 const LATERAL_DELAY: (f64, f64) = (0.0, 0.03);
 
-/// Beyond this a delay is another thing, s. The widest that is asked for.
-const LONGEST_DELAY_S: f64 = 0.3;
+/// Beyond this a delay is another thing, s: two messages that are late by 0.3 s, one against the other.
+const LONGEST_DELAY_S: f64 = 0.6;
 
 /// Wheel radii and speed messages are right to some per cent.
 const SPEED_SCALE: (f64, f64) = (1.0, 0.03);

@@ -36,6 +36,9 @@ pub struct Free {
     pub step: f64,
 }
 
+/// A number of an effect: name, mean and standard deviation of the class of car.
+type OfTheClass = (&'static str, f64, f64);
+
 /// Physics that every car has: kind, its number, and what cars of the class have, mean and standard deviation. What is
 /// not listed of a kind stays at the library's usual value.
 ///
@@ -43,7 +46,7 @@ pub struct Free {
 /// A body leans by 2 to 6° per g (Gillespie, Fundamentals of Vehicle Dynamics, ch. 7; Reimpell, The Automotive Chassis,
 /// ch. 5.4.3). A steering gives way by 0.2 to 1° per 1000 N of front lateral force, that is 7e-5 to 3.5e-4 rad per N m of
 /// a trail of 0.05 m.
-const ORDINARY: &[(&str, &[(&str, f64, f64)])] = &[
+const ORDINARY: &[(&str, &[OfTheClass])] = &[
     ("relaxation_length", &[("length_m", 0.45, 0.2)]),
     ("steering_compliance", &[("compliance_rad_per_nm", 1e-4, 7e-5)]),
     ("body_roll", &[("roll_gain_rad_per_mps2", 0.006, 0.003)]),

@@ -108,7 +108,7 @@ pub struct FrictionMonitor {
     /// The most that was used lately, and how fast that is forgotten.
     recent: f64,
     recently: Fading,
-    /// For how long the front wheels have been at their limit, s.
+    /// For how long the front wheels have been at their limit with less than was used before, s.
     at_limit_s: f64,
 }
 
@@ -263,7 +263,8 @@ impl FrictionMonitor {
             return;
         };
         self.recent = used.max(self.recent * self.recently.left(now.elapsed_s));
-        let is_at_limit = evidence.brakes_at_limit == Some(true);
+        let is_less = used < TUNING.abs_kept * self.recent.max(self.belief.interval().0);
+        let is_at_limit = is_less && evidence.brakes_at_limit == Some(true);
         self.at_limit_s = if is_at_limit { self.at_limit_s + now.elapsed_s } else { 0.0 };
         let Some(working_s) = evidence.abs_working_s else {
             self.abs_used = used;
@@ -277,7 +278,6 @@ impl FrictionMonitor {
         if !is_braking || !is_settled || Self::is_spinning(now) {
             return;
         }
-        let is_less = used < TUNING.abs_kept * self.recent.max(self.belief.interval().0);
         if is_less && self.at_limit_s < TUNING.abs_shows_s {
             return;
         }

@@ -312,7 +312,7 @@ mod tests {
         let car = Car::new(&Vehicle::thesis());
         let model = Model::new(&car, Tire::PiecewiseLinear(PiecewiseLinear));
         let noise = Noise::promised(&car, &Sensors::default(), &LateralFilterConfig::default());
-        let std = [0.5, 0.1, 0.1, 0.5, 0.3, 0.3, 0.3, 0.1, 0.01, 0.01, 0.15];
+        let std = [0.5, 0.1, 0.1, 0.5, 0.3, 0.3, 0.3, 0.1, 0.01, 0.01, 0.15, 0.02, 0.02];
         let mut mean = [0.0; STATES];
         (mean[FRONT], mean[REAR]) = (2.4, 2.4);
         let mut hypothesis = Hypothesis { state: Gaussian::new(mean, std) };

@@ -39,6 +39,13 @@ struct Tuning {
     abs_settled: f64,
     /// … to what it was so long ago, s.
     abs_settles_s: f64,
+    /// What was used within so many seconds, s, …
+    abs_recent_s: f64,
+    /// … or is known to be there, is not used up when the ABS has less than this share of it. Its flag stays on while
+    /// the driver lets the brakes go.
+    abs_kept: f64,
+    /// Another road shows by wheels that stay at their limit for so long, s.
+    abs_shows_s: f64,
     /// What other wheels may have where nobody sees whether they slip, relative.
     abs_unseen_reserve: f64,
     /// On a road more slippery than this one wheel speaks for all.
@@ -68,6 +75,9 @@ const TUNING: Tuning = Tuning {
     abs_builds_up_s: 0.3,
     abs_settled: 0.03,
     abs_settles_s: 0.3,
+    abs_recent_s: 2.0,
+    abs_kept: 0.8,
+    abs_shows_s: 0.7,
     abs_unseen_reserve: 0.5,
     abs_slippery: 0.25,
     abs_told_s: 0.5,
@@ -95,6 +105,11 @@ pub struct FrictionMonitor {
     /// What is used while the ABS works, smoothed further.
     abs_used: f64,
     abs_settling: Fading,
+    /// The most that was used lately, and how fast that is forgotten.
+    recent: f64,
+    recently: Fading,
+    /// For how long the front wheels have been at their limit with less than was used before, s.
+    at_limit_s: f64,
 }
 
 /// A measurement of mu_max.
@@ -140,6 +155,9 @@ impl FrictionMonitor {
             smoothing: Fading::over(TUNING.smoothing_s),
             surface: Fading::over(config.surface_lasts_s),
             abs_settling: Fading::over(TUNING.abs_settles_s),
+            recent: 0.0,
+            recently: Fading::over(TUNING.abs_recent_s),
+            at_limit_s: 0.0,
         }
     }
 
@@ -147,6 +165,7 @@ impl FrictionMonitor {
     pub fn surface_changed(&mut self) {
         self.belief = Belief::UNKNOWN;
         self.measured = None;
+        self.recent = 0.0;
     }
 
     /// Takes a sample; `acceleration` is the longitudinal one, measured or from the wheels.
@@ -243,6 +262,10 @@ impl FrictionMonitor {
             }
             return;
         };
+        self.recent = used.max(self.recent * self.recently.left(now.elapsed_s));
+        let is_less = used < TUNING.abs_kept * self.recent.max(self.belief.interval().0);
+        let is_at_limit = is_less && evidence.brakes_at_limit == Some(true);
+        self.at_limit_s = if is_at_limit { self.at_limit_s + now.elapsed_s } else { 0.0 };
         let Some(working_s) = evidence.abs_working_s else {
             self.abs_used = used;
             return;
@@ -253,6 +276,9 @@ impl FrictionMonitor {
         let is_settled = used - self.abs_used < TUNING.abs_settled * used;
         let is_braking = now.abs == Some(true) && working_s > TUNING.abs_builds_up_s && along < 0.0;
         if !is_braking || !is_settled || Self::is_spinning(now) {
+            return;
+        }
+        if is_less && self.at_limit_s < TUNING.abs_shows_s {
             return;
         }
         let reserve = match evidence.brakes_at_limit {

@@ -10,6 +10,7 @@ use super::friction::{Evidence, FrictionMonitor};
 use super::kinematics::{Car, Heard, Kinematics};
 use super::learned::Learned;
 use super::mapping::{MappedFriction, Mapping, mean_slope};
+use super::motion::MotionFilter;
 use super::overall_slope::OverallSlope;
 use super::roughness::Roughness;
 use super::saturation::SaturationDetector;
@@ -60,6 +61,7 @@ pub struct Pipeline {
     overall_slope: Option<OverallSlope>,
     roughness: Roughness,
     cornering: CorneringEstimator,
+    motion: MotionFilter,
     brush: BrushEstimator,
     abs: AbsBraking,
     brake_slip: BrakeSlip,
@@ -92,6 +94,7 @@ impl Pipeline {
                 .then(|| OverallSlope::new(&car, sensors, &config.slope, slow)),
             roughness: Roughness::new(car.radius * sensors.noise_std(Quantity::WheelSpeedFl)),
             cornering: CorneringEstimator::new(&car, sensors, &config.cornering, slow),
+            motion: MotionFilter::new(&car, sensors, slow, config.cornering.valid_sideslip_std),
             brush: BrushEstimator::new(car.slope_prior[driven].0, &config.brush),
             abs: AbsBraking::new(&car),
             brake_slip: BrakeSlip::new(&car),
@@ -170,7 +173,7 @@ impl Pipeline {
         }
         self.latest.excitation_long = self.excitation[0].level(TUNING.full_excitation);
         self.latest.excitation_lat = self.excitation[1].level(TUNING.full_excitation);
-        if !self.cornering.is_consistent() {
+        if self.doubt().is_some() {
             self.latest.faults |= Faults::INCONSISTENT;
         }
         if sample.faults.intersects(Faults::MOTION_MISMATCH | Faults::STUCK) {
@@ -186,7 +189,7 @@ impl Pipeline {
 
     /// Why the lateral filter does not believe itself at the moment; [`Faults::INCONSISTENT`] tells that it does not.
     pub fn doubt(&self) -> Option<Doubt> {
-        self.cornering.doubt()
+        self.motion.doubt()
     }
 
     /// Frames lost before they could be used, as the bus counts them.
@@ -197,6 +200,7 @@ impl Pipeline {
     /// Sensors contradict each other: one of them is wrong, and every estimate may be.
     fn believe_nothing(&mut self) {
         self.cornering.distrust();
+        self.motion.distrust();
         self.friction.surface_changed();
         let latest = &mut self.latest;
         (latest.slope_valid, latest.cornering_valid) = (false, false);
@@ -284,10 +288,12 @@ impl Pipeline {
     }
 
     fn lateral(&mut self, now: &Kinematics) {
+        self.cornering.set_noise(self.motion.white_noise());
         if self.cornering.step(now, self.acceleration(now), self.friction.belief()) {
             self.on_surface_change();
         }
-        let motion = self.cornering.motion();
+        self.motion.step(now, self.acceleration(now), &self.cornering.known());
+        let motion = self.motion.motion();
         let lateral_velocity = motion.map(|m| m.lateral_velocity);
         let lateral = now.lateral_acceleration.unwrap_or(0.0) / crate::model::GRAVITY;
         self.excitation[1].step(if motion.is_some() { lateral } else { 0.0 }, now.elapsed_s);
@@ -297,11 +303,12 @@ impl Pipeline {
             sideslip: now.speed.zip(lateral_velocity).map(|(vx, vy)| (vy / vx).atan()),
             slip_angle_front: motion.map(|m| m.slip_angles[0]),
             slip_angle_rear: motion.map(|m| m.slip_angles[1]),
-            valid: now.speed.is_some_and(|speed| self.cornering.is_motion_valid(speed)),
+            valid: now.speed.is_some_and(|speed| self.motion.is_valid(speed)),
         };
         self.latest.cornering = self.cornering.stiffness();
         self.latest.offsets = self.cornering.offsets();
-        self.latest.cornering_valid = self.cornering.are_valid(&self.latest.cornering);
+        self.latest.cornering_valid =
+            self.doubt().is_none() && self.cornering.are_valid(&self.latest.cornering);
     }
 
     fn use_of_friction(&mut self, now: &Kinematics) {
@@ -316,7 +323,7 @@ impl Pipeline {
             abs_working_s: self.abs.working_s(),
             brakes_at_limit: self.brake_slip.is_at_limit(&self.latest.slope),
             limit: self.saturation.friction(),
-            lateral: self.cornering.limit(),
+            lateral: self.cornering.limit().filter(|_| self.doubt().is_none()),
             map: self.mapped(),
         };
         self.latest.friction = self.friction.step(now, self.acceleration(now), evidence);

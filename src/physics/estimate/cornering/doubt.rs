@@ -7,6 +7,17 @@ use std::fmt;
 pub enum Doubt {
     /// Sensors contradict each other, or did a moment ago.
     Sensors,
+    /// Two sensors, or what they measure by way of the car, disagree.
+    Disagreement {
+        /// Their names, and the unit of the numbers.
+        sensors: [&'static str; 3],
+        /// By how much (rms) …
+        off: f64,
+        /// … of how much that there is (rms).
+        of: f64,
+        /// For how long, s.
+        lasts_s: f64,
+    },
     /// A window's innovation was beyond the gate.
     Surprise {
         /// Whose.
@@ -49,6 +60,10 @@ impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Sensors => f.write_str("sensors contradict each other"),
+            Self::Disagreement { sensors: [one, other, unit], off, of, lasts_s } => write!(
+                f,
+                "{one} and {other} disagree by {off:.2} {unit} of {of:.2} {unit}, for {lasts_s:.1} s"
+            ),
             Self::Surprise { axle, deviations } => write!(
                 f,
                 "the {axle} axle's slip angle was {:.1} standard deviations {} than its force explains",

@@ -6,7 +6,7 @@ use super::config::CorneringConfig;
 use super::doubt::{Axle, Doubt, Surprises};
 use super::equation::Equation;
 use super::lasting;
-use super::model::{LateralMotion, Model};
+use super::model::{Model, SensorNoise};
 use super::single_brake::SingleBrake;
 use super::sliding::LateralLimit;
 use super::standstill::Standstill;
@@ -14,7 +14,8 @@ use super::state::{ANGLE_OFFSET, AY_OFFSET, FRONT, REAR, STATES, State, UNKNOWN_
 use super::window::{Means, Window, YawAcceleration};
 use crate::estimate::belief::Belief;
 use crate::estimate::kinematics::{Car, Cornering, Kinematics};
-use crate::estimate::learned::{Known, Learned, Trial};
+use crate::estimate::learned::{self, Learned, Trial};
+use crate::estimate::motion::Known;
 use crate::estimates::{Estimate, SensorOffsets};
 use crate::{Quantity, Sensors};
 
@@ -33,9 +34,6 @@ struct Tuning {
     repeated: f64,
     /// Wheel speeds have no sign. After driving slowly it shows within this time, s, whether the car rolls backwards.
     forward_shows_s: f64,
-    /// A larger change of sideslip (rad) since the last window, unconfirmed by the tires, is a spin or a wrong
-    /// sensor.
-    unseen: f64,
     /// Driven blindly for so long (s), the surface may have become another one, …
     blind_s: f64,
     /// … and the stiffnesses be off by this share of themselves.
@@ -51,7 +49,6 @@ const TUNING: Tuning = Tuning {
     change_std: 0.4,
     repeated: 4.0,
     forward_shows_s: 3.0,
-    unseen: 0.05,
     blind_s: 2.0,
     blind_std: 0.2,
     gap: 0.25,
@@ -61,11 +58,15 @@ const TUNING: Tuning = Tuning {
 #[derive(Clone, Debug)]
 pub struct CorneringEstimator {
     model: Model,
+    /// Noise by the data sheets.
+    promised: SensorNoise,
     pub(super) state: State,
     axles: [AxleMonitor; 2],
     window: Window,
     yaw_acceleration: YawAcceleration,
     single_brake: SingleBrake,
+    /// A single wheel was braked in the last window.
+    is_braked: bool,
     standstill: Standstill,
     minimum_speed: f64,
     /// The lateral velocity is known: a window has ended since the car began to drive.
@@ -80,10 +81,9 @@ pub struct CorneringEstimator {
     seen: bool,
     /// For how long the car may have driven without usable sensors, s.
     blind_s: f64,
-    motion: Option<LateralMotion>,
     limit: Option<LateralLimit>,
     /// The stiffnesses when they were last known well. The surface may have changed since.
-    settled: [Option<Known>; 2],
+    settled: [Option<learned::Known>; 2],
     /// What was taken up from an earlier drive is on trial.
     trial: Option<Trial<STATES>>,
 }
@@ -103,6 +103,7 @@ impl CorneringEstimator {
             window: Window::new(TUNING.window_s),
             yaw_acceleration: YawAcceleration::default(),
             single_brake,
+            is_braked: false,
             standstill: Standstill::default(),
             minimum_speed,
             running: false,
@@ -113,10 +114,10 @@ impl CorneringEstimator {
             idle_s: 0.0,
             seen: false,
             blind_s: 0.0,
-            motion: None,
             limit: None,
             settled: [None; 2],
             trial: None,
+            promised: model.noise,
             model,
         }
     }
@@ -141,7 +142,6 @@ impl CorneringEstimator {
     pub fn step(&mut self, now: &Kinematics, longitudinal: Option<f64>, belief: &Belief) -> bool {
         self.age_s += now.elapsed_s;
         self.idle_s += now.elapsed_s;
-        self.motion = None;
         self.limit = None;
         self.watch_standstill(now);
         let Some(Cornering { speed, yaw_rate: r, lateral_acceleration: ay, road_angle: angle }) =
@@ -172,15 +172,31 @@ impl CorneringEstimator {
             changed = self.update(&means, belief);
             self.running = true;
         }
-        if self.running {
-            self.motion = Some(self.model.motion_at(&self.state, &self.window.path, &sample));
-        }
         changed
     }
 
-    /// Motion at the last sample, if the car moved and nothing was missing.
-    pub fn motion(&self) -> Option<LateralMotion> {
-        self.motion
+    /// The noise of single readings as it turned out: yaw rate (rad/s) and lateral acceleration (m/s²). Less than the
+    /// data sheets promise is not believed: noise repeats itself.
+    pub fn set_noise(&mut self, [yaw_rate, acceleration]: [f64; 2]) {
+        let noise = &mut self.model.noise;
+        noise.yaw_rate = yaw_rate.max(self.promised.yaw_rate);
+        noise.acceleration = acceleration.max(self.promised.acceleration);
+    }
+
+    /// All that is known of tires and sensors at the moment, by earlier drives, too. What is hardly known of a tire is
+    /// left to the data sheet.
+    pub fn known(&self) -> Known {
+        let estimate =
+            |i: usize| Estimate { value: self.state.mean[i], std: self.state.std(i), age_s: self.age_s };
+        Known {
+            stiffness: [FRONT, REAR].map(|i| {
+                let Estimate { value, std, age_s } = estimate(i);
+                let is_known = std < TUNING.unknown * value;
+                is_known.then_some(Estimate { value: 1.0 / value, std: std / (value * value), age_s })
+            }),
+            offsets: [ANGLE_OFFSET, AY_OFFSET, YAW_OFFSET].map(estimate),
+            is_braked: self.is_braked,
+        }
     }
 
     /// Friction, at a sample by which an axle was found to slide.
@@ -224,17 +240,6 @@ impl CorneringEstimator {
                 stiffness.is_some_and(|c| {
                     c.std <= config.valid_relative_std * c.value && c.age_s <= config.valid_age_s
                 })
-            })
-    }
-
-    /// The sideslip is known well enough to be acted upon.
-    pub fn is_motion_valid(&self, speed: f64) -> bool {
-        self.is_consistent()
-            && self.driving_s > TUNING.forward_shows_s
-            && self.motion.is_some_and(|m| {
-                let unseen = (m.lateral_velocity - self.state.mean[VY]).abs();
-                m.lateral_velocity_std <= self.model.config.valid_sideslip_std * speed
-                    && unseen < TUNING.unseen * speed
             })
     }
 
@@ -301,8 +306,8 @@ impl CorneringEstimator {
             let vy = self.model.car.steady_lateral_velocity(now.speed, r, now.acceleration);
             self.state.forget(VY, vy, UNKNOWN_VY);
         }
-        let is_braked = self.single_brake.end(now.speed, now.path.time);
-        if is_braked && self.driving_s > TUNING.forward_shows_s {
+        self.is_braked = self.single_brake.end(now.speed, now.path.time);
+        if self.is_braked && self.driving_s > TUNING.forward_shows_s {
             return false;
         }
         let Ok(changed) = self.measure(now, belief) else {
@@ -361,6 +366,8 @@ impl CorneringEstimator {
 
     /// The state is not sound any more: starts from the priors.
     fn start_again(&mut self) {
+        let promised = self.promised;
         *self = Self::at_start(self.model.clone(), self.single_brake.clone(), self.minimum_speed);
+        self.promised = promised;
     }
 }

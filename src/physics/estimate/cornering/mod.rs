@@ -46,5 +46,4 @@ mod window;
 pub use config::CorneringConfig;
 pub use doubt::{Axle, Doubt};
 pub use estimator::CorneringEstimator;
-pub use model::LateralMotion;
 pub use sliding::LateralLimit;

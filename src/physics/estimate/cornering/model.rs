@@ -4,9 +4,7 @@ use nalgebra::SMatrix;
 
 use super::bend::Bend;
 use super::config::CorneringConfig;
-use super::state::{
-    ANGLE_OFFSET, ANGLE_SCALE, AY_OFFSET, BANK, FRONT, REAR, SPEED_SCALE, STATES, State, VY, YAW_OFFSET,
-};
+use super::state::{ANGLE_OFFSET, AY_OFFSET, BANK, FRONT, REAR, SPEED_SCALE, STATES, State, VY, YAW_OFFSET};
 use super::window::{Means, Path};
 use crate::estimate::kinematics::Car;
 use crate::{Quantity, Sensors};
@@ -58,17 +56,6 @@ pub struct SensorNoise {
     pub acceleration: f64,
     /// Of the road wheel angle, rad.
     pub road_angle: f64,
-}
-
-/// What the filter knows of the motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LateralMotion {
-    /// Lateral velocity at the centre of gravity, m/s.
-    pub lateral_velocity: f64,
-    /// Its standard deviation, m/s.
-    pub lateral_velocity_std: f64,
-    /// Slip angles front and rear, rad, offsets taken off.
-    pub slip_angles: [f64; 2],
 }
 
 impl Model {
@@ -134,19 +121,6 @@ impl Model {
         state.covariance.row_mut(BANK).scale_mut(kept);
         state.covariance.column_mut(BANK).scale_mut(kept);
         state.inflate(BANK, config.bank_std.powi(2) * (1.0 - kept * kept));
-    }
-
-    /// The motion at a sample, brought forward from the last window's mean along `path`.
-    pub fn motion_at(&self, state: &State, path: &Path, now: &Means) -> LateralMotion {
-        let x = &state.mean;
-        let vy = x[VY] + along(state, path);
-        let r = now.yaw_rate - x[YAW_OFFSET];
-        let angle = now.angle * (1.0 + x[ANGLE_SCALE]) - x[ANGLE_OFFSET];
-        LateralMotion {
-            lateral_velocity: vy,
-            lateral_velocity_std: state.std(VY),
-            slip_angles: self.car.slip_angles(now.speed * (1.0 + x[SPEED_SCALE]), vy, r, angle),
-        }
     }
 }
 

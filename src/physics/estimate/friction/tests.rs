@@ -139,3 +139,27 @@ fn an_abs_that_works_for_one_wheel_bounds_nothing_from_above() {
     assert!(!unseen.valid && unseen.high > Some(0.75), "{unseen:?}");
     assert!(seen.valid && seen.high < Some(0.55), "{seen:?}");
 }
+
+#[test]
+fn brakes_that_are_let_go_are_no_limit_while_the_flag_stays_on() {
+    let car = Car::new(&Vehicle::thesis());
+    // Half a second at 9 m/s², then half a second of less and less; some wheels seem to slip.
+    let stop = |held_s: f64, seen: Option<bool>| {
+        let mut monitor = FrictionMonitor::new(&car, &FrictionConfig::default());
+        let mut all = Vec::new();
+        for i in 0..(100.0 * (held_s + 0.5)) as i32 {
+            let t = 0.01 * f64::from(i);
+            let ax = -9.0 + 14.0 * (t - held_s).clamp(0.0, 0.5);
+            let braking = Kinematics { abs: Some(true), ..sample(ax, 0.0) };
+            let working = Evidence { abs_working_s: Some(t), brakes_at_limit: seen, ..Evidence::default() };
+            all.push(monitor.step(&braking, Some(ax), working));
+        }
+        all
+    };
+    for (held_s, seen) in [(0.5, Some(true)), (0.5, None), (2.0, None)] {
+        let wrong =
+            stop(held_s, seen).into_iter().filter(|friction| friction.high.is_some_and(|high| high < 0.75));
+        assert_eq!(wrong.count(), 0, "{held_s} {seen:?}");
+    }
+    assert!(stop(2.0, Some(true))[150].valid);
+}

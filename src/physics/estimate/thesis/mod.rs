@@ -15,7 +15,7 @@ pub(super) mod config;
 mod dahl_ekf;
 mod joint_ekf;
 mod kinematic_observer;
-pub mod lateral_filter;
+pub use super::lateral_filter;
 mod lateral_slope;
 mod lateral_velocity;
 mod slip_angles;

@@ -4,8 +4,8 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 use super::config::{LateralFilterConfig, Walk};
 use super::model::{
-    ANGLE, ANGLE_OFFSET, ANGLE_RATE, AY_OFFSET, BANK, Covariance, FRICTION, FRONT, Inputs, Model, REAR,
-    Rates, Row, STATES, VY, YAW, YAW_OFFSET,
+    ANGLE, ANGLE_OFFSET, ANGLE_RATE, ANGLE_SCALE, AY_OFFSET, BANK, Covariance, DELAY, FRICTION, FRONT,
+    Inputs, Model, REAR, Rates, Row, STATES, VY, YAW, YAW_OFFSET,
 };
 use crate::estimate::kinematics::Car;
 use crate::filter::{Gaussian, Innovation};
@@ -190,20 +190,34 @@ impl Hypothesis {
     /// Takes the readings of this sample: road wheel angle, yaw rate, lateral acceleration.
     pub fn update(&mut self, model: &Model, now: &Inputs, readings: [f64; 3], noise: &Noise) -> Verdict {
         let x = &self.state.mean;
-        let residual = readings[0] - x[ANGLE] - x[ANGLE_OFFSET];
-        let angle = self.correct([(ANGLE, 1.0), (ANGLE_OFFSET, 1.0)], residual, noise.angle);
-        let x = &self.state.mean;
-        let residual = readings[1] - x[YAW] - x[YAW_OFFSET];
-        let yaw = self.correct([(YAW, 1.0), (YAW_OFFSET, 1.0)], residual, noise.yaw_rate);
+        let (shown, scale) = (x[ANGLE], 1.0 + x[ANGLE_SCALE]);
+        let residual = readings[0] - scale * shown - x[ANGLE_OFFSET];
+        let row = [(ANGLE, scale), (ANGLE_OFFSET, 1.0), (ANGLE_SCALE, shown)];
+        let angle = self.correct(row, residual, noise.angle);
+        let yaw = self.correct_yaw_rate(model, now, readings[1], noise.yaw_rate);
         let x = self.state.mean;
         let blur = self.blur(model, now, x[ANGLE]);
         let rates = model.rates(&x, Vector2::new(x[VY], x[YAW]), now, x[ANGLE], blur);
-        let residual = readings[2] - rates.acceleration - x[AY_OFFSET];
-        let acceleration = self.correct(acceleration_row(&rates), residual, noise.acceleration);
+        let jerk = rates.jerk(x[ANGLE_RATE]);
+        let residual = readings[2] - rates.acceleration - x[AY_OFFSET] - x[DELAY] * jerk;
+        let acceleration = self.correct(acceleration_row(&rates, jerk), residual, noise.acceleration);
         self.keep_within_limits();
         let ln = |i: &Innovation| -0.5 * (i.nis() + i.variance.ln());
         let innovations = [angle, yaw, acceleration];
         Verdict { innovations, ln_likelihood: innovations.iter().map(ln).sum() }
+    }
+
+    /// The yaw rate's reading; where its time is not that of the steering, as much of the yaw acceleration is in it.
+    fn correct_yaw_rate(&mut self, model: &Model, now: &Inputs, reading: f64, variance: f64) -> Innovation {
+        let x = self.state.mean;
+        if self.state.covariance[(DELAY, DELAY)] == 0.0 {
+            let residual = reading - x[YAW] - x[YAW_OFFSET];
+            return self.correct([(YAW, 1.0), (YAW_OFFSET, 1.0)], residual, variance);
+        }
+        let rates = model.rates(&x, Vector2::new(x[VY], x[YAW]), now, x[ANGLE], [0.0; 2]);
+        let rate = rates.rate[1];
+        let residual = reading - x[YAW] - x[YAW_OFFSET] - x[DELAY] * rate;
+        self.correct([(YAW, 1.0), (YAW_OFFSET, 1.0), (DELAY, rate)], residual, variance)
     }
 
     /// Measurement update with a scalar of sparse sensitivity. With noise in every reading and in every
@@ -253,7 +267,7 @@ impl Hypothesis {
 }
 
 /// Derivatives of the accelerometer's reading by the state.
-fn acceleration_row(rates: &Rates) -> [(usize, f64); 7] {
+fn acceleration_row(rates: &Rates, jerk: f64) -> [(usize, f64); 8] {
     [
         (VY, rates.acceleration_by_motion[0]),
         (YAW, rates.acceleration_by_motion[1]),
@@ -262,6 +276,7 @@ fn acceleration_row(rates: &Rates) -> [(usize, f64); 7] {
         (REAR, rates.acceleration_by_tires[1]),
         (FRICTION, rates.acceleration_by_tires[2]),
         (AY_OFFSET, 1.0),
+        (DELAY, jerk),
     ]
 }
 
@@ -297,7 +312,7 @@ mod tests {
         let car = Car::new(&Vehicle::thesis());
         let model = Model::new(&car, Tire::PiecewiseLinear(PiecewiseLinear));
         let noise = Noise::promised(&car, &Sensors::default(), &LateralFilterConfig::default());
-        let std = [0.5, 0.1, 0.1, 0.5, 0.3, 0.3, 0.3, 0.1, 0.01, 0.01, 0.15];
+        let std = [0.5, 0.1, 0.1, 0.5, 0.3, 0.3, 0.3, 0.1, 0.01, 0.01, 0.15, 0.02, 0.02];
         let mut mean = [0.0; STATES];
         (mean[FRONT], mean[REAR]) = (2.4, 2.4);
         let mut hypothesis = Hypothesis { state: Gaussian::new(mean, std) };

@@ -21,7 +21,7 @@ pub mod bound;
 pub mod config;
 pub mod hypothesis;
 pub mod model;
-mod steering;
+pub(super) mod steering;
 
 pub use config::LateralFilterConfig;
 pub use hypothesis::Noise;
@@ -33,8 +33,8 @@ use self::model::{
 };
 use self::steering::SteeringActivity;
 use crate::Sensors;
-use crate::estimate::cornering::LateralMotion;
 use crate::estimate::kinematics::{Car, Cornering, Kinematics};
+use crate::estimate::motion::LateralMotion;
 use crate::estimates::{Estimate, SensorOffsets};
 use crate::filter::{Gaussian, Innovation, LearnedNoise};
 use crate::model::tire::Tire;

@@ -17,7 +17,7 @@ use crate::model::GRAVITY;
 use crate::model::tire::{Curve, Shape, Tire};
 
 /// Components of the state.
-pub const STATES: usize = 11;
+pub const STATES: usize = 13;
 /// Lateral velocity, m/s.
 pub const VY: usize = 0;
 /// Yaw rate, rad/s.
@@ -42,6 +42,10 @@ pub const YAW_OFFSET: usize = 8;
 pub const ANGLE_OFFSET: usize = 9;
 /// Gravity's part along the road's cross slope, m/s².
 pub const BANK: usize = 10;
+/// By how much the inertial sensors are ahead of the steering and the wheels, s; negative: behind.
+pub const DELAY: usize = 11;
+/// Relative error of the road wheel angle: steering ratio, and what the single track leaves out in tight curves.
+pub const ANGLE_SCALE: usize = 12;
 
 /// The state or a row of derivatives by it.
 pub type Row = SVector<f64, STATES>;
@@ -102,6 +106,22 @@ pub struct Rates {
     pub acceleration_by_tires: [f64; 3],
 }
 
+impl Rates {
+    /// How fast the acceleration changes while the steering turns at this rate (rad/s), m/s³.
+    pub fn jerk(&self, angle_rate: f64) -> f64 {
+        let [by_vy, by_yaw] = self.acceleration_by_motion;
+        by_vy * self.rate[0] + by_yaw * self.rate[1] + self.acceleration_by_angle * angle_rate
+    }
+
+    /// Yaw rate in the end for each road wheel angle, 1/s; infinite where the tires hold no such end.
+    pub fn steady_yaw_gain(&self) -> f64 {
+        let (m, b) = (&self.by_motion, &self.by_angle);
+        let determinant = m.determinant();
+        let gain = (m[(1, 0)] * b[0] - m[(0, 0)] * b[1]) / determinant;
+        if determinant > 0.0 && gain > 0.0 { gain } else { f64::INFINITY }
+    }
+}
+
 /// The car's numbers as the equations use them.
 #[derive(Clone, Copy, Debug)]
 pub struct Model {
@@ -131,6 +151,11 @@ impl Model {
             tire,
             blurs: true,
         }
+    }
+
+    /// Yaw rate for each road wheel angle of a car that neither under- nor oversteers, 1/s: the most there usually is.
+    pub fn steady_gain(&self, speed: f64) -> f64 {
+        speed / (self.a + self.b)
     }
 
     /// The same at a place that is known exactly.

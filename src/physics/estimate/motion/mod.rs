@@ -1,0 +1,177 @@
+//! The lateral motion: a bank of filters on a tire that saturates, one for each friction that the road may have.
+//!
+//! At each sample every filter of the [`bank`] predicts the car by the measured speed and steering
+//! ([`model`](super::lateral_filter::model)) and is corrected by yaw rate and lateral acceleration. How well each did
+//! is its weight; their mixture is the motion, its deviation holds what they disagree about.
+//!
+//! Real sensors are noisier than their data sheets, and a car is no bicycle. Three things keep the filters from
+//! believing too much:
+//!
+//! * the white part of the noise is learned from the readings ([`white_noise`]), what is left from the innovations;
+//! * errors of the model repeat themselves from sample to sample, so that some samples count as one;
+//! * stiffnesses tend to what the windowed estimator ([`cornering`](super::cornering)) knows of them, or to the data
+//!   sheet. Left alone they would take up what delays, geometry and load transfer leave.
+//!
+//! The same model runs free beside the bank: it and the accelerometer are the [`witnesses`] of the yaw rate. What they
+//! disagree about is no filter's business any more but a wrong sensor's.
+
+mod bank;
+#[cfg(all(test, feature = "simulation"))]
+mod tests;
+mod white_noise;
+mod witnesses;
+
+use self::bank::Bank;
+pub use self::bank::Known;
+use self::white_noise::WhiteNoise;
+use self::witnesses::{Witness, Witnesses};
+use super::cornering::Doubt;
+use super::kinematics::{Car, Kinematics};
+use super::lateral_filter::model::Inputs;
+use super::lateral_filter::steering::SteeringActivity;
+use crate::{Quantity, Sensors};
+
+/// Tuned: steering with the test `sim2_joint`, the rest with the tests `long_drives` and `faults`.
+struct Tuning {
+    /// Steering may be this much livelier (spectral density) than it seems.
+    steering_margin: f64,
+    /// Without a sample for this long the motion is unknown, s.
+    gap_s: f64,
+    /// Wheel speeds have no sign. After driving slowly it shows within this time, s, whether the car rolls backwards.
+    forward_shows_s: f64,
+    /// A car that a single wheel's brake turned has settled again after this time, s.
+    braked_settles_s: f64,
+}
+
+const TUNING: Tuning =
+    Tuning { steering_margin: 2.0, gap_s: 0.1, forward_shows_s: 3.0, braked_settles_s: 0.5 };
+
+/// What the filter knows of the motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LateralMotion {
+    /// Lateral velocity at the centre of gravity, m/s.
+    pub lateral_velocity: f64,
+    /// Its standard deviation, m/s.
+    pub lateral_velocity_std: f64,
+    /// Slip angles front and rear, rad, offsets taken off.
+    pub slip_angles: [f64; 2],
+}
+
+/// The filters and their witnesses. Never allocates after construction.
+#[derive(Clone, Debug)]
+pub struct MotionFilter {
+    car: Car,
+    bank: Bank,
+    /// Of yaw rate and lateral acceleration.
+    white: [WhiteNoise; 2],
+    activity: SteeringActivity,
+    /// Of a reading of the road wheel angle, rad².
+    angle_variance: f64,
+    before: Option<Inputs>,
+    minimum_speed: f64,
+    valid_std: f64,
+    /// For how long the car has been fast enough and its sensors sound, s.
+    driving_s: f64,
+    /// Since a single wheel was last braked, s.
+    unbraked_s: f64,
+    witnesses: Witnesses,
+    motion: Option<LateralMotion>,
+}
+
+impl MotionFilter {
+    /// For this car and these sensors; below `minimum_speed` (m/s) there is no motion, and sideslip is valid up to a
+    /// deviation of `valid_std` (rad).
+    pub fn new(car: &Car, sensors: &Sensors, minimum_speed: f64, valid_std: f64) -> Self {
+        let variance = |quantity| sensors.noise_std(quantity).powi(2);
+        let angle_variance = variance(Quantity::SteeringWheelAngle) / car.steering_ratio.powi(2);
+        Self {
+            bank: Bank::new(car),
+            white: [Quantity::YawRate, Quantity::LateralAcceleration]
+                .map(|quantity| WhiteNoise::new(variance(quantity))),
+            activity: SteeringActivity::new(angle_variance),
+            angle_variance,
+            before: None,
+            minimum_speed,
+            valid_std,
+            driving_s: 0.0,
+            unbraked_s: f64::INFINITY,
+            witnesses: Witnesses::default(),
+            motion: None,
+            car: car.clone(),
+        }
+    }
+
+    /// Takes a sample, the acceleration along the car (m/s²) where it is known, and what else is known of tires and
+    /// sensors.
+    pub fn step(&mut self, now: &Kinematics, along: Option<f64>, known: &Known) {
+        self.motion = None;
+        let Some(cornering) = now.cornering(self.minimum_speed) else {
+            self.stop();
+            return;
+        };
+        let elapsed_s = now.elapsed_s;
+        self.driving_s += elapsed_s;
+        self.unbraked_s = if known.is_braked { 0.0 } else { self.unbraked_s + elapsed_s };
+        self.white[0].step(cornering.yaw_rate);
+        self.white[1].step(cornering.lateral_acceleration);
+        let along = along.map_or(0.0, |a| self.car.longitudinal_force(a, cornering.speed));
+        let inputs = Inputs { speed: cornering.speed, longitudinal: self.car.axle_forces(along) };
+        let before = self.before.replace(inputs).filter(|_| elapsed_s <= TUNING.gap_s);
+        let steering = TUNING.steering_margin * self.activity.step(cornering.road_angle, elapsed_s);
+        let white = self.white.map(|white| white.variance());
+        let noise = self.bank.noise(white, self.angle_variance, known.is_braked);
+        match &before {
+            Some(before) => self.bank.predict(before, &inputs, elapsed_s, &noise, steering, known),
+            None => self.bank.start(&cornering, known),
+        }
+        let readings = [cornering.road_angle, cornering.yaw_rate, cornering.lateral_acceleration];
+        self.bank.update(&inputs, readings, &noise, white, elapsed_s);
+        if !self.bank.is_sound() {
+            self.bank = Bank::new(&self.car);
+            self.stop();
+            return;
+        }
+        self.witnesses.step(self.bank.model(), self.bank.likeliest(), &inputs, readings, white, elapsed_s);
+        self.motion = Some(self.bank.motion(cornering.speed));
+    }
+
+    /// Motion at the last sample, if the car moved and nothing was missing.
+    pub fn motion(&self) -> Option<LateralMotion> {
+        self.motion
+    }
+
+    /// White noise of a sample of the yaw rate (rad/s) and of the lateral acceleration (m/s²): standard deviations.
+    pub fn white_noise(&self) -> [f64; 2] {
+        self.white.map(|white| white.variance().sqrt())
+    }
+
+    /// The sideslip is known well enough to be acted upon.
+    pub fn is_valid(&self, speed: f64) -> bool {
+        self.doubt().is_none()
+            && (self.driving_s > TUNING.forward_shows_s || self.witnesses.show_forward())
+            && self.unbraked_s > TUNING.braked_settles_s
+            && self.motion.is_some_and(|motion| motion.lateral_velocity_std <= self.valid_std * speed)
+    }
+
+    /// Which two sensors disagree, if any do.
+    pub fn doubt(&self) -> Option<Doubt> {
+        self.witnesses.doubt().map(|Witness { sensors, off, of, lasts_s }| Doubt::Disagreement {
+            sensors,
+            off,
+            of,
+            lasts_s,
+        })
+    }
+
+    /// A sensor failed its plausibility check: the motion is unknown.
+    pub fn distrust(&mut self) {
+        self.stop();
+    }
+
+    fn stop(&mut self) {
+        self.before = None;
+        self.driving_s = 0.0;
+        self.white.iter_mut().for_each(WhiteNoise::interrupt);
+        self.witnesses.stop();
+    }
+}

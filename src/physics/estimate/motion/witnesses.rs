@@ -1,0 +1,256 @@
+//! Do the sensors tell of the same drive?
+//!
+//! The yaw rate has two witnesses that know nothing of it. Speed and steering make the car turn: the model of the
+//! likeliest filter runs free beside it, held to it by a slow pull only. And who turns at a speed is accelerated sideways:
+//! a_y = v_x r but for the car's beginning to slide. All are smoothed, so that noise and delays of tenths of a second
+//! hardly count, and compared by their mean squares over some seconds, after the noise is taken off.
+
+use nalgebra::{Matrix2, Vector2};
+
+use crate::estimate::lateral_filter::model::{
+    ANGLE_OFFSET, AY_OFFSET, Inputs, Model, STATES, VY, YAW, YAW_OFFSET,
+};
+use crate::filter::Gaussian;
+
+/// Tuned with the tests `motion` and `faults`.
+struct Tuning {
+    /// Time constant of the smoothing, s: longer than delays, shorter than curves.
+    smooth_s: f64,
+    /// The free run is pulled to the filter within this time, s.
+    pull_s: f64,
+    /// Seconds that are compared together.
+    memory_s: f64,
+    /// Before so many seconds nothing is said.
+    shows_s: f64,
+    /// Share of the movement that may be off where all sensors are right (a car that slides, load transfer), …
+    share: [f64; 2],
+    /// … and what is off anyhow: rad/s by steering, m/s² by gravity on a cross slope.
+    anyhow: [f64; 2],
+    /// Factor between two that should be equal, less one: roll and geometry make it this much; so many deviations of it
+    /// are chance; seconds that it is taken from, and seconds that one error lasts.
+    factor: f64,
+    factor_deviations: f64,
+    factor_memory_s: f64,
+    /// What the factor makes of the movement (rms, in what is off anyhow): less comes from superelevated curves.
+    factor_least: f64,
+    error_lasts_s: f64,
+    /// With so much turning, rad/s, and this share of it as it is steered, the car rolls forwards.
+    turning: f64,
+    forward: f64,
+    /// A doubt ends at this share of what it begins at.
+    ends: f64,
+    /// So many deviations of the steering's offset are forgiven.
+    offset_deviations: f64,
+    /// The free run stays within these: lateral velocity over speed, yaw rate rad/s.
+    limits: (f64, f64),
+}
+
+const TUNING: Tuning = Tuning {
+    smooth_s: 0.3,
+    pull_s: 2.0,
+    memory_s: 6.0,
+    shows_s: 2.0,
+    share: [0.3, 0.35],
+    anyhow: [0.015, 0.5],
+    factor: 0.12,
+    factor_deviations: 3.0,
+    factor_memory_s: 20.0,
+    factor_least: 1.5,
+    error_lasts_s: 0.6,
+    turning: 0.05,
+    forward: 0.5,
+    ends: 0.6,
+    offset_deviations: 2.0,
+    limits: (0.6, 3.0),
+};
+
+/// Two sensors that disagree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Witness {
+    /// Their names, and the unit of the numbers.
+    pub sensors: [&'static str; 3],
+    /// By how much (rms), and how much there is of it (rms).
+    pub off: f64,
+    /// See `off`.
+    pub of: f64,
+    /// For how long, s.
+    pub lasts_s: f64,
+}
+
+/// Mean squares of two smoothed signals.
+#[derive(Clone, Copy, Debug, Default)]
+struct Comparison {
+    smooth: [f64; 2],
+    off: f64,
+    of: f64,
+    noise: f64,
+    /// Over a longer time: mean squares of both signals, and the mean product.
+    long: [f64; 3],
+    /// Since when they disagree, s.
+    doubted_s: Option<f64>,
+}
+
+/// The free run and what is compared with it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Witnesses {
+    /// Lateral velocity and yaw rate of the free run.
+    free: Option<Vector2<f64>>,
+    seen_s: f64,
+    /// Steering's yaw rate with the gyro's; acceleration with that of turning.
+    pairs: [Comparison; 2],
+}
+
+impl Witnesses {
+    /// The two pairs.
+    const NAMES: [[&'static str; 3]; 2] = [
+        ["yaw_rate", "steering_wheel_angle with the speed", "rad/s"],
+        ["lateral_acceleration", "yaw_rate with the speed", "m/s²"],
+    ];
+
+    /// Takes a sample: road wheel angle, yaw rate and lateral acceleration; the state of the likeliest filter; `white`:
+    /// the variances of the latter two.
+    pub fn step(
+        &mut self,
+        model: &Model,
+        state: &Gaussian<STATES>,
+        inputs: &Inputs,
+        [angle, yaw_rate, acceleration]: [f64; 3],
+        white: [f64; 2],
+        elapsed_s: f64,
+    ) {
+        let x = &state.mean;
+        let held = Vector2::new(x[VY], x[YAW]);
+        let free = self.free.get_or_insert(held);
+        *free += (elapsed_s / TUNING.pull_s).min(1.0) * (held - *free);
+        let rates = model.rates(x, *free, inputs, angle - x[ANGLE_OFFSET], [0.0; 2]);
+        let scaled = elapsed_s * rates.by_motion;
+        let one = Matrix2::identity();
+        *free += elapsed_s * (one + 0.5 * scaled * (one + scaled * (one + 0.25 * scaled) / 3.0)) * rates.rate;
+        let (slide, turn) = (TUNING.limits.0 * inputs.speed, TUNING.limits.1);
+        *free = Vector2::new(free[0].clamp(-slide, slide), free[1].clamp(-turn, turn));
+        let turned = yaw_rate - x[YAW_OFFSET];
+        let pairs = [
+            ([turned, free[1]], white[0]),
+            (
+                [acceleration - x[AY_OFFSET], inputs.speed * turned],
+                white[1] + inputs.speed.powi(2) * white[0],
+            ),
+        ];
+        self.seen_s += elapsed_s;
+        let memory = (elapsed_s / self.seen_s.min(TUNING.memory_s)).min(1.0);
+        // A wrong offset of the steering turns the car as long as it is not known better.
+        let by_offset = TUNING.offset_deviations
+            * state.std(ANGLE_OFFSET)
+            * rates.steady_yaw_gain().min(model.steady_gain(inputs.speed));
+        let forgiven = [by_offset, 0.0];
+        for (i, (pair, (signals, noise))) in self.pairs.iter_mut().zip(pairs).enumerate() {
+            pair.step(signals, noise, elapsed_s, memory);
+            pair.remember(elapsed_s, self.seen_s);
+            let limit = TUNING.anyhow[i] + forgiven[i] + TUNING.share[i] * pair.of.sqrt();
+            let ends = pair.doubted_s.map_or(1.0, |_| TUNING.ends);
+            let is_off = pair.off() > ends * limit || pair.factor_is_off(TUNING.anyhow[i], self.seen_s, ends);
+            let is_off = is_off && self.seen_s > TUNING.shows_s;
+            pair.doubted_s = is_off.then(|| pair.doubted_s.map_or(0.0, |since| since + elapsed_s));
+        }
+    }
+
+    /// The pair that disagrees, the first one if both do.
+    pub fn doubt(&self) -> Option<Witness> {
+        self.pairs.iter().zip(Self::NAMES).find_map(|(pair, sensors)| {
+            pair.doubted_s.map(|lasts_s| Witness { sensors, off: pair.off(), of: pair.of.sqrt(), lasts_s })
+        })
+    }
+
+    /// The car turns to where it is steered: it rolls forwards.
+    pub fn show_forward(&self) -> bool {
+        let [_, square, product] = self.pairs[0].long;
+        square > TUNING.turning.powi(2) && product > TUNING.forward * square
+    }
+
+    /// The drive is interrupted. What disagreed before has to show again.
+    pub fn stop(&mut self) {
+        *self = Self::default();
+    }
+}
+
+impl Comparison {
+    fn step(&mut self, signals: [f64; 2], noise: f64, elapsed_s: f64, memory: f64) {
+        let weight = (elapsed_s / TUNING.smooth_s).min(1.0);
+        for (smooth, signal) in self.smooth.iter_mut().zip(signals) {
+            *smooth += weight * (signal - *smooth);
+        }
+        let [one, other] = self.smooth;
+        self.off += memory * ((one - other).powi(2) - self.off);
+        self.of += memory * (0.5 * (one * one + other * other) - self.of);
+        // White noise that is smoothed so.
+        self.noise += memory * (noise * 0.5 * weight - self.noise);
+    }
+
+    fn remember(&mut self, elapsed_s: f64, seen_s: f64) {
+        let memory = (elapsed_s / seen_s.min(TUNING.factor_memory_s)).min(1.0);
+        let [one, other] = self.smooth;
+        for (mean, now) in self.long.iter_mut().zip([one * one, other * other, one * other]) {
+            *mean += memory * (now - *mean);
+        }
+    }
+
+    /// The signals are proportional, but not equal: the scale of one is wrong.
+    fn factor_is_off(&self, anyhow: f64, seen_s: f64, ends: f64) -> bool {
+        let [square_of_one, square, product] = self.long;
+        let factor = product / square;
+        if (factor - 1.0).abs() * square.sqrt() < ends * TUNING.factor_least * anyhow {
+            return false;
+        }
+        let off = (square_of_one - factor * product).max(0.0);
+        let worth = seen_s.min(TUNING.factor_memory_s) / TUNING.error_lasts_s;
+        let std = (off / square / worth).sqrt();
+        (factor - 1.0).abs() > ends * TUNING.factor + TUNING.factor_deviations * std
+    }
+
+    /// Rms of the difference without the noise.
+    fn off(&self) -> f64 {
+        (self.off - 2.0 * self.noise).max(0.0).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::kinematics::Car;
+    use crate::estimate::lateral_filter::model::{FRICTION, FRONT, REAR};
+    use crate::model::Vehicle;
+    use crate::model::tire::{Brush, Tire};
+
+    /// Winds along a road at 20 m/s; what is doubted at the end. The gyro has this gain, the steering comes late by so
+    /// many samples or is another drive's, the accelerometer feels gravity beside.
+    fn drive(gain: f64, late: usize, is_foreign: bool, gravity: f64) -> Option<Witness> {
+        let model = Model::new(&Car::new(&Vehicle::thesis()), Tire::Brush(Brush));
+        let mut state = Gaussian::new([0.0; STATES], [0.0; STATES]);
+        (state.mean[FRONT], state.mean[REAR]) = (12.0_f64.ln(), 14.0_f64.ln());
+        let inputs = Inputs { speed: 20.0, longitudinal: [0.0; 2] };
+        let mut witnesses = Witnesses::default();
+        let mut motion = Vector2::zeros();
+        let angle = |i: usize| 0.02 * (0.01 * i as f64).sin() + 0.01 * (0.037 * i as f64).sin();
+        for i in 0..2500 {
+            let rates = model.rates(&state.mean, motion, &inputs, angle(i), [0.0; 2]);
+            motion += 0.01 * rates.rate;
+            let shown = if is_foreign { angle(9 * i / 10 + 400) } else { angle(i.saturating_sub(late)) };
+            (state.mean[VY], state.mean[YAW], state.mean[FRICTION]) = (motion[0], gain * motion[1], 0.0);
+            let readings = [shown, gain * motion[1], rates.acceleration + gravity];
+            witnesses.step(&model, &state, &inputs, readings, [1e-5, 1e-3], 0.01);
+        }
+        witnesses.doubt()
+    }
+
+    #[test]
+    fn delays_and_small_errors_are_no_doubt_and_wrong_sensors_are() {
+        for (gain, late, gravity) in [(1.0, 0, 0.0), (1.0, 30, 0.0), (1.05, 5, 0.3), (0.97, 10, -0.4)] {
+            assert_eq!(drive(gain, late, false, gravity), None, "{gain} {late} {gravity}");
+        }
+        for gain in [0.6, 1.4, -1.0] {
+            assert!(drive(gain, 0, false, 0.0).is_some(), "{gain}");
+        }
+        let doubt = drive(1.0, 0, true, 0.0).unwrap();
+        assert!(doubt.sensors[1].starts_with("steering") && doubt.lasts_s > 5.0, "{doubt:?}");
+    }
+}

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::Value;
-use testing::program::{gripd, target};
+use testing::program::gripd;
 use testing::results::Section;
 
 /// `gripd identify --method ordinary`, as JSON.
@@ -127,7 +127,6 @@ mod by_hand {
                 rows.push(row);
             }
         }
-        std::fs::write(target("free_runs.txt"), rows.join("\n")).unwrap();
         let section = Section {
             name: "free_runs",
             seed: "recorded",

@@ -32,6 +32,8 @@ struct Tuning {
     agreeing: f64,
     /// … or by so many deviations of their noise.
     agreeing_noise: f64,
+    /// More than this, m/s², is a jump of the speed and no motion. Physical: twice what road tires give.
+    most_acceleration: f64,
     /// Normalized force (rms) at which the slopes are fully excited.
     full_excitation: f64,
     /// Time constant of the excitation, s.
@@ -43,6 +45,7 @@ const TUNING: Tuning = Tuning {
     gap_s: 1.0,
     agreeing: 0.4,
     agreeing_noise: 3.0,
+    most_acceleration: 20.0,
     full_excitation: 0.1,
     excitation_memory_s: 10.0,
 };
@@ -334,7 +337,7 @@ impl Pipeline {
         if self.heard.has(Quantity::LongitudinalAcceleration) {
             now.longitudinal_acceleration
         } else {
-            self.block_acceleration
+            self.block_acceleration.filter(|acceleration| acceleration.abs() < TUNING.most_acceleration)
         }
     }
 

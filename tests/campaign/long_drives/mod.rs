@@ -142,7 +142,8 @@ fn esp_braking_single_wheels_passes_neither_for_friction_nor_for_stiffness() {
     assert_eq!(seen.surface_changes, 0, "{seen:#?}");
     // Today, of 58000; nothing should be valid and wrong.
     assert!(seen.cornering_valid_and_wrong <= 240 && seen.slope_valid_and_wrong <= 25, "{seen:#?}");
-    assert!(seen.valid_sideslip_most_off < 0.7, "{seen:#?}");
+    // Degrees, in the moment before a single brake is told from a disturbance.
+    assert!(seen.valid_sideslip_most_off < 0.9, "{seen:#?}");
 }
 
 /// Far beyond what the data sheet allows: a sensor that breaks slowly. What the filters take for an offset is learned,

@@ -44,7 +44,7 @@ struct Tuning {
 }
 
 const TUNING: Tuning =
-    Tuning { steering_margin: 2.0, gap_s: 0.1, forward_shows_s: 3.0, braked_settles_s: 1.0 };
+    Tuning { steering_margin: 2.0, gap_s: 0.1, forward_shows_s: 3.0, braked_settles_s: 0.5 };
 
 /// What the filter knows of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,6 +17,7 @@
 
 mod bank;
 #[cfg(all(test, feature = "simulation"))]
+#[cfg(test)]
 mod tests;
 mod white_noise;
 mod witnesses;

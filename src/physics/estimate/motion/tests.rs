@@ -4,6 +4,9 @@ use crate::estimate::{EstimatorsConfig, Pipeline};
 use crate::model::{Scenario, Simulation, Uncertain};
 use crate::{Faults, Micros, Quantity, Sample, Sensors};
 
+/// A sensor's table, its key and the value there.
+type Change = (&'static str, &'static str, f64);
+
 const SCENARIO: &str = include_str!("../../../../config/scenarios/asphalt_gravel.toml");
 
 /// A drive of one minute with this much steering (rad, rms; 0.4 makes curves of 2 m/s²) and these changes of the sensors' tables.
@@ -17,7 +20,7 @@ struct Outcome {
     square: f64,
 }
 
-fn drive(changes: &[(&str, &str, f64)], steering: f64, told: bool) -> Outcome {
+fn drive(changes: &[Change], steering: f64, told: bool) -> Outcome {
     let mut table: toml::Table = SCENARIO.parse().unwrap();
     table.insert("duration_s".into(), 60.0.into());
     table["steering_wheel_angle"][0].as_table_mut().unwrap().insert("rms".into(), steering.into());
@@ -62,7 +65,7 @@ fn noise_and_delays_leave_the_motion_valid_and_right() {
     let late = |sensors: &[&'static str], ms: f64| sensors.iter().map(|s| (*s, "delay_ms", ms)).collect();
     let inertial = ["yaw_rate", "lateral_acceleration", "longitudinal_acceleration"];
     let noisy = vec![("lateral_acceleration", "noise_std", 3.5), ("yaw_rate", "noise_std", 0.01)];
-    let cases: [(&str, Vec<(&str, &str, f64)>); 6] = [
+    let cases: [(&str, Vec<Change>); 6] = [
         ("as it is", vec![]),
         ("noisy", noisy),
         ("steering 100 ms late", late(&["steering_wheel_angle"], 100.0)),

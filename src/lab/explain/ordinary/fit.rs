@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::inputs::{FreeDrive, STEP_S};
 use super::numbers::{Free, Number, placed};
+use super::robust::{loss, memory, weight};
 use super::run::{Predicted, run};
 use crate::explain::model::{Model, Place};
 use crate::explain::predict::delay::Delayed;
@@ -37,10 +38,6 @@ pub type FreeStart = (Vec<f64>, Vec<f64>, f64);
 
 /// Of so many grid points one is fitted to: residuals next to each other say the same.
 const EVERY: usize = 3;
-
-/// Residuals larger than this many deviations count like |e|, not like e². Huber's usual 1.345 would do as well; smooth
-/// at zero.
-const ROBUST: f64 = 1.5;
 
 /// Steps from each start, and from the best two of them. Numerical.
 const STEPS: [usize; 2] = [8, 25];
@@ -349,8 +346,7 @@ impl<'p, 'a> Problem<'p, 'a> {
                 if i == j { value * (1.0 + damping) } else { value }
             });
             let mut gradient = DVector::from_fn(inside.len(), |i, _| normal.gradient[inside[i]]);
-            for (i, held) in is_held.iter().enumerate().filter(|(_, held)| **held) {
-                debug_assert!(*held);
+            for i in (0..count).filter(|i| is_held[*i]) {
                 let by = self.at_bound(at, normal, i) - at[i];
                 for (row, own) in inside.iter().enumerate() {
                     gradient[row] -= normal.information[(*own, i)] * by;
@@ -360,8 +356,7 @@ impl<'p, 'a> Problem<'p, 'a> {
                 return at.to_vec();
             };
             let mut next = at.to_vec();
-            for (i, held) in is_held.iter().enumerate().filter(|(_, held)| **held) {
-                debug_assert!(*held);
+            for i in (0..count).filter(|i| is_held[*i]) {
                 next[i] = self.at_bound(at, normal, i);
             }
             let mut leaves = false;
@@ -389,47 +384,3 @@ impl<'p, 'a> Problem<'p, 'a> {
 
 /// Grid points of a block.
 const POINTS_PER_BLOCK: usize = 600;
-
-/// Quadratic near zero, linear far out.
-fn loss(error: f64) -> f64 {
-    let share = error / ROBUST;
-    2.0 * ROBUST * ROBUST * ((1.0 + share * share).sqrt() - 1.0)
-}
-
-/// The loss's weight in normal equations.
-fn weight(error: f64) -> f64 {
-    let share = error / ROBUST;
-    1.0 / (1.0 + share * share).sqrt()
-}
-
-/// Points that say as much as one: 1 + 2 Σ of the autocorrelation up to where it first falls below 0.1. What the model
-/// misses remembers longer than noise does; a fit that takes all of it for noise believes its priors only.
-fn memory(series: &[Vec<[f64; 2]>], channel: usize) -> f64 {
-    let product = |lag: usize| {
-        let (mut sum, mut count) = (0.0, 0.0);
-        for rows in series {
-            for pair in rows.windows(lag + 1) {
-                let (first, last) = (pair[0][channel], pair[lag][channel]);
-                if first.is_finite() && last.is_finite() {
-                    sum += first * last;
-                    count += 1.0;
-                }
-            }
-        }
-        if count > 0.0 { sum / count } else { 0.0 }
-    };
-    let variance = product(0).max(1e-300);
-    let mut memory = 1.0;
-    for lag in 1..LONGEST_MEMORY {
-        let correlation = product(lag) / variance;
-        if correlation < 0.1 {
-            break;
-        }
-        memory += 2.0 * correlation;
-    }
-    memory.min(LONGEST_MEMORY as f64)
-}
-
-/// Rows, that is 0.3 s. Tuned by the real drives of `tests/campaign/real_cars`: with ten times as much the laps end at
-/// their priors.
-const LONGEST_MEMORY: usize = 10;

@@ -13,6 +13,7 @@ mod fit;
 mod inputs;
 mod numbers;
 mod remaining;
+mod robust;
 mod run;
 
 pub use answer::{FreeTrace, Number, Ordinary};

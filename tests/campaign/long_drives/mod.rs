@@ -166,7 +166,7 @@ fn sensors_that_drift_for_minutes_make_little_valid_and_wrong() {
                 seen.cornering_valid_and_wrong <= cornering_wrong,
                 "{channel} in {within_s} s: {seen:#?}"
             );
-            assert!(seen.valid_sideslip_most_off < 0.8, "{channel} in {within_s} s: {seen:#?}");
+            assert!(seen.valid_sideslip_most_off < 1.2, "{channel} in {within_s} s: {seen:#?}");
             assert_eq!(seen.surface_changes, 0, "{channel} in {within_s} s: {seen:#?}");
             nothing_of_friction(&seen);
         }

@@ -65,7 +65,7 @@ fn what_a_running_gripd_publishes_is_shown_and_nothing_is_sent() {
     }
     // Every message comes, and none was damaged or lost.
     let messages: Vec<&str> = text.lines().filter(|line| line.trim_start().starts_with("GRIP_")).collect();
-    assert_eq!(messages.len(), 6);
+    assert_eq!(messages.len(), 7);
     assert!(
         messages.iter().all(|line| line.contains("crc 0 ctr 0") && !line.contains("stale")),
         "{messages:?}"

@@ -65,7 +65,7 @@ fn a_page_follows_a_live_bus_and_sends_nothing() {
     view.wait_for("its estimates", |now| {
         tells("as a gripd on this bus publishes them")(now)
             && now["estimates"]["speed"].as_f64().is_some_and(|speed| speed > 1.0)
-            && now["messages"].as_array().is_some_and(|messages| messages.len() == 6)
+            && now["messages"].as_array().is_some_and(|messages| messages.len() == 7)
             && now["warn"] == false
     });
     let tally = gripd.end(SIGTERM);

@@ -1,5 +1,7 @@
 //! Old data, other senders, a silent car, an end, a clock that is set: what receivers hear of the service then.
 
+use std::sync::mpsc::RecvTimeoutError;
+
 use gripd::Faults;
 use nix::sys::signal::Signal::{SIGCONT, SIGSTOP};
 
@@ -84,20 +86,29 @@ fn slow_inputs_lose_nothing() {
     let mut kept = std::collections::BTreeSet::new();
     recording.retain(|frame| kept.insert((frame.id, (frame.time - begun).0 / 100_000)));
     let candump = Recorder::start(interface.0);
+    let (ends, ended) = std::sync::mpsc::channel::<()>();
+    // How long the guest stands still, from before the service starts.
+    let guest = std::thread::spawn(move || {
+        let mut hiccup = Duration::ZERO;
+        loop {
+            let before = Instant::now();
+            if ended.recv_timeout(Duration::from_millis(2)) != Err(RecvTimeoutError::Timeout) {
+                return hiccup;
+            }
+            hiccup = hiccup.max(before.elapsed());
+        }
+    });
     let gripd = Gripd::start(&demo_car(), interface.0);
     let _car = Traffic::start(interface.0, recording);
     candump.wait_for_more(7 * 30, "publishing");
-    let mut hiccup = Duration::ZERO;
-    let begun = Instant::now();
-    while begun.elapsed() < Duration::from_secs(3) {
-        let before = Instant::now();
-        std::thread::sleep(Duration::from_millis(2));
-        hiccup = hiccup.max(before.elapsed());
-    }
+    std::thread::sleep(Duration::from_secs(3));
     let tally = gripd.end(SIGTERM);
+    drop(ends);
+    let hiccup = guest.join().unwrap();
     println!("{tally:?}; {hiccup:?} without the guest");
-    // Where the guest itself stood still for longer, some may be too late, and that is right.
-    assert!(tally.unsent == 0 && (tally.late == 0 || hiccup > Duration::from_millis(60)), "{tally:?}");
+    // A round waits for inputs that are 100 ms apart, so in a guest that stands still some are too late, and that is right.
+    let is_busy = hiccup > Duration::from_millis(10) && 10 * tally.late < tally.published;
+    assert!(tally.unsent == 0 && (tally.late == 0 || is_busy), "{tally:?}, {hiccup:?}");
 }
 
 /// GIVEN somebody who sends our identifiers THEN that is told while it lasts, said once, and counted.

@@ -37,7 +37,10 @@ fn it_ends_within_a_second_on_a_flooded_bus() {
     let candump = Recorder::start(interface.0);
     let gripd = Gripd::start(&demo_car(), interface.0);
     let _flood = traffic::Flood::start(interface.0, frames(simulated_drive()));
-    candump.wait_for_more(120, "publishing under the flood");
+    // On such a bus candump loses frames, too, and a busy guest falls behind: then rounds would be too late and are dropped.
+    wait_for("rounds under the flood", || {
+        candump.published_count() >= 17 || gripd.log().contains("it would have been too late")
+    });
     gripd.end(SIGTERM);
 }
 

@@ -137,6 +137,28 @@ mod tests {
         }
     }
 
+    /// GIVEN inputs that bring a round each 100 ms, and whose frames come within 15 ms THEN each one is sent.
+    #[test]
+    fn slow_inputs_lose_nothing() {
+        let mut rounds = Rounds::new();
+        let mut sent = Vec::new();
+        for now in 0..10_000 {
+            let in_burst = now % 100;
+            if in_burst == 12 {
+                assert!(rounds.frames.is_empty(), "the round before still waits at {now} ms");
+                // Of the moment of the burst's first frame, as the sampler waits for the last.
+                rounds.frames.push(round(now - 12));
+            }
+            let all_is_read = in_burst >= 15;
+            if rounds.judge(Micros::from_millis(now), PERIOD, all_is_read) == Verdict::Now {
+                sent.push((rounds.frames[0].time.0 / 1000, now));
+                rounds.went(Micros::from_millis(now), PERIOD, all_is_read);
+            }
+        }
+        assert_eq!(sent.len(), 100);
+        assert!(sent.iter().all(|(due, at)| at - due <= 15), "{sent:?}");
+    }
+
     #[test]
     fn a_flood_that_is_never_read_to_its_end_lets_one_in_a_cycle_through() {
         let mut rounds = Rounds::new();

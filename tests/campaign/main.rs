@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod drives;
+mod explained;
 mod free_runs;
 mod long_drives;
 mod real_cars;

@@ -7,7 +7,7 @@ use super::case::Answer;
 use super::chain::{self, ChainReport};
 use super::conclusion::Conclusion;
 use super::course::give_means_to_zeros;
-use super::finding::{finding, ranking};
+use super::finding::{finding, measured_wrong, ranking};
 use super::fit::Fit;
 use super::locate::{EQUATIONS, Gains, gains, innovations, regimes};
 use super::model::{Free, Place};
@@ -97,14 +97,21 @@ impl<'a> Conclusion<'_, 'a> {
             give_means_to_zeros(&mut explanation.findings, &mut explanation.parameters.extended);
         }
         explanation.equations = equations;
-        explanation.to_drive = self.to_drive(&explanation.findings);
         explanation.measurement_chain = self.case.chain.iter().flat_map(chain_words).collect();
         explanation.split = self.blocks();
         explanation.seconds = usable;
         explanation.traces = traces;
-        if let Some((ordinary, decides)) = self.ordinary {
-            explanation.take_ordinary(ordinary, decides);
+        if let Some((ordinary, decided)) = self.ordinary {
+            explanation.take_ordinary(ordinary, decided);
         }
+        if explanation.is_by_ordinary {
+            let wrong = measured_wrong(self.case.chain, &explanation.findings);
+            if !wrong.is_empty() && explanation.verdict == Verdict::Adequate {
+                explanation.verdict = Verdict::MissingPhysics;
+            }
+            explanation.findings.splice(0..0, wrong);
+        }
+        explanation.to_drive = self.to_drive(&explanation.findings);
         let keeps = usize::from(!extended.model.knows_torque);
         let model = self.drives.first().map_or_else(
             || extended.model.clone(),

@@ -17,11 +17,10 @@ pub struct Conclusion<'c, 'a> {
     pub data: &'c Data<'c>,
     /// The plain model with unknown forces.
     pub corrected: &'c Fit<'a>,
-    /// The ordinary car, where it could be fitted, and whether what it predicts decides: the plain model and its
-    /// effects did not.
-    pub ordinary: Option<(&'c Ordinary, bool)>,
+    /// The ordinary car, where it could be fitted, and what it decides: the plain model and its effects did not.
+    pub ordinary: Option<(&'c Ordinary, Option<Verdict>)>,
     /// What was chosen.
     pub selection: &'c Selection<'a>,
-    /// What it came to.
+    /// What the plain model and its effects came to.
     pub verdict: Verdict,
 }

@@ -12,7 +12,7 @@ use super::ordinary::Ordinary;
 use super::predict::noise::{Live, Noise};
 use super::predict::{GriddedDrive, grid::STEP_S};
 use super::result::{Explanation, Verdict};
-use super::select::select;
+use super::select::{Selection, select};
 use super::signs_and_swaps;
 use super::split::{Part, Split};
 use super::verdict::Gains;
@@ -43,12 +43,23 @@ impl<'a> Case<'a> {
         if usable < LEAST_SECONDS {
             return Answer { explanation: too_little(usable), model: plain };
         }
+        progress("the ordinary car", 0.0);
+        let ordinary_if = |searches: &dyn Fn(&Ordinary) -> bool| {
+            let recordings = (self.recordings, self.held_out);
+            Ordinary::of(self.vehicle, self.effects, recordings, (self.library, searches), self.seed)
+        };
+        let mut ordinary = ordinary_if(&Ordinary::shakes);
+        // A filter that takes noise for white learns nothing of physics there.
+        let shakes = ordinary.as_ref().is_some_and(Ordinary::shakes);
         progress("fitting the plain model", 0.0);
         let free = plain.ordinary(has);
         let suggested = signs_and_swaps::suggested(self.chain);
         let library = |model: &Model<'_>, onsets: &[f64]| library(self.library, model, has, onsets);
         let excerpt = Excerpt::of(&data);
         let selection = match excerpt.clone() {
+            _ if shakes => {
+                Selection::nothing(data.fit(&plain, &free, &noise, PLAIN_ROUNDS), data.split.clone())
+            }
             Some(excerpt) => {
                 let search =
                     LongSearch { data: &data, plain: (&plain, &free, &noise), suggested: &suggested };
@@ -65,6 +76,7 @@ impl<'a> Case<'a> {
         let sound = selection.chosen.iter().rfind(|taken| taken.candidate.kind.is_all_or_nothing());
         let sound = sound.map_or(&selection.baseline, |taken| &taken.fit);
         let corrected = match excerpt {
+            _ if shakes => selection.baseline.clone(),
             Some(excerpt) => {
                 let some = excerpt.drives(&drives);
                 let first = correct(&data.over(&some), sound, CORRECTION_ROUNDS);
@@ -75,15 +87,20 @@ impl<'a> Case<'a> {
         tracing::debug!(noise = ?selection.baseline.noise, "of the plain model");
         tracing::debug!(noise = ?selection.extended.noise, "of the extended model");
         let gains = Gains::of(&data, &selection, &corrected);
-        progress("the ordinary car", 0.0);
-        let ordinary = Ordinary::of(self.vehicle, self.effects, self.recordings, self.held_out, self.seed);
-        let by_torque = gains.verdict(drives.iter().any(turns));
-        let verdict = match by_torque {
-            // What does not repeat is the road.
-            Verdict::UnknownPhysics if ordinary.as_ref().is_some_and(Ordinary::is_enough) => {
-                Verdict::Adequate
-            }
-            other => other,
+        let by_torque =
+            if shakes { Verdict::UnknownPhysics } else { gains.verdict(drives.iter().any(turns)) };
+        if by_torque == Verdict::UnknownPhysics && !shakes {
+            progress("beyond the ordinary car", 0.0);
+            ordinary = ordinary_if(&|_| true);
+        }
+        // What the plain model and its effects leave is asked of the ordinary car.
+        let decided =
+            ordinary.as_ref().filter(|_| by_torque == Verdict::UnknownPhysics).map(Ordinary::verdict);
+        let verdict = match decided {
+            // Then the plain model's own effects say nothing.
+            Some(Verdict::MissingPhysics) => Verdict::Adequate,
+            Some(decided) => decided,
+            None => by_torque,
         };
         tracing::debug!(?gains, ?verdict, "judged");
         progress("proving", 0.0);
@@ -92,13 +109,16 @@ impl<'a> Case<'a> {
             drives: &drives,
             data: &data,
             corrected: &corrected,
-            ordinary: ordinary.as_ref().map(|ordinary| (ordinary, by_torque == Verdict::UnknownPhysics)),
+            ordinary: ordinary.as_ref().map(|ordinary| (ordinary, decided)),
             selection: &selection,
             verdict,
         }
         .answer(usable)
     }
 }
+
+/// Rounds of fitting the plain model where it is only compared with. Numerical: Gauss–Newton steps.
+const PLAIN_ROUNDS: usize = 6;
 
 /// Noise to begin with; where nobody knows what drives the car, that is a course of its own.
 fn first_noise(drives: &[GriddedDrive], knows_torque: bool) -> Noise {

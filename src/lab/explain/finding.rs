@@ -3,19 +3,21 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::candidates::Candidate;
+use super::chain::{ChainReport, Confidence};
 use super::conclusion::Conclusion;
 use super::course::SmoothedCourse;
 use super::fit::Fit;
 use super::model::Place;
 use super::naming::{Refitted, onset_std};
 use super::predict::GriddedDrive;
-use super::result::{Estimate, Finding, Ranked, Where};
+use super::result::{Estimate, Finding, Nature, Ranked, Where};
 use super::select::{Round, Selection};
-use physics::model::effect::Spec;
+use physics::Quantity;
+use physics::model::effect::{Kind, Spec, named};
 
 /// A rival whose evidence is less than so far behind cannot be told from what was chosen.
 /// Statistical: odds of 33 to 1.
-const TOLD_APART: f64 = 7.0;
+pub const TOLD_APART: f64 = 7.0;
 
 /// What is told of the effect chosen in this round. `place` is where its fit is better than the one before.
 pub fn finding(
@@ -61,6 +63,8 @@ pub fn finding(
     Finding {
         effect: candidate.kind.name.into(),
         channel: candidate.channel.map(|channel| channel.to_string()),
+        kind: Nature::of(candidate.kind),
+        explained_share: BTreeMap::new(),
         probability: probability(taken, round),
         indistinguishable_from: rivals(taken, round),
         to_tell_apart: candidate.kind.to_tell_apart.into(),
@@ -72,6 +76,48 @@ pub fn finding(
         evidence: taken.evidence,
     }
 }
+
+/// What the audit of the measurement is certain of, as findings; what is there already is left out.
+pub fn measured_wrong(chain: &[ChainReport], known: &[Finding]) -> Vec<Finding> {
+    let certain = chain.iter().flat_map(|report| &report.findings);
+    let mut all: Vec<Finding> = Vec::new();
+    for audited in certain.filter(|audited| audited.confidence == Confidence::Certain) {
+        let (kind, channel, number) = match (named(audited.effect), audited.channel.parse::<Quantity>()) {
+            (Some(kind), Ok(wheel)) if kind.name == "tire_radius" => (Some(kind), None, wheel as usize),
+            (kind, channel) => (kind, channel.ok(), 0),
+        };
+        let is_known = |finding: &Finding| {
+            finding.effect == audited.effect
+                && channel.is_none_or(|channel| finding.channel.as_deref() == Some(channel.name()))
+        };
+        if known.iter().chain(&all).any(is_known) {
+            continue;
+        }
+        let mut finding = Finding {
+            effect: audited.effect.into(),
+            channel: kind.is_none_or(Kind::is_of_measurement).then(|| audited.channel.clone()),
+            kind: Nature::Measurement,
+            probability: CERTAIN,
+            about: audited.evidence.clone(),
+            evidence: audited.t * audited.t,
+            ..Finding::default()
+        };
+        finding.place.channels.push(audited.channel.clone());
+        if let Some(kind) = kind {
+            finding.place.equation = kind.place.into();
+            finding.to_tell_apart = kind.to_tell_apart.into();
+            finding.equation = kind.equation.into();
+            let estimate = audited.value.zip(audited.std).map(|(value, std)| Estimate { value, std });
+            let number = kind.parameters.get(number).map(|spec| spec.name.to_owned());
+            finding.parameters.extend(number.zip(estimate));
+        }
+        all.push(finding);
+    }
+    all
+}
+
+/// How often the audit is right where it is certain.
+const CERTAIN: f64 = 0.99;
 
 /// Among all that was fitted in its round, and nothing at all. What it was preferred to for being simpler is no
 /// more probable, whatever its evidence.

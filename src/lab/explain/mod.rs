@@ -49,6 +49,6 @@ pub use case::{Answer, Case};
 pub use model::{Chosen, Model};
 pub use predict::Recording;
 pub use result::{
-    Block, ByChannel, CourseEstimate, Estimate, Explanation, Finding, Missing, Models, Parts, Ranked, Trace,
-    Verdict, Where,
+    Block, ByChannel, CourseEstimate, Estimate, Explanation, Finding, Missing, Models, Nature, Parts, Ranked,
+    Trace, Verdict, Where,
 };

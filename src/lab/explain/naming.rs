@@ -79,7 +79,7 @@ impl<'a> Refitted<'a> {
 const STRICT_ROUNDS: usize = 3;
 
 /// The ways for a candidate: of what acts in proportion the small step tells all.
-fn ways(candidate: &Candidate) -> &'static [Option<f64>] {
+pub fn ways(candidate: &Candidate) -> &'static [Option<f64>] {
     if candidate.kind.search.growth == Growth::Proportional {
         &TUNING.selection.steps_in_stds[..1]
     } else {

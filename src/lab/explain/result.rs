@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use physics::model::effect::Kind;
 use serde::Serialize;
 
 use super::ordinary::{Number, Ordinary, Remaining};
@@ -44,6 +45,32 @@ pub struct Where {
     pub recording: String,
 }
 
+/// What sort of a finding.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Nature {
+    /// Physics that not every car has.
+    #[default]
+    Unusual,
+    /// How something is measured.
+    Measurement,
+    /// Physics that every car has, and a plain model leaves out.
+    Ordinary,
+}
+
+impl Nature {
+    /// Of an effect.
+    pub fn of(kind: &Kind) -> Self {
+        if kind.is_of_measurement() {
+            Self::Measurement
+        } else if kind.search.every_car_has {
+            Self::Ordinary
+        } else {
+            Self::Unusual
+        }
+    }
+}
+
 /// Something that is missing in the plain model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Finding {
@@ -51,6 +78,12 @@ pub struct Finding {
     pub effect: String,
     /// The quantity it is of.
     pub channel: Option<String>,
+    /// What sort of a finding it is.
+    pub kind: Nature,
+    /// By how much held-out squared errors fall with it, as a share of the plain model's, by channel; where the ordinary
+    /// car decides.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub explained_share: ByChannel,
     /// How probable it is among all that was tried.
     pub probability: f64,
     /// What this recording cannot tell it from.
@@ -183,6 +216,9 @@ pub struct Explanation {
     /// Does it predict what the plain model does not?
     #[serde(skip)]
     pub needs_ordinary: bool,
+    /// Is the answer its answer?
+    #[serde(skip)]
+    pub is_by_ordinary: bool,
 }
 
 impl Explanation {
@@ -210,6 +246,7 @@ impl Explanation {
             traces: Vec::new(),
             ordinary: None,
             needs_ordinary: false,
+            is_by_ordinary: false,
         }
     }
 }
@@ -217,9 +254,17 @@ impl Explanation {
 impl Explanation {
     /// Says what the ordinary car says. Where it decides, the plain model is compared with it in its own way: by one free
     /// run with the measured speed.
-    pub fn take_ordinary(&mut self, ordinary: &Ordinary, decides: bool) {
+    pub fn take_ordinary(&mut self, ordinary: &Ordinary, decided: Option<Verdict>) {
         self.fit.ordinary = Some(ordinary.fit.clone());
-        if decides {
+        if let Some(verdict) = decided {
+            self.verdict = verdict;
+            self.is_by_ordinary = true;
+            // Those were of other forces.
+            self.improvement_ci95.clear();
+            self.findings.clone_from(&ordinary.beyond.findings);
+            if !ordinary.beyond.ranking.is_empty() {
+                self.ranking.clone_from(&ordinary.beyond.ranking);
+            }
             let take = |to: &mut Parts<ByChannel>, from: &Parts<ByChannel>| {
                 to.train.extend(from.train.clone());
                 to.holdout.extend(from.holdout.clone());

@@ -68,6 +68,13 @@ pub struct Selection<'a> {
     pub split: Split,
 }
 
+impl<'a> Selection<'a> {
+    /// Of a plain model beside which nothing was searched.
+    pub fn nothing(baseline: Fit<'a>, split: Split) -> Self {
+        Self { extended: baseline.clone(), baseline, chosen: Vec::new(), rounds: Vec::new(), split }
+    }
+}
+
 /// Chooses, beginning with what was taken before. `library` has the candidates for a model, of something that could
 /// have begun at certain moments, s; `progress` is told the stage and how far it is.
 pub fn select<'a>(

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 use crate::cli::Failure;
-use lab::explain::{Answer, Verdict};
+use lab::explain::{Answer, Finding, Verdict};
 use physics::model::Uncertain;
-use physics::model::effect::{Course, EffectConfig, Series};
+use physics::model::effect::{Channel, Course, EffectConfig, Series, named};
 
 /// Points of a course in a file, per second.
 const POINTS_PER_S: f64 = 5.0;
@@ -28,7 +28,15 @@ pub fn toml(from: &Path, to: &Path, answer: &Answer<'_>) -> Result<String, Failu
     }
     let explanation = &answer.explanation;
     if let Some(vehicle) = table.get_mut("vehicle").and_then(Value::as_table_mut) {
-        for (name, estimate) in &explanation.parameters.extended {
+        let ordinary = explanation.parameters.ordinary.as_ref().filter(|_| explanation.is_by_ordinary);
+        if ordinary.is_some() {
+            // Its tires bend as a magic formula does.
+            vehicle.insert("tire".into(), Value::String("magic_formula".into()));
+            for (name, value) in [("magic_formula_shape", 1.3), ("magic_formula_curvature", 0.0)] {
+                vehicle.entry(name).or_insert(Value::Float(value));
+            }
+        }
+        for (name, estimate) in ordinary.unwrap_or(&explanation.parameters.extended) {
             if let Some(place) = vehicle.get_mut(name) {
                 let mut uncertain = Table::new();
                 uncertain.insert("value".into(), Value::Float(rounded(estimate.value)));
@@ -38,6 +46,7 @@ pub fn toml(from: &Path, to: &Path, answer: &Answer<'_>) -> Result<String, Failu
         }
     }
     let effects = match explanation.verdict {
+        _ if explanation.is_by_ordinary => found(&explanation.findings)?,
         Verdict::MissingPhysics => effects(answer)?,
         _ => Vec::new(),
     };
@@ -50,6 +59,30 @@ pub fn toml(from: &Path, to: &Path, answer: &Answer<'_>) -> Result<String, Failu
         if effects.is_empty() { "; nothing was found missing" } else { " and what was found missing" },
     );
     Ok(format!("{about}{rest}\n{}", EffectConfig::write_all(&effects)))
+}
+
+/// Findings of the ordinary car, as the configuration's tables. How a message of the speed is measured has no table.
+fn found(findings: &[Finding]) -> Result<Vec<EffectConfig>, Failure> {
+    let of = |finding: &Finding| {
+        let kind = named(&finding.effect)?;
+        let channel = match &finding.channel {
+            Some(channel) => Some(channel.parse::<Channel>().ok().filter(|it| kind.channels.contains(it))?),
+            None => None,
+        };
+        let numbers = kind.parameters.iter().enumerate().filter_map(|(place, _)| kind.spec(place, channel));
+        let numbers = numbers.map(|spec| {
+            let known = finding.parameters.get(spec.name);
+            let (low, high) = spec.range();
+            let value = known.map_or(spec.value(spec.mean), |known| known.value.clamp(low, high));
+            Uncertain { value: rounded(value), std: rounded(known.map_or(0.0, |known| known.std)) }
+        });
+        let course = match kind.course {
+            Some(_) => Course::Stretches { intervals: finding.place.intervals.clone(), value: 1.0 },
+            None => Course::None,
+        };
+        Some(EffectConfig::new(kind, channel, numbers.collect(), course).map_err(Failure::work))
+    };
+    findings.iter().filter_map(of).collect()
 }
 
 /// What was found, as the configuration's tables.

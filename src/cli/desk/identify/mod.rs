@@ -90,9 +90,10 @@ impl Identify {
     fn ordinary(&self, config: &bus::Config) -> Result<(), Failure> {
         let read = explain::read(&self.logs, config)?;
         let ordinary =
-            Ordinary::of(&config.vehicle, &config.effect, &read.recordings, 0, 1).ok_or_else(|| {
-                Failure::work("no recording has steering, yaw rate and 12 s of driving above 4 m/s")
-            })?;
+            Ordinary::of(&config.vehicle, &config.effect, (&read.recordings, 0), (&[], &|_| false), 1)
+                .ok_or_else(|| {
+                    Failure::work("no recording has steering, yaw rate and 12 s of driving above 4 m/s")
+                })?;
         let to_stdout = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
         if !to_stdout(&self.json) && !to_stdout(&self.html) {
             let mut stdout = std::io::stdout().lock();

@@ -9,6 +9,7 @@ use super::numbers::{Free, Number, placed};
 use super::robust::{loss, memory, weight};
 use super::run::{Predicted, run};
 use crate::explain::model::{Model, Place};
+use crate::explain::predict::car::Compute;
 use crate::explain::predict::delay::Delayed;
 use crate::identify::Parameter;
 
@@ -145,7 +146,7 @@ impl<'p, 'a> Problem<'p, 'a> {
 
     fn predict_one(&self, at: &[f64], drive: usize) -> Predicted {
         let (model, sensing) = placed(self.model, self.free, at, drive);
-        run(&self.drives[drive], &model.car(), sensing)
+        run(&self.drives[drive], &model.car(), sensing, Compute::Motion)
     }
 
     /// Residuals of both channels at every so many grid points, not a number where there are none.

@@ -48,6 +48,8 @@ pub struct FreeDrive {
     pub yaw_rate: Vec<f64>,
     /// Lateral acceleration there as a mean, m/s²; none where the recording has none.
     pub lateral: Option<Vec<f64>>,
+    /// Yaw rate by the difference of the front and of the rear wheels, (ω_R − ω_L) r/track, rad/s, where both are measured.
+    pub axles: [Option<Vec<f64>>; 2],
     /// Is a grid point held out?
     pub held: Vec<bool>,
     /// Is it fast enough to be compared?
@@ -107,6 +109,13 @@ impl FreeDrive {
             let raw = resampled(track, from_s - margin as f64 * STEP_S, points + 2 * margin);
             mean(&raw, MEAN_POINTS)[margin..margin + points].to_vec()
         });
+        let axles = std::array::from_fn(|axle| {
+            let pair = [Wheel::ALL[2 * axle], Wheel::ALL[2 * axle + 1]].map(Quantity::wheel_speed);
+            let [left, right] = pair.map(|side| track(side).ok());
+            let (left, right) = (left?, right?);
+            let [left, right] = [left, right].map(|side| resampled(side, from_s, points));
+            Some(turning(vehicle, axle, &left, &right))
+        });
         let per_block = (BLOCK_S / STEP_S) as usize;
         Ok(Self {
             name: recording.name.clone(),
@@ -114,6 +123,7 @@ impl FreeDrive {
             steering: steering.to_vec(),
             yaw_rate: resampled(yaw, from_s, points),
             lateral,
+            axles,
             held: (0..points)
                 .map(|i| match held {
                     Held::EveryThird => (i / per_block) % 3 == 2,
@@ -169,6 +179,13 @@ fn liveliest(yaw: &[(f64, f64)], (first, begin, points): (f64, usize, usize), mo
         }
     }
     (begin + best.1, most)
+}
+
+/// Yaw rate by the speeds of an axle's wheels, rad/s.
+pub fn turning(vehicle: &Vehicle, axle: usize, left: &[f64], right: &[f64]) -> Vec<f64> {
+    let track = [vehicle.track_front_m, vehicle.track_rear_m][axle].value;
+    let per_speed = vehicle.wheel_radius_m.value / track;
+    left.iter().zip(right).map(|(left, right)| (right - left) * per_speed).collect()
 }
 
 /// Means as the accelerations are compared.

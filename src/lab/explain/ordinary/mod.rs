@@ -9,6 +9,7 @@
 //! and scale of the speed; the car is common to all.
 
 mod answer;
+mod beyond;
 mod fit;
 mod inputs;
 mod numbers;
@@ -17,4 +18,5 @@ mod robust;
 mod run;
 
 pub use answer::{FreeTrace, Number, Ordinary};
+pub use beyond::Beyond;
 pub use remaining::Remaining;

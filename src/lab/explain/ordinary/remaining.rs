@@ -29,8 +29,9 @@ impl Remaining {
     }
 }
 
-/// Less of the error is not worth a name, whatever its significance.
-const LEAST_SHARE: f64 = 0.1;
+/// Less of what is left is not worth a verdict, whatever its significance. Tuned: a law that no library has leaves 0.9 in
+/// `shared/trials/unknown`, calm drives of a real car up to 0.17.
+const LEAST_SHARE: f64 = 0.25;
 
 /// Rows are means over so many grid points: 0.1 s.
 const POINTS: usize = 10;
@@ -238,6 +239,7 @@ mod tests {
             yaw_rate: drive.yaw_rate.clone(),
             lateral: drive.lateral.clone().unwrap(),
             sideslip: vec![0.0; drive.points()],
+            wheels: Default::default(),
         };
         remaining(&[drive], &[predicted], error, 1).unwrap()
     }

@@ -16,6 +16,8 @@ pub struct Predicted {
     pub lateral: Vec<f64>,
     /// rad, positive to the left.
     pub sideslip: Vec<f64>,
+    /// Wheel speeds, rad/s, if they were asked for.
+    pub wheels: [Vec<f64>; 4],
 }
 
 /// How the speed was measured.
@@ -33,8 +35,8 @@ const LARGEST_STEP: f64 = 0.8;
 /// Substeps are at most so many. Numerical.
 const MOST_SUBSTEPS: f64 = 8.0;
 
-/// Runs a car freely along a drive.
-pub fn run(drive: &FreeDrive, car: &ExtendedCar, speed: SpeedSensing) -> Predicted {
+/// Runs a car freely along a drive, its wheels' speeds included if `ask` says so.
+pub fn run(drive: &FreeDrive, car: &ExtendedCar, speed: SpeedSensing, ask: Compute) -> Predicted {
     let points = drive.points();
     let steered = drive.steered(car.steering_delay());
     let recorded = |i: usize| Recorded { steering_wheel: steered[i], ..Recorded::default() };
@@ -42,6 +44,7 @@ pub fn run(drive: &FreeDrive, car: &ExtendedCar, speed: SpeedSensing) -> Predict
         yaw_rate: Vec::with_capacity(points),
         lateral: Vec::with_capacity(points),
         sideslip: Vec::with_capacity(points),
+        wheels: Default::default(),
     };
     let start = drive.time(0);
     let yaw_rate = drive.yaw_rate.iter().copied().find(|yaw_rate| yaw_rate.is_finite()).unwrap_or(0.0);
@@ -57,10 +60,15 @@ pub fn run(drive: &FreeDrive, car: &ExtendedCar, speed: SpeedSensing) -> Predict
         let inputs = Inputs::new(at, STEP_S);
         let (vx, ax) = drive.driven(t, speed.delay_s, speed.scale);
         (state.body[0], state.live[0]) = (vx, ax);
-        let now = car.instant(t, &state, &at[0], inputs.steering_rate, &before, Compute::Motion);
+        let now = car.instant(t, &state, &at[0], inputs.steering_rate, &before, ask);
         predicted.yaw_rate.push(now.readings[Quantity::YawRate as usize]);
         predicted.lateral.push(now.readings[Quantity::LateralAcceleration as usize]);
         predicted.sideslip.push(state.body[1].atan2(vx));
+        if ask == Compute::Readings {
+            for (wheel, all) in predicted.wheels.iter_mut().enumerate() {
+                all.push(now.readings[wheel] / speed.scale);
+            }
+        }
         let substeps = (car.fastest_rate(vx) * STEP_S / LARGEST_STEP).ceil().clamp(1.0, MOST_SUBSTEPS);
         let h = STEP_S / substeps;
         for part in 0..substeps as usize {
@@ -79,13 +87,15 @@ pub fn run(drive: &FreeDrive, car: &ExtendedCar, speed: SpeedSensing) -> Predict
     predicted.yaw_rate = later(predicted.yaw_rate, car.delay(Quantity::YawRate as usize));
     let lateral = later(predicted.lateral, car.delay(Quantity::LateralAcceleration as usize));
     predicted.lateral = compared_mean(&lateral);
+    // They are what the speed was measured by.
+    predicted.wheels = predicted.wheels.map(|wheel| later(wheel, speed.delay_s));
     predicted
 }
 
 /// What a sensor that is so late says, s.
 fn later(values: Vec<f64>, delay_s: f64) -> Vec<f64> {
     let by = delay_s / STEP_S;
-    if by == 0.0 {
+    if by == 0.0 || values.is_empty() {
         return values;
     }
     let last = values.len() - 1;

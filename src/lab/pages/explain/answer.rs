@@ -77,6 +77,11 @@ fn lead(explanation: &Explanation) -> Vec<String> {
             .map(|finding| format!("{}{}", about(finding), class(finding)))
             .into_iter()
             .collect(),
+        Verdict::Adequate if explanation.is_by_ordinary => vec![format!(
+            "Driven by steering and measured speed alone, a car with what every car has predicts driving it was not \
+             fitted to; none of {tried} adds anything that data held out of the fit confirm, and what is left does not \
+             repeat: the road, and noise."
+        )],
         Verdict::Adequate => vec![format!(
             "With its ordinary parameters refitted, it says what there is to say: none of {tried} adds anything \
              that data held out of the fit confirm. {}",
@@ -184,7 +189,8 @@ fn follows(explanation: &Explanation) -> String {
 
 fn facts_of(explanation: &Explanation) -> Vec<Fact> {
     let mut facts = Vec::new();
-    if let Some(finding) = explanation.findings.first() {
+    let first = explanation.findings.first().filter(|_| explanation.verdict != Verdict::Adequate);
+    if let Some(finding) = first {
         if let Some((name, value)) = main_number(finding) {
             facts.push(Fact { name: sentence(&name), value, note: "± one standard deviation".into() });
         }

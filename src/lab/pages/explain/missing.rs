@@ -11,7 +11,9 @@ use crate::report::{Page, Shift, escape};
 /// Writes it.
 pub fn write(page: &mut Page, explanation: &Explanation) {
     if !explanation.findings.is_empty() {
-        page.section("missing", "What is missing", "");
+        let is_usual = explanation.verdict == Verdict::Adequate;
+        let title = if is_usual { "What every car has, and yours" } else { "What is missing" };
+        page.section("missing", title, "");
         for finding in &explanation.findings {
             card(page, finding, explanation.findings.len() > 1);
         }
@@ -42,6 +44,10 @@ fn card(page: &mut Page, finding: &Finding, is_one_of_many: bool) {
     page.raw("<dl class=\"place\">");
     let entry = |term: &str, text: &str| format!("<div><dt>{term}</dt><dd>{}</dd></div>", escape(text));
     page.raw(&entry("Probability", &words::probability(finding.probability)));
+    let explained = words::explained(finding);
+    if !explained.is_empty() {
+        page.raw(&entry("Explains, on held-out driving", &stopped(&explained)));
+    }
     let alike: Vec<String> =
         finding.indistinguishable_from.iter().map(|name| words::effect_named(name)).collect();
     let alike = if alike.is_empty() { "nothing that was tried".to_owned() } else { words::list(&alike) };

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::explain::{
-    Block, CourseEstimate, Estimate, Explanation, Finding, Missing, Models, Parts, Ranked, Trace, Verdict,
-    Where,
+    Block, CourseEstimate, Estimate, Explanation, Finding, Missing, Models, Nature, Parts, Ranked, Trace,
+    Verdict, Where,
 };
 use physics::model::effect;
 
@@ -136,6 +136,8 @@ fn finding(name: &str, channel: Option<&str>, numbers: &[(&str, f64, f64)], plac
     Finding {
         effect: name.into(),
         channel: channel.map(Into::into),
+        kind: Nature::of(kind),
+        explained_share: Default::default(),
         probability: 0.97,
         indistinguishable_from: Vec::new(),
         to_tell_apart: kind.to_tell_apart.into(),

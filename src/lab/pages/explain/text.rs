@@ -67,6 +67,10 @@ fn one(text: &mut String, finding: &Finding, has_others: bool) {
     for row in words::parameters(finding) {
         wrapped(text, "  ", &format!("{} {}", row.name, row.value()));
     }
+    let explained = words::explained(finding);
+    if !explained.is_empty() {
+        wrapped(text, "  explains, held out: ", &explained);
+    }
     let alike: Vec<String> =
         finding.indistinguishable_from.iter().map(|name| words::effect_named(name)).collect();
     if !alike.is_empty() {

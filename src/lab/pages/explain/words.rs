@@ -1,6 +1,6 @@
 //! Names and units as a chassis engineer says them.
 
-use crate::explain::{Estimate, Explanation, Finding, Verdict};
+use crate::explain::{Estimate, Explanation, Finding, Nature, Verdict};
 use crate::identify::Parameter;
 use physics::model::effect::{self, Kind, Spec};
 
@@ -251,9 +251,11 @@ pub fn headline(explanation: &Explanation) -> String {
 const MOST_NAMES: usize = 3;
 
 fn found(findings: &[Finding]) -> String {
+    // Beside what is unusual, what every car has is no news.
+    let has_news = findings.iter().any(|finding| finding.kind != Nature::Ordinary);
+    let told = || findings.iter().filter(move |finding| !has_news || finding.kind != Nature::Ordinary);
     let names = |of_sensors: bool| {
-        let all: Vec<String> = findings
-            .iter()
+        let all: Vec<String> = told()
             .filter(|finding| is_of_sensors(&finding.effect) == of_sensors)
             .map(|finding| effect(&finding.effect, finding.channel.as_deref()))
             .collect();
@@ -271,6 +273,16 @@ fn found(findings: &[Finding]) -> String {
         ("", sensors) => format!("Wrong in the measurement: {sensors}"),
         (physics, sensors) => format!("Missing in the model: {physics}; wrong in the measurement: {sensors}"),
     }
+}
+
+/// How much of the plain model's error on held-out driving a finding explains, by channel; nothing where it was not
+/// measured, or less than a per cent.
+pub fn explained(finding: &Finding) -> String {
+    let all = in_order(finding.explained_share.keys()).into_iter().filter_map(|name| {
+        let share = 100.0 * finding.explained_share.get(name)?;
+        (share >= 1.0).then(|| format!("{} % of the error in {}", number(share, 0), channel(name)))
+    });
+    list(&all.collect::<Vec<_>>())
 }
 
 /// The recordings it is about.

@@ -39,7 +39,7 @@ pub static KIND: Kind = Kind {
         roll::DAMPING,
     ],
     course: None,
-    search: SearchHints::USUAL,
+    search: SearchHints { every_car_has: true, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| {
         let [gain, frequency, damping] = std::array::from_fn(|i| setting.values[i]);
         Box::new(BodyRoll { roll: Roll { gain, frequency, damping } })

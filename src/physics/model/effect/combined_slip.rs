@@ -32,7 +32,7 @@ pub static KIND: Kind = Kind {
         is_main: true,
     }],
     course: None,
-    search: SearchHints::USUAL,
+    search: SearchHints { every_car_has: true, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| Box::new(CombinedSlip { factor: setting.values[0] }),
 };
 

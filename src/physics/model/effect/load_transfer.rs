@@ -105,7 +105,7 @@ pub static KIND: Kind = Kind {
     ],
     course: None,
     // The change of stiffness grows with the square of the moved load.
-    search: SearchHints { growth: Growth::Quadratic, ..SearchHints::USUAL },
+    search: SearchHints { growth: Growth::Quadratic, every_car_has: true, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| {
         let [height, across, along, front_roll_share, radius_loss, growth] =
             std::array::from_fn(|i| setting.values[i]);

@@ -35,7 +35,7 @@ pub static KIND: Kind = Kind {
         is_main: true,
     }],
     course: None,
-    search: SearchHints::USUAL,
+    search: SearchHints { every_car_has: true, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| Box::new(RelaxationLength { length: setting.values[0] }),
 };
 

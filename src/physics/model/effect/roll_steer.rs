@@ -51,7 +51,7 @@ pub static KIND: Kind = Kind {
         roll::DAMPING,
     ],
     course: None,
-    search: SearchHints::USUAL,
+    search: SearchHints { every_car_has: true, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| {
         let roll = Roll { gain: setting.values[1], frequency: setting.values[2], damping: setting.values[3] };
         Box::new(RollSteer { roll_steer: setting.values[0], roll })

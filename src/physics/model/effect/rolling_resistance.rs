@@ -33,7 +33,7 @@ pub static KIND: Kind = Kind {
         is_main: true,
     }],
     course: None,
-    search: SearchHints { needs: Needs::KnownTorque, ..SearchHints::USUAL },
+    search: SearchHints { needs: Needs::KnownTorque, every_car_has: true, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| Box::new(RollingResistance { coefficient: setting.values[0] }),
 };
 

@@ -38,6 +38,8 @@ pub struct SearchHints {
     /// Of a kind with an onset: it is searched from the start of the recording, too. Others that are there from the
     /// start are ordinary numbers.
     pub from_start: bool,
+    /// Every car has some of it: finding it is nothing unusual.
+    pub every_car_has: bool,
     /// Of a torque's channel: the smallest main number that is worth a finding.
     pub least_of_torque: Option<f64>,
 }
@@ -50,6 +52,7 @@ impl SearchHints {
         growth: Growth::Nonlinear,
         each_number_alone: false,
         from_start: false,
+        every_car_has: false,
         least_of_torque: None,
     };
 }

@@ -40,7 +40,7 @@ pub static KIND: Kind = Kind {
         is_main: true,
     }],
     course: None,
-    search: SearchHints::USUAL,
+    search: SearchHints { every_car_has: true, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| Box::new(SteeringCompliance { compliance: setting.values[0] }),
 };
 

@@ -33,7 +33,7 @@ pub static KIND: Kind = Kind {
         is_main: true,
     }],
     course: None,
-    search: SearchHints { needs: Needs::LinearTire, ..SearchHints::USUAL },
+    search: SearchHints { needs: Needs::LinearTire, every_car_has: true, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| Box::new(TireSaturation { inverse: setting.values[0].recip() }),
 };
 

@@ -1,0 +1,177 @@
+//! Where a model predicts best, for noise of a given colour.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::super::fit::FreeFit;
+use super::super::numbers::{Free, Number};
+use super::Search;
+use super::colour::{Colour, Series};
+use super::rows::normal;
+use crate::explain::model::{Chosen, Model, Place};
+use crate::identify::Parameter;
+use physics::model::effect::{Course, named};
+
+/// Steps of a fit. Numerical: Gauss–Newton's, the ordinary numbers' slopes kept. Where most errors are outliers at first,
+/// each goes a part of the way only.
+const STEPS: usize = 25;
+
+/// So many dampings of a step are tried. Numerical.
+const TRIES: usize = 6;
+
+/// A search ends where a step gains less, −2 ln likelihood.
+const LEAST_STEP: f64 = 0.3;
+
+/// Rounds of learning the noise's colour of the ordinary car. Numerical.
+const BEGINNINGS: usize = 2;
+
+/// Wheels may differ by a per cent in radius before anybody looks for a reason, and tracks by two per cent from what is
+/// written. With a third of that a wheel that is 1.5 % small was taken for a slippery road.
+const RADIUS: f64 = 0.01;
+const TRACK: f64 = 0.02;
+
+/// The best model so far.
+#[derive(Clone)]
+pub struct State<'a> {
+    /// The car.
+    pub model: Model<'a>,
+    /// What is free of it …
+    pub free: Vec<Free>,
+    /// … and where that is.
+    pub at: Vec<f64>,
+    /// What it does not predict of each drive.
+    pub errors: Vec<Series>,
+    /// How the predictions change with each number.
+    pub slopes: Vec<Vec<Series>>,
+    /// The noise's colour.
+    pub colour: Colour,
+    /// The likeliest cost in that colour …
+    pub cost: f64,
+    /// … and the covariance of the coordinates there.
+    pub covariance: DMatrix<f64>,
+}
+
+/// Where a search ended.
+pub struct Climbed {
+    /// The coordinates.
+    pub at: Vec<f64>,
+    /// What is not predicted there.
+    pub errors: Vec<Series>,
+    /// −2 ln likelihood of the training part, the prior's counted in.
+    pub cost: f64,
+    /// Covariance of the coordinates.
+    pub covariance: DMatrix<f64>,
+}
+
+impl Search<'_> {
+    /// The ordinary car at what is likeliest for coloured noise.
+    pub(super) fn begin<'a>(&self, found: &FreeFit<'a>) -> State<'a> {
+        let (model, free, at) = self.with_wheels(found);
+        let errors = self.errors(&model, &free, &at);
+        let slopes = self.slopes(&model, &free, &at, &errors);
+        let colour = self.colour(&errors);
+        let mut state = State {
+            model,
+            free,
+            at,
+            colour,
+            errors,
+            slopes,
+            cost: f64::INFINITY,
+            covariance: DMatrix::zeros(0, 0),
+        };
+        for _ in 0..BEGINNINGS {
+            let Climbed { at, errors, .. } =
+                self.climb(&state, &state.colour, &state.model, &state.free, state.at.clone());
+            state.colour = self.colour(&errors);
+            state.slopes = self.slopes(&state.model, &state.free, &at, &errors);
+            (state.at, state.errors) = (at, errors);
+        }
+        let Climbed { at, errors, cost, covariance } =
+            self.climb(&state, &state.colour, &state.model, &state.free, state.at.clone());
+        (state.at, state.errors, state.cost, state.covariance) = (at, errors, cost, covariance);
+        state
+    }
+
+    /// The ordinary car with what the wheels' readings need: tires of a set differ, and tracks are not known to the
+    /// millimetre.
+    fn with_wheels<'a>(&self, found: &FreeFit<'a>) -> (Model<'a>, Vec<Free>, Vec<f64>) {
+        let (mut model, mut free, mut at) = (found.model.clone(), found.free.clone(), found.at.clone());
+        let mut add = |number: Number, prior: (f64, f64), most: f64| {
+            let bounds = (prior.0 - most, prior.0 + most);
+            free.push(Free { number, drive: None, prior, bounds, step: 0.05 * prior.1 });
+            at.push(prior.0);
+        };
+        let radii = named("tire_radius").filter(|kind| model.effects.iter().all(|of| of.kind != *kind));
+        if let Some(kind) = radii {
+            model = model.with(Chosen::usual(kind, None, Course::None));
+        }
+        for (axle, track) in [Parameter::TrackFront, Parameter::TrackRear].into_iter().enumerate() {
+            if self.drives.iter().all(|drive| drive.axles[axle].is_none()) {
+                continue;
+            }
+            add(Number::Of(Place::Ordinary(track)), (model.get(Place::Ordinary(track)), TRACK), 5.0 * TRACK);
+            for wheel in [2 * axle, 2 * axle + 1].into_iter().filter(|_| radii.is_some()) {
+                add(Number::Of(Place::Effect(model.effects.len() - 1, wheel)), (0.0, RADIUS), 5.0 * RADIUS);
+            }
+        }
+        (model, free, at)
+    }
+
+    /// Fits a model from a place on, the slopes of its first numbers being those of the state.
+    pub(super) fn climb<'a>(
+        &self,
+        state: &State<'a>,
+        colour: &Colour,
+        model: &Model<'a>,
+        free: &[Free],
+        from: Vec<f64>,
+    ) -> Climbed {
+        let count = free.len();
+        let mut at = from;
+        let mut errors = self.errors(model, free, &at);
+        let rows = self.rows(colour, &state.errors);
+        let kept: Vec<DVector<f64>> =
+            state.slopes.iter().map(|slopes| self.white(colour, &rows, slopes, 0)).collect();
+        let prior = |at: &[f64]| -> f64 {
+            free.iter().zip(at).map(|(free, at)| ((at - free.prior.0) / free.prior.1).powi(2)).sum()
+        };
+        let mut white = self.white(colour, &rows, &errors, 0);
+        let mut cost = self.cost(colour, &rows, &white).train + prior(&at);
+        let mut covariance = DMatrix::identity(count, count);
+        let mut damping = 0.0;
+        for _ in 0..STEPS {
+            let mut columns = kept.clone();
+            for place in kept.len()..count {
+                let slope = self.slope(model, free, (&at, &errors), place, free[place].step);
+                columns.push(self.white(colour, &rows, &slope, 0));
+            }
+            let (information, gradient) = normal(&columns, &white, &rows, free, &at);
+            let before = cost;
+            // Levenberg's and Marquardt's.
+            for _ in 0..TRIES {
+                let mut damped = information.clone();
+                for i in 0..count {
+                    damped[(i, i)] *= 1.0 + damping;
+                }
+                let Some(factor) = damped.cholesky() else { break };
+                let step = factor.solve(&gradient);
+                let next: Vec<f64> =
+                    (0..count).map(|i| (at[i] + step[i]).clamp(free[i].bounds.0, free[i].bounds.1)).collect();
+                let there = self.errors(model, free, &next);
+                let white_there = self.white(colour, &rows, &there, 0);
+                let cost_there = self.cost(colour, &rows, &white_there).train + prior(&next);
+                if cost_there < cost {
+                    (at, errors, white, cost) = (next, there, white_there, cost_there);
+                    damping *= 0.1;
+                    break;
+                }
+                damping = (10.0 * damping).max(1e-3);
+            }
+            covariance = information.cholesky().map_or(covariance, |factor| factor.inverse());
+            if before - cost < LEAST_STEP {
+                break;
+            }
+        }
+        Climbed { at, errors, cost, covariance }
+    }
+}

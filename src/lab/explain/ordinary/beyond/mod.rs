@@ -1,0 +1,198 @@
+//! What recordings say beyond the ordinary car: effects that are searched by free runs.
+//!
+//! ```text
+//! FreeFit ─► climb (for coloured noise) ─► scan (all trials, decoys) ─► refit (noise learned beside each) ─► told
+//!             └────────────────────────── once more, with what was taken ◄──────────────┘
+//! ```
+//!
+//! Every trial is scored to first order after all ordinary numbers have taken what they can; the best are fitted together
+//! with these, with the noise's colour learned anew beside each. One is taken if the odds are for it, held-out blocks are
+//! better predicted, and it beats the best that decoys do: the same effects at another time of the drive.
+
+mod climb;
+mod colour;
+mod refit;
+mod rows;
+mod scan;
+mod told;
+mod trial;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rayon::prelude::*;
+
+use super::fit::FreeFit;
+use super::inputs::FreeDrive;
+use crate::explain::candidates::Candidate;
+use crate::explain::result::{Finding, Nature, Ranked};
+use crate::explain::select::LEAST_EVIDENCE;
+use physics::model::Vehicle;
+use physics::model::effect::Kind;
+
+use refit::Refitted;
+use scan::Scored;
+
+pub use rows::rows;
+
+/// What was found, and everything that was tried.
+#[derive(Clone, Debug, Default)]
+pub struct Beyond {
+    /// What is unusual first, what every car has last.
+    pub findings: Vec<Finding>,
+    /// Is something of that more than an ordinary car and its sensors have?
+    pub is_unusual: bool,
+    /// Best first.
+    pub ranking: Vec<Ranked>,
+}
+
+/// Most findings of the search.
+const MOST: usize = 3;
+
+/// Of a scan so many are fitted together with everything else …
+const MOST_REFITTED: usize = 6;
+
+/// … if to first order they have this share of the evidence that is needed.
+const LEAST_OF_FIRST_ORDER: f64 = 0.3;
+
+/// By so much held-out −2 ln likelihood must fall. Statistical: odds of e³ on driving that was not looked at.
+const LEAST_HELD_GAIN: f64 = 6.0;
+
+/// So many deviations a main number must be from nothing.
+const LEAST_CLEAR: f64 = 4.0;
+
+/// What a search works with.
+struct Search<'s> {
+    drives: &'s [FreeDrive],
+    vehicle: &'s Vehicle,
+    /// How often each name is tried: at so many times.
+    tried: BTreeMap<String, usize>,
+    /// Squared errors of yaw rate and lateral acceleration of the plain model, on held-out rows.
+    plain: [f64; 2],
+}
+
+/// Searches `kinds` beside a fitted ordinary car; `plain` is what the plain model's squared errors of yaw rate and lateral
+/// acceleration are on held-out rows.
+pub fn beyond(
+    found: &FreeFit<'_>,
+    vehicle: &Vehicle,
+    drives: &[FreeDrive],
+    kinds: &[&'static Kind],
+    plain: [f64; 2],
+    seed: u64,
+) -> Beyond {
+    let mut answer = Beyond::default();
+    let trials = trial::trials(found, drives, kinds);
+    if trials.is_empty() {
+        return answer;
+    }
+    let mut tried = BTreeMap::new();
+    for trial in &trials {
+        *tried.entry(trial.candidate.name()).or_insert(0) += 1;
+    }
+    let search = Search { drives, vehicle, tried, plain };
+    let mut state = search.begin(found);
+    let usual = search.usual(&state);
+    let mut taken = BTreeSet::new();
+    for round in 0..MOST {
+        let (scored, null) = search.scan(&state, &trials, seed);
+        let some: Vec<&Scored> = scored
+            .iter()
+            .filter(|scored| !taken.contains(&scored.trial.candidate.name()))
+            .filter(|scored| scored.gain > LEAST_OF_FIRST_ORDER * LEAST_EVIDENCE)
+            .take(MOST_REFITTED)
+            .collect();
+        let refitted = some.into_par_iter().map(|scored| (scored.gain, search.refit(&state, scored)));
+        let mut refitted: Vec<(f64, Refitted<'_>)> = refitted.collect();
+        refitted.sort_by(|a, b| b.1.evidence.total_cmp(&a.1.evidence));
+        for (gain, refitted) in &refitted {
+            tracing::debug!(
+                name = refitted.trial.candidate.name(),
+                fixed = ?refitted.trial.candidate.fixed,
+                stretches = ?refitted.trial.candidate.stretches,
+                gain,
+                null,
+                evidence = refitted.evidence,
+                held_gain = refitted.held_gain,
+                numbers = ?refitted.parameters(),
+                "beyond the ordinary car"
+            );
+        }
+        if round == 0 {
+            answer.ranking = ranking(&refitted, &scored);
+        }
+        let is_sure = |(gain, of): &&(f64, Refitted<'_>)| {
+            of.evidence > LEAST_EVIDENCE
+                && of.held_gain > LEAST_HELD_GAIN
+                && (of.trial.has_time() || *gain > null)
+                && of.clearest() > LEAST_CLEAR
+                && !of.is_at_bound()
+        };
+        let Some((_, best)) = refitted.iter().find(is_sure) else { break };
+        let all: Vec<(String, f64)> =
+            refitted.iter().map(|(_, of)| (of.trial.candidate.name(), of.evidence)).collect();
+        taken.insert(best.trial.candidate.name());
+        let finding = search.finding(&state, best, &all);
+        answer.is_unusual |= finding.kind != Nature::Ordinary;
+        answer.findings.push(finding);
+        state = search.with(best);
+    }
+    answer.is_unusual |= usual.iter().any(|(_, is_unusual)| *is_unusual);
+    answer.findings.extend(usual.into_iter().map(|(finding, _)| finding));
+    // Stable: what has more evidence stays first.
+    answer.findings.sort_by_key(|finding| finding.kind);
+    answer
+}
+
+fn ranking(refitted: &[(f64, Refitted<'_>)], scored: &[Scored]) -> Vec<Ranked> {
+    let ranked = |candidate: &Candidate, score: f64, refitted: bool| Ranked {
+        effect: candidate.kind.name.into(),
+        channel: candidate.channel.map(|channel| channel.to_string()),
+        score,
+        refitted,
+    };
+    let mut all: Vec<Ranked> =
+        refitted.iter().map(|(_, of)| ranked(&of.trial.candidate, of.evidence, true)).collect();
+    let least = all.last().map_or(f64::INFINITY, |last| last.score);
+    let names: BTreeSet<String> = refitted.iter().map(|(_, of)| of.trial.candidate.name()).collect();
+    let others = scored.iter().filter(|scored| !names.contains(&scored.trial.candidate.name()));
+    all.extend(others.map(|scored| ranked(&scored.trial.candidate, scored.gain.min(least), false)));
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::bench::recorded;
+    use super::super::Ordinary;
+    use super::*;
+    use physics::model::effect::KINDS;
+
+    /// What is found in a drive with these effects.
+    fn found(effects: &str) -> Beyond {
+        let (vehicle, recording) = recorded(effects);
+        Ordinary::of(&vehicle, &[], (&[recording], 0), (KINDS, &|_| true), 1).unwrap().beyond
+    }
+
+    /// GIVEN a yaw rate whose zero jumps THEN that is named first, with its size and moment.
+    #[test]
+    fn a_jump_of_a_sensor_is_found_with_its_moment() {
+        let jump = "[[effect]]\nkind = \"sensor_bias\"\nchannel = \"yaw_rate\"\nbias = 0.03\nat_s = 20.0\n";
+        let beyond = found(jump);
+        let first = &beyond.findings[0];
+        assert_eq!((first.effect.as_str(), first.channel.as_deref()), ("sensor_bias", Some("yaw_rate")));
+        assert!((first.parameters["bias"].value - 0.03).abs() < 0.004, "{:?}", first.parameters);
+        assert!((first.parameters["at_s"].value - 20.0).abs() < 1.0, "{:?}", first.parameters);
+        assert!(beyond.is_unusual && first.explained_share["yaw_rate"] > 0.05, "{:?}", first.explained_share);
+    }
+
+    /// GIVEN an ordinary car, its steering late THEN these are told, and nothing unusual.
+    #[test]
+    fn an_ordinary_car_has_nothing_unusual() {
+        let late = "[[effect]]\nkind = \"sensor_delay\"\nchannel = \"steering_wheel_angle\"\ndelay_s = 0.08\n\
+                    [[effect]]\nkind = \"relaxation_length\"\nlength_m = 0.5\n";
+        let beyond = found(late);
+        assert!(!beyond.is_unusual, "{:?}", beyond.findings);
+        let delay = beyond.findings.iter().find(|finding| finding.effect == "sensor_delay").unwrap();
+        assert_eq!(delay.channel.as_deref(), Some("steering_wheel_angle"));
+        assert!((delay.parameters["delay_s"].value - 0.08).abs() < 0.02, "{:?}", delay.parameters);
+    }
+}

@@ -1,0 +1,139 @@
+//! A candidate fitted with everything else.
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::super::numbers::{Free, Number};
+use super::Search;
+use super::climb::{Climbed, State};
+use super::colour::{CHANNELS, Series};
+use super::scan::Scored;
+use super::trial::Trial;
+use crate::explain::model::{Model, Place};
+
+/// Steps by which beginnings and ends are moved, s.
+const LARGEST_MOVE_S: f64 = 4.0;
+const LEAST_MOVE_S: f64 = 0.125;
+
+/// Such a step may cost so much of the evidence, which sees the training part only.
+const LEAST_WORSE: f64 = 2.0;
+
+/// A candidate fitted with everything else.
+pub struct Refitted<'a> {
+    /// What.
+    pub trial: Trial,
+    /// The car with it.
+    pub model: Model<'a>,
+    /// What is free …
+    pub free: Vec<Free>,
+    /// … and where that is.
+    pub at: Vec<f64>,
+    /// What is not predicted.
+    pub errors: Vec<Series>,
+    /// Covariance of the coordinates.
+    pub covariance: DMatrix<f64>,
+    /// The likeliest cost in the colour of these errors.
+    pub cost: f64,
+    /// Twice the logarithm of the odds for it.
+    pub evidence: f64,
+    /// By how much −2 ln likelihood of the held-out part falls.
+    pub held_gain: f64,
+    /// By how much that of the training part falls, by channel.
+    pub gains: [f64; CHANNELS],
+}
+
+impl Search<'_> {
+    /// Fits a candidate together with all that is free, with the noise's colour learned beside it.
+    pub(super) fn refit<'a>(&self, state: &State<'a>, scored: &Scored) -> Refitted<'a> {
+        let trial = scored.trial.clone();
+        let free = trial.free(state.model.effects.len(), &trial.chosen());
+        let start = |share: f64| {
+            let of = |free: &Free| {
+                let Number::Of(Place::Effect(_, number)) = free.number else { return free.prior.0 };
+                let told = scored.numbers.iter().find(|(place, _)| *place == number);
+                let by = told.map_or(0.0, |(_, to)| share * (to - free.prior.0));
+                let by = by.clamp(-3.0 * free.prior.1, 3.0 * free.prior.1);
+                (free.prior.0 + by).clamp(free.bounds.0, free.bounds.1)
+            };
+            state.at.iter().copied().chain(free.iter().map(of)).collect()
+        };
+        let mut best = self.refit_from(state, trial, vec![start(1.0), start(0.4)]);
+        // Where it begins and ends was on a grid.
+        let mut step = LARGEST_MOVE_S;
+        while step >= LEAST_MOVE_S {
+            let moved = best.trial.moved(step).into_par_iter().map(|trial| {
+                let model = state.model.with(trial.chosen());
+                let errors = self.errors(&model, &best.free, &best.at);
+                (self.own_cost(state, &errors), trial)
+            });
+            let here = self.own_cost(state, &best.errors);
+            let better = moved.filter(|(cost, _)| *cost < here).min_by(|a, b| a.0.total_cmp(&b.0));
+            let next = better.map(|(_, trial)| self.refit_from(state, trial, vec![best.at.clone()]));
+            match next.filter(|next| next.evidence > best.evidence - LEAST_WORSE) {
+                Some(next) => best = next,
+                None => step *= 0.5,
+            }
+        }
+        best
+    }
+
+    /// Of everything, held-out rows included: when something began may show nowhere else.
+    fn own_cost(&self, state: &State<'_>, errors: &[Series]) -> f64 {
+        let short = self.short_colour(&state.errors);
+        let rows = self.rows(&short, &state.errors);
+        let cost = self.cost(&short, &rows, &self.white(&short, &rows, errors, 0));
+        cost.train + cost.held
+    }
+
+    fn refit_from<'a>(&self, state: &State<'a>, trial: Trial, starts: Vec<Vec<f64>>) -> Refitted<'a> {
+        let chosen = trial.chosen();
+        let model = state.model.with(chosen.clone());
+        let mut free = state.free.clone();
+        let first = free.len();
+        free.extend(trial.free(model.effects.len() - 1, &chosen));
+        let short = self.short_colour(&state.errors);
+        let climbed = starts.into_iter().map(|start| self.climb(state, &short, &model, &free, start));
+        let best = climbed.min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let (at, errors) = best.map_or_else(Default::default, |best| (best.at, best.errors));
+        // With the noise as it is beside it.
+        let colour = &self.colour(&errors);
+        let Climbed { at, errors, cost, covariance } = self.climb(state, colour, &model, &free, at);
+        let rows = self.rows(colour, &state.errors);
+        let with = self.cost(colour, &rows, &self.white(colour, &rows, &errors, 0));
+        let without = self.cost(colour, &rows, &self.white(colour, &rows, &state.errors, 0));
+        // The ordinary numbers may have found a better place on the way, which has nothing to do with the effect.
+        let alone = self.climb(state, &state.colour, &state.model, &state.free, at[..first].to_vec());
+        let before = state.cost.min(alone.cost);
+        let freedom: f64 = (first..free.len())
+            .map(|place| (free[place].prior.1.powi(2) / covariance[(place, place)].max(1e-300)).ln().max(0.0))
+            .sum();
+        let tried = self.tried.get(&trial.candidate.name()).copied().unwrap_or(1);
+        let evidence = before - cost - freedom - 2.0 * (tried as f64).ln();
+        Refitted {
+            trial,
+            model,
+            free,
+            at,
+            errors,
+            covariance,
+            cost,
+            evidence,
+            held_gain: without.held - with.held,
+            gains: std::array::from_fn(|channel| without.by_channel[channel] - with.by_channel[channel]),
+        }
+    }
+
+    /// The next state.
+    pub(super) fn with<'a>(&self, best: &Refitted<'a>) -> State<'a> {
+        State {
+            model: best.model.clone(),
+            free: best.free.clone(),
+            at: best.at.clone(),
+            cost: best.cost,
+            covariance: best.covariance.clone(),
+            slopes: self.slopes(&best.model, &best.free, &best.at, &best.errors),
+            colour: self.colour(&best.errors),
+            errors: best.errors.clone(),
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! What was found as findings of the answer: effects of the search, and what the ordinary car itself says of physics that
+//! every car has and of how its sensors measure.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use super::super::numbers::{Free, Number};
+use super::Search;
+use super::climb::State;
+use super::colour::{CHANNELS, Series};
+use super::refit::Refitted;
+use crate::explain::finding::TOLD_APART;
+use crate::explain::model::Place;
+use crate::explain::predict::delay::Delayed;
+use crate::explain::result::{ByChannel, Estimate, Finding, Nature, Where};
+use crate::explain::select::LEAST_EVIDENCE;
+use crate::identify::Parameter;
+use physics::Quantity;
+use physics::model::effect::{Channel, Kind, named};
+
+/// A moment is searched in steps of an eighth of a second, on errors of which ten say as much as three.
+const ONSET_STD_S: f64 = 0.5;
+
+/// So many deviations from what was thought before are more than such sensors have.
+const UNUSUAL: f64 = 3.0;
+
+/// Every sensor has a zero that is a little off: below so many deviations that is not worth a line.
+const LEAST_OFFSET: f64 = 2.0;
+
+/// A number of the ordinary car is worth a line if it explains so much of the plain model's held-out squared error.
+const LEAST_SHARE: f64 = 0.01;
+
+/// Where each channel's error shows.
+const SHOWN_IN: [Quantity; CHANNELS] =
+    [Quantity::YawRate, Quantity::LateralAcceleration, Quantity::WheelSpeedFl, Quantity::WheelSpeedRl];
+
+impl Refitted<'_> {
+    /// Is a number of the effect at what it can be at most or least?
+    pub fn is_at_bound(&self) -> bool {
+        self.own().any(|(place, ..)| self.free[place].is_at_bound(self.at[place]))
+    }
+
+    /// How many deviations the clearest of its main numbers is from where it makes no difference: a search that found a
+    /// better place for all other numbers has evidence, too.
+    pub fn clearest(&self) -> f64 {
+        let main = self.own().filter(|(_, number)| self.trial.candidate.kind.parameters[*number].is_main);
+        let clear = |(place, _): (usize, usize)| {
+            let std = self.covariance[(place, place)].max(1e-300).sqrt();
+            (self.at[place] - self.free[place].prior.0).abs() / std
+        };
+        main.map(clear).fold(0.0, f64::max)
+    }
+
+    /// The effect's free numbers: their place, and which they are.
+    fn own(&self) -> impl Iterator<Item = (usize, usize)> {
+        let effect = self.model.effects.len() - 1;
+        self.free.iter().enumerate().filter_map(move |(place, free)| match free.number {
+            Number::Of(Place::Effect(of, number)) if of == effect => Some((place, number)),
+            _ => None,
+        })
+    }
+
+    /// Numbers of the effect, in their units.
+    pub fn parameters(&self) -> BTreeMap<String, Estimate> {
+        let candidate = &self.trial.candidate;
+        let mut all = BTreeMap::new();
+        for (place, number) in self.own() {
+            let Some(spec) = candidate.kind.spec(number, candidate.channel) else { continue };
+            let value = spec.value(self.at[place]);
+            let std =
+                self.covariance[(place, place)].max(0.0).sqrt() * spec.scale.slope(self.at[place]).abs();
+            all.insert(spec.name.to_owned(), Estimate { value, std: std.hypot(spec.model_error * value) });
+        }
+        if let Some((at, name)) = self.trial.onset() {
+            all.insert(name.to_owned(), Estimate { value: at, std: ONSET_STD_S });
+        }
+        all
+    }
+}
+
+impl Search<'_> {
+    /// What is told of an effect that was taken, of all that were fitted in its round.
+    pub(super) fn finding(&self, state: &State<'_>, best: &Refitted<'_>, all: &[(String, f64)]) -> Finding {
+        let candidate = &best.trial.candidate;
+        let own = candidate.name();
+        let others = || all.iter().filter(|(name, _)| *name != own);
+        let weight = |evidence: f64| (0.5 * (evidence - best.evidence).min(0.0)).exp();
+        let rest: f64 = others().map(|(_, evidence)| weight(*evidence)).sum::<f64>() + weight(0.0);
+        let rivals = others().filter(|(_, evidence)| *evidence > best.evidence - TOLD_APART);
+        let end = self.drives.iter().map(|drive| drive.time(drive.points())).fold(0.0, f64::max);
+        let intervals = match best.trial.onset() {
+            Some((at, _)) => vec![[at, end]],
+            None => candidate.stretches.iter().map(|[from, to]| [*from, to.min(end)]).collect(),
+        };
+        let mut gains: Vec<(Quantity, f64)> = SHOWN_IN.into_iter().zip(best.gains).collect();
+        gains.retain(|(_, gain)| *gain > 1.0);
+        gains.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let channels = gains.into_iter().map(|(channel, _)| channel.name().to_owned()).collect();
+        let mut finding = about(candidate.kind, candidate.channel);
+        finding.probability = 1.0 / (1.0 + rest);
+        finding.evidence = best.evidence;
+        finding.indistinguishable_from = rivals.map(|(name, _)| name.clone()).collect();
+        finding.parameters = best.parameters();
+        finding.explained_share = self.share(&state.errors, &best.errors);
+        finding.place.channels = channels;
+        finding.place.intervals = intervals;
+        if let Some(drive) = self.drives.first().filter(|_| !finding.place.intervals.is_empty()) {
+            finding.place.recording.clone_from(&drive.name);
+        }
+        finding
+    }
+
+    /// By how much held-out squares fall, as a share of the plain model's.
+    fn share(&self, before: &[Series], after: &[Series]) -> ByChannel {
+        let share = |(channel, plain): (usize, f64)| {
+            let fall = self.held_square(before, channel) - self.held_square(after, channel);
+            (plain > 0.0).then(|| (SHOWN_IN[channel].name().to_owned(), fall / plain))
+        };
+        self.plain.into_iter().enumerate().filter_map(share).collect()
+    }
+
+    /// What the ordinary car says of physics that every car has, and of its sensors; with whether that is more than such a
+    /// car and such sensors have.
+    pub(super) fn usual(&self, state: &State<'_>) -> Vec<(Finding, bool)> {
+        let mut all: Vec<(Finding, bool)> =
+            (0..state.free.len()).into_par_iter().filter_map(|place| self.usual_one(state, place)).collect();
+        all.sort_by(|a, b| b.0.evidence.total_cmp(&a.0.evidence));
+        all
+    }
+
+    fn usual_one(&self, state: &State<'_>, place: usize) -> Option<(Finding, bool)> {
+        let free = &state.free[place];
+        let told = Told::of(state, free)?;
+        let at = state.at[place];
+        if free.is_at_bound(at) {
+            return None;
+        }
+        // The same car without it, all else free.
+        let mut without = state.clone();
+        without.free.remove(place);
+        without.at.remove(place);
+        without.slopes.remove(place);
+        without.errors = {
+            let mut neutral = state.at.clone();
+            neutral[place] = told.neutral;
+            self.errors(&state.model, &state.free, &neutral)
+        };
+        let mut fixed = *free;
+        fixed.prior = (told.neutral, 1e-9);
+        fixed.bounds = (told.neutral, told.neutral);
+        let mut numbers = without.free.clone();
+        numbers.push(fixed);
+        let mut from = without.at.clone();
+        from.push(told.neutral);
+        let climbed = self.climb(&without, &state.colour, &state.model, &numbers, from);
+        let evidence = climbed.cost - state.cost;
+        let prior = (at - free.prior.0) / free.prior.1;
+        let is_offset = told.kind.name == "sensor_bias";
+        let std = state.covariance[(place, place)].max(0.0).sqrt();
+        // By the slope here, too: a search may stop halfway.
+        let from_neutral = ((at - told.neutral) / std).powi(2);
+        if evidence.min(from_neutral) < LEAST_EVIDENCE || is_offset && prior.abs() < LEAST_OFFSET {
+            return None;
+        }
+        let mut finding = about(told.kind, told.channel);
+        finding.probability = 1.0 / (1.0 + (-0.5 * evidence).exp());
+        finding.evidence = evidence;
+        let (value, slope) = told.value(free, at);
+        finding.parameters.insert(told.number.into(), Estimate { value, std: std * slope.abs() });
+        finding.explained_share = self.share(&climbed.errors, &state.errors);
+        // On driving that was not fitted to.
+        if finding.explained_share.values().all(|share| *share < LEAST_SHARE) {
+            return None;
+        }
+        if let Some(drive) = free.drive {
+            finding.place.recording.clone_from(&self.drives[drive].name);
+        }
+        Some((finding, prior.abs() > UNUSUAL))
+    }
+}
+
+/// A number of the ordinary car as an effect of the library.
+struct Told {
+    kind: &'static Kind,
+    channel: Option<Channel>,
+    /// The effect's number.
+    number: &'static str,
+    /// The coordinate at which it makes no difference.
+    neutral: f64,
+}
+
+impl Told {
+    fn of(state: &State<'_>, free: &Free) -> Option<Self> {
+        use Parameter::{LateralAccelerationOffset, SteeringOffset, YawRateOffset};
+        let sensor = |kind: &str, number: &'static str, quantity: Quantity, neutral: f64| {
+            Some(Self { kind: named(kind)?, channel: Some(quantity.into()), number, neutral })
+        };
+        let late = |quantity| sensor("sensor_delay", "delay_s", quantity, 0.0);
+        let bias = |quantity| sensor("sensor_bias", "bias", quantity, 0.0);
+        match free.number {
+            Number::SpeedDelay => late(Quantity::VehicleSpeed),
+            // The true speed is so many times the recorded one.
+            Number::SpeedScale => sensor("sensor_scale", "relative_error", Quantity::VehicleSpeed, 1.0),
+            Number::Of(Place::Delay(Delayed::Steering)) => late(Quantity::SteeringWheelAngle),
+            Number::Of(Place::Delay(Delayed::LateralAcceleration)) => late(Quantity::LateralAcceleration),
+            Number::Of(Place::Ordinary(YawRateOffset)) => bias(Quantity::YawRate),
+            Number::Of(Place::Ordinary(SteeringOffset)) => bias(Quantity::SteeringWheelAngle),
+            Number::Of(Place::Ordinary(LateralAccelerationOffset)) => bias(Quantity::LateralAcceleration),
+            Number::Of(Place::Effect(effect, number)) => {
+                let chosen = &state.model.effects[effect];
+                let spec = chosen.kind.spec(number, chosen.channel)?;
+                let is_ordinary = chosen.kind.search.every_car_has && spec.is_main;
+                is_ordinary.then_some(Self {
+                    kind: chosen.kind,
+                    channel: None,
+                    number: spec.name,
+                    neutral: spec.mean,
+                })
+            }
+            Number::Of(_) => None,
+        }
+    }
+
+    /// The effect's number, and how it changes with the coordinate.
+    fn value(&self, free: &Free, at: f64) -> (f64, f64) {
+        match free.number {
+            Number::SpeedScale => (at.recip() - 1.0, -at.powi(-2)),
+            Number::Of(Place::Effect(_, number)) => {
+                let spec = self.kind.spec(number, self.channel);
+                spec.map_or((at, 1.0), |spec| (spec.value(at), spec.scale.slope(at)))
+            }
+            _ => (at, 1.0),
+        }
+    }
+}
+
+/// A finding with what is the same for all of its kind.
+fn about(kind: &'static Kind, channel: Option<Channel>) -> Finding {
+    let equation = match channel {
+        Some(channel) => format!("{}: {channel}", kind.place),
+        None => kind.place.into(),
+    };
+    Finding {
+        effect: kind.name.into(),
+        channel: channel.map(|channel| channel.to_string()),
+        kind: Nature::of(kind),
+        to_tell_apart: kind.to_tell_apart.into(),
+        place: Where { equation, ..Where::default() },
+        about: kind.about.into(),
+        equation: kind.equation.into(),
+        ..Finding::default()
+    }
+}

@@ -192,9 +192,8 @@ impl Ordinary {
 
     /// What it comes to, where the plain model and its effects leave much.
     pub fn verdict(&self) -> Verdict {
-        let is_asked = self.remaining.contains_key(Quantity::YawRate.name());
         match () {
-            () if !self.is_the_car() || !is_asked => Verdict::UnknownPhysics,
+            () if !self.is_the_car() => Verdict::UnknownPhysics,
             () if self.beyond.is_unusual => Verdict::MissingPhysics,
             // What does not repeat is the road.
             () if self.remaining.values().any(Remaining::repeats) => Verdict::UnknownPhysics,

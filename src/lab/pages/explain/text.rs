@@ -80,6 +80,9 @@ fn one(text: &mut String, finding: &Finding, has_others: bool) {
         wrapped(text, "  to tell: ", &finding.to_tell_apart);
     }
     place(text, &finding.place, "  ");
+    if finding.place.intervals.is_empty() && !finding.place.recording.is_empty() {
+        wrapped(text, "  of: ", &finding.place.recording);
+    }
 }
 
 fn place(text: &mut String, place: &Where, indent: &str) {

@@ -111,11 +111,12 @@ impl Search<'_> {
         finding
     }
 
-    /// By how much held-out squares fall, as a share of the plain model's.
+    /// By how much held-out squares fall, as a share of the plain model's; all of it at most, for what the plain model has
+    /// as well.
     fn share(&self, before: &[Series], after: &[Series]) -> ByChannel {
         let share = |(channel, plain): (usize, f64)| {
             let fall = self.held_square(before, channel) - self.held_square(after, channel);
-            (plain > 0.0).then(|| (SHOWN_IN[channel].name().to_owned(), fall / plain))
+            (plain > 0.0).then(|| (SHOWN_IN[channel].name().to_owned(), (fall / plain).min(1.0)))
         };
         self.plain.into_iter().enumerate().filter_map(share).collect()
     }
@@ -126,7 +127,22 @@ impl Search<'_> {
         let mut all: Vec<(Finding, bool)> =
             (0..state.free.len()).into_par_iter().filter_map(|place| self.usual_one(state, place)).collect();
         all.sort_by(|a, b| b.0.evidence.total_cmp(&a.0.evidence));
-        all
+        let mut told: Vec<(Finding, bool)> = Vec::new();
+        for (finding, is_unusual) in all {
+            // The same in several recordings is told once, of where it is clearest.
+            let same = |(other, _): &&mut (Finding, bool)| {
+                other.effect == finding.effect && other.channel == finding.channel
+            };
+            match told.iter_mut().find(same) {
+                Some((other, was_unusual)) => {
+                    other.place.recording += ", ";
+                    other.place.recording += &finding.place.recording;
+                    *was_unusual |= is_unusual;
+                }
+                None => told.push((finding, is_unusual)),
+            }
+        }
+        told
     }
 
     fn usual_one(&self, state: &State<'_>, place: usize) -> Option<(Finding, bool)> {
@@ -164,6 +180,9 @@ impl Search<'_> {
             return None;
         }
         let mut finding = about(told.kind, told.channel);
+        if is_offset {
+            finding.about = "the sensor reads too much (or too little) by a constant, all the time".into();
+        }
         finding.probability = 1.0 / (1.0 + (-0.5 * evidence).exp());
         finding.evidence = evidence;
         let (value, slope) = told.value(free, at);

@@ -148,8 +148,11 @@ impl Config {
             *file = folder.join(&*file);
         }
         // An empty name stays one: it means that nothing is kept.
-        if let Some(file) = config.service.state_file.as_mut().filter(|file| !file.as_os_str().is_empty()) {
-            *file = folder.join(&*file);
+        let ServiceConfig { state_file, record_faults, .. } = &mut config.service;
+        for path in
+            [state_file, record_faults].into_iter().flatten().filter(|path| !path.as_os_str().is_empty())
+        {
+            *path = folder.join(&*path);
         }
         if let Some(Address::Unix(socket)) = &mut config.service.metrics {
             *socket = folder.join(&*socket);
@@ -173,6 +176,13 @@ impl Config {
             && (file == path || self.dbc.input.contains(file) || self.dbc.output.as_ref() == Some(file))
         {
             return fail("service.state_file", "is written: give it a name of its own".into());
+        }
+        // One recording must fit, or the folder would always be empty.
+        let ServiceConfig { record_files, record_bytes, .. } = self.service;
+        if record_files == 0 || record_bytes < 100_000 {
+            let key = if record_files == 0 { "record_files" } else { "record_bytes" };
+            let reason = "is too little for one recording; leave record_faults out to have none";
+            return fail(&format!("service.{key}"), reason.into());
         }
         if let Some((key, reason)) = self.estimators.problem() {
             return fail(&format!("estimators.{key}"), reason.into());

@@ -113,6 +113,11 @@ impl Stream {
     /// So many bytes are handed on at a time.
     const STRETCH: u64 = 1 << 20;
 
+    /// Bytes so far.
+    pub fn written(&self) -> u64 {
+        self.written
+    }
+
     fn hand_on(&mut self) {
         let (start, length) = (self.handed_on as i64, (self.written - self.handed_on) as i64);
         // That nobody needs it in memory makes Linux begin to write it, and forget none of it before. An advice only:

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use gripd::can::Frame;
 use gripd::can::candump::Reader;
-use gripd::service::{Engine, Keeper, SavedState, Sink};
+use gripd::service::{BlackBox, Engine, Keeper, SavedState, Sink};
 use gripd::{Config, Estimates, Micros, Sample};
 use testing::allocator;
 use testing::program;
@@ -100,6 +100,35 @@ fn keeping_what_was_learned_takes_none() {
     keeper.finish(&engine);
     let learned = SavedState::new(&path, &car).load().unwrap().unwrap();
     assert!(learned.driving_s > 100.0 && learned.driving_s == engine.driving_s());
+}
+
+/// Nor does the black box, to whose ring each frame goes and whose writer is told of faults.
+#[test]
+fn recording_faults_takes_none() {
+    let car = Config::load(&project("config/demo.toml")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut engine = Engine::new(&car).unwrap();
+    let mut service = car.service.clone();
+    service.record_faults = Some(folder.path().to_owned());
+    let mut black_box = BlackBox::start(&service, "can0", "can0", &engine).unwrap();
+    let mut sink = Count::default();
+    let drive = frames(demo_drive());
+    let (start, rest) = drive.split_at(drive.len() / 100);
+    start.iter().for_each(|frame| engine.frame(frame, &mut sink));
+    let requests = requests_of(|| {
+        for (number, frame) in rest.iter().enumerate() {
+            // Each message for half a second: there are faults.
+            if number % 20_000 < 250 {
+                continue;
+            }
+            black_box.input(frame);
+            engine.frame(frame, &mut sink);
+            black_box.look(&engine);
+        }
+    });
+    assert_eq!(requests, 0);
+    black_box.finish();
+    assert!(std::fs::read_dir(folder.path()).unwrap().count() >= 2, "no recording and its state");
 }
 
 /// Nor do bad days change that: gaps, damaged frames, a clock that is set back. With the thesis's estimators, too.

@@ -5,6 +5,7 @@
 mod accuracy;
 mod all_driven;
 mod allocations;
+mod black_box;
 mod effects;
 mod fault_bits;
 mod faults;

@@ -20,13 +20,29 @@ pub struct ServiceConfig {
     /// Where Prometheus can read counts: the path of a Unix socket, relative to the configuration, or
     /// `127.0.0.1:PORT`. Default: nowhere.
     pub metrics: Option<Address>,
+    /// Where the frames around each new fault and each change of surface are kept, relative to the configuration: a
+    /// folder of this service's own. Default, or `""`: nowhere.
+    pub record_faults: Option<PathBuf>,
+    /// So many of these recordings at most; the oldest go first.
+    pub record_files: u64,
+    /// So many bytes of them at most.
+    pub record_bytes: u64,
     /// Keep all memory in RAM: no page is waited for while a frame is handled.
     pub lock_memory: bool,
 }
 
 impl Default for ServiceConfig {
     fn default() -> Self {
-        Self { report_every_s: 60, state_file: None, state_every_s: 60, metrics: None, lock_memory: false }
+        Self {
+            report_every_s: 60,
+            state_file: None,
+            state_every_s: 60,
+            metrics: None,
+            record_faults: None,
+            record_files: 50,
+            record_bytes: 20_000_000,
+            lock_memory: false,
+        }
     }
 }
 

@@ -13,7 +13,7 @@ use super::rounds::{Rounds, Verdict};
 use super::run::{input_reception, output_reception};
 use super::said::Said;
 use super::saved::Part;
-use super::{Engine, Fresh, Health, Keeper, Reloads, Sink, Survived, systemd};
+use super::{BlackBox, Engine, Fresh, Health, Keeper, Reloads, Sink, Survived, systemd};
 use crate::can::{Bus, Event, Frame, Reception, SendError};
 use physics::{Estimates, Faults, Micros, Sample};
 
@@ -91,6 +91,8 @@ pub struct Service<L> {
     pub output: Option<L>,
     /// Saves what is learned, where it is to be saved.
     pub keeper: Option<Keeper>,
+    /// Records what is on the bus around faults, where it is to be recorded.
+    pub black_box: Option<BlackBox>,
     /// A line with counts goes to the log this often, s; 0: never.
     pub report_every_s: u64,
     /// Brings other configurations; `None`: there is only the one.
@@ -109,6 +111,7 @@ impl<L> Service<L> {
             input,
             output: None,
             keeper: None,
+            black_box: None,
             report_every_s: 0,
             reloads: None,
             forgets: None,
@@ -129,12 +132,13 @@ pub async fn serve<L: Link>(
         mut input,
         mut output,
         mut keeper,
+        black_box,
         report_every_s,
         mut reloads,
         mut forgets,
         health,
     } = service;
-    let mut daemon = Daemon::new(engine, health, output.is_none());
+    let mut daemon = Daemon::new(engine, health, black_box, output.is_none());
     let mut beat = daemon.beat();
     let mut shutdown = pin!(shutdown);
     let mut watchdog = systemd::watchdog_period().and_then(every);
@@ -198,6 +202,9 @@ pub async fn serve<L: Link>(
     if let Some(keeper) = keeper {
         keeper.finish(&daemon.engine);
     }
+    if let Some(black_box) = daemon.black_box {
+        black_box.finish();
+    }
     daemon.tally
 }
 
@@ -215,6 +222,7 @@ struct Daemon {
     /// What systemd was last told of the input.
     status: &'static str,
     health: Option<Arc<Health>>,
+    black_box: Option<BlackBox>,
 }
 
 /// What a round that is held waits for.
@@ -256,7 +264,7 @@ impl<S: Sink> Sink for Collect<'_, S> {
 }
 
 impl Daemon {
-    fn new(engine: Engine, health: Option<Arc<Health>>, shares: bool) -> Self {
+    fn new(engine: Engine, health: Option<Arc<Health>>, black_box: Option<BlackBox>, shares: bool) -> Self {
         Self {
             engine,
             rounds: Rounds::new(),
@@ -267,6 +275,7 @@ impl Daemon {
             said: Said::default(),
             status: "starting",
             health,
+            black_box,
         }
     }
 
@@ -287,6 +296,11 @@ impl Daemon {
     }
 
     fn input(&mut self, event: Event, observer: &mut impl Sink) {
+        match (&mut self.black_box, event) {
+            (Some(black_box), Event::Frame(frame)) => black_box.input(&frame),
+            (Some(black_box), Event::Error(error)) => black_box.error(&error),
+            _ => {}
+        }
         match event {
             Event::Frame(frame) if self.shares && self.is_foreign(&frame) => self.foreign(&frame),
             Event::Frame(frame) => {
@@ -317,6 +331,14 @@ impl Daemon {
                 self.tell("waiting for the input interface");
                 self.said.link("input", event);
             }
+        }
+        self.look();
+    }
+
+    /// Something that is worth a recording?
+    fn look(&mut self) {
+        if let Some(black_box) = &mut self.black_box {
+            black_box.look(&self.engine);
         }
     }
 
@@ -370,6 +392,9 @@ impl Daemon {
     fn show(&self) {
         if let Some(health) = &self.health {
             health.update(&self.tally, &self.engine);
+            if let Some(black_box) = &self.black_box {
+                health.set_recordings(black_box.counts());
+            }
         }
     }
 
@@ -387,6 +412,9 @@ impl Daemon {
             self.engine.take_over(before, &mut Collect { outbox: &mut self.rounds.frames, observer });
         if let (Survived::Nothing, Some(kept)) = (survived, kept) {
             self.engine.restore(&kept);
+        }
+        if let Some(black_box) = &self.black_box {
+            black_box.follow(&self.engine);
         }
         tracing::info!(
             identifiers = self.engine.ids().len(),
@@ -417,6 +445,9 @@ impl Daemon {
     }
 
     fn output(&mut self, event: Event) {
+        if let (Some(black_box), Event::Frame(frame)) = (&mut self.black_box, event) {
+            black_box.output(&frame);
+        }
         match event {
             Event::Up | Event::Down | Event::Gone => {
                 self.can_send = event == Event::Up;
@@ -429,6 +460,7 @@ impl Daemon {
             }
             Event::Frame(_) | Event::Dropped(_) => {}
         }
+        self.look();
     }
 
     /// Sends the round that there is, if it may go now.

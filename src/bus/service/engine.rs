@@ -308,6 +308,21 @@ impl Engine {
         self.pipeline.latest().faults
     }
 
+    /// What was wrong at any time since the last round but one: of the bus, of samples and of the estimators.
+    pub fn present_faults(&self) -> Faults {
+        self.faults | self.told
+    }
+
+    /// How often the surface has changed.
+    pub fn surface_changes(&self) -> u32 {
+        self.pipeline.latest().surface_changes
+    }
+
+    /// Of `[vehicle]` and the mapping: whose state it is.
+    pub(super) fn fingerprint(&self) -> &str {
+        &self.origin.fingerprint
+    }
+
     /// Why the lateral filter does not believe itself at the moment.
     pub fn doubt(&self) -> Option<Doubt> {
         self.pipeline.doubt()

@@ -23,6 +23,8 @@ pub struct Health {
     faults: [AtomicU64; Faults::COUNT],
     state: AtomicU64,
     input_up: AtomicBool,
+    recorded: AtomicU64,
+    unrecorded: AtomicU64,
     accepted: AtomicU64,
     refused: AtomicU64,
 }
@@ -45,6 +47,12 @@ impl Health {
 
     pub(super) fn set_input_up(&self, up: bool) {
         self.input_up.store(up, Relaxed);
+    }
+
+    /// Faults recorded, and not.
+    pub(super) fn set_recordings(&self, (recorded, unrecorded): (u64, u64)) {
+        self.recorded.store(recorded, Relaxed);
+        self.unrecorded.store(unrecorded, Relaxed);
     }
 
     pub(super) fn count_reload(&self, accepted: bool) {
@@ -78,6 +86,8 @@ impl Display for Health {
         )?;
         number("samples_total", "counter", "Samples made.", count(&self.samples))?;
         number("input_up", "gauge", "The input interface is up.", self.input_up.load(Relaxed).into())?;
+        number("recordings_total", "counter", "Recordings of faults.", count(&self.recorded))?;
+        number("recordings_missed_total", "counter", "Faults not recorded.", count(&self.unrecorded))?;
         number("reloads_accepted_total", "counter", "Configurations taken over.", count(&self.accepted))?;
         number("reloads_refused_total", "counter", "Configurations refused.", count(&self.refused))?;
         f.write_str("# HELP gripd_state What the service can do at the moment.\n# TYPE gripd_state gauge\n")?;

@@ -3,6 +3,7 @@
 //! One task does all of it, in order: a frame is decoded, sampled, estimated and answered before the
 //! next one is looked at. There is no queue between receiving and publishing that could grow old.
 
+mod black_box;
 mod daemon;
 mod endpoint;
 mod engine;
@@ -23,6 +24,7 @@ use crate::dbc::DbcError;
 use crate::signals::SignalsError;
 use crate::signals::publish::PublishError;
 
+pub use black_box::BlackBox;
 pub use daemon::{Link, Service, Tally, serve};
 pub use endpoint::Endpoint;
 pub use engine::{Engine, EngineCounts, Sink, Survived, sensors};

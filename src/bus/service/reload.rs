@@ -3,6 +3,7 @@
 //! Files are read, checked and compiled on a thread of their own, so that no frame waits for a disk. The
 //! loop gets an engine that is ready to take over, or the reason why there is none.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
@@ -37,6 +38,7 @@ pub struct Reloads {
     input: String,
     output: Option<String>,
     metrics: Option<Address>,
+    recordings: (Option<PathBuf>, u64, u64),
     next: Instant,
     stage: Stage,
     /// A reading that took too long and may still go on.
@@ -71,6 +73,7 @@ impl Reloads {
             input: at_start.bus.interface.clone(),
             output: at_start.publish.interface.clone(),
             metrics: at_start.service.metrics.clone(),
+            recordings: recordings(at_start),
             next: Instant::now(),
             stage: Stage::Idle,
             stuck: None,
@@ -136,11 +139,18 @@ impl Reloads {
             ("bus.interface", self.input != config.bus.interface),
             ("publish.interface", self.output != config.publish.interface),
             ("service.metrics", self.metrics != config.service.metrics),
+            ("service.record_faults, record_files or record_bytes", self.recordings != recordings(config)),
         ];
         for (key, _) in keys.iter().filter(|(_, changed)| *changed) {
             tracing::warn!("{key} has changed: it is opened at the start only, restart for that");
         }
     }
+}
+
+/// Where faults are recorded, and how many.
+fn recordings(config: &Config) -> (Option<PathBuf>, u64, u64) {
+    let service = &config.service;
+    (service.record_faults.clone(), service.record_files, service.record_bytes)
 }
 
 fn prepare(read: &Read) -> Result<Fresh, SetupError> {

@@ -8,7 +8,9 @@ use thiserror::Error;
 use tokio::sync::mpsc::Receiver;
 
 use super::saved::Part;
-use super::{Endpoint, Engine, Health, Keeper, Reloads, SavedState, Service, SetupError, Sink, Tally, serve};
+use super::{
+    BlackBox, Endpoint, Engine, Health, Keeper, Reloads, SavedState, Service, SetupError, Sink, Tally, serve,
+};
 use crate::Config;
 use crate::can::{Bus, CanId, Frame, InterfaceName, OpenError, Reception, SocketCan, SocketCanConfig};
 
@@ -64,7 +66,10 @@ pub async fn run(
     if config.service.lock_memory {
         lock_memory();
     }
-    let service = Service { engine, input, output, keeper, report_every_s, reloads, forgets, health };
+    let published_on = config.publish.interface.as_deref().unwrap_or(name);
+    let black_box = BlackBox::start(&config.service, name, published_on, &engine);
+    let service =
+        Service { engine, input, output, keeper, black_box, report_every_s, reloads, forgets, health };
     Ok(serve(service, &mut Unobserved, shutdown).await)
 }
 

@@ -4,6 +4,7 @@
 //! `tests/vcan/run.sh` is cargo's runner for a place where it is.
 
 mod bad_day;
+mod black_box;
 mod faults;
 mod isolation;
 mod lateness;

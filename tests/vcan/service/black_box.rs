@@ -1,0 +1,107 @@
+//! GIVEN a service that records faults WHEN one happens THEN there is a recording of it, and `gripd replay` of that tells
+//! the same fault.
+
+use std::fs;
+
+use super::*;
+
+/// Recordings that are complete, the oldest first.
+fn recordings(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+    paths.retain(|path| path.to_str().unwrap().ends_with(".log.gz"));
+    paths.sort();
+    paths
+}
+
+/// The faults that a replay counts, which begins with the state beside the recording.
+fn replayed(config: &Path, recording: &Path, folder: &Path) -> Vec<String> {
+    let state = recording.to_str().unwrap().replace(".log.gz", ".state.toml");
+    let (copy, stats) = (folder.join("state.toml"), folder.join("stats.json"));
+    fs::copy(state, &copy).unwrap();
+    let mut replay = Command::new(gripd());
+    replay.args(["replay", "-q", "-c"]).arg(config).arg(recording).arg("--stats").arg(&stats);
+    assert!(replay.arg("--state").arg(copy).status().unwrap().success());
+    let stats: serde_json::Value = serde_json::from_str(&fs::read_to_string(stats).unwrap()).unwrap();
+    stats["faults"].as_object().unwrap().keys().cloned().collect()
+}
+
+/// The demo car's configuration with recordings into `faults` of this folder.
+fn recording_car(folder: &Path) -> tempfile::NamedTempFile {
+    edited_car(|text| format!("{text}\n[service]\nrecord_faults = \"{}\"\n", folder.join("faults").display()))
+}
+
+/// A message that is left out for a second.
+#[test]
+fn a_gap_is_recorded_and_replayed() {
+    let Some(interface) = Interface::new("gs_rec0") else { return };
+    let folder = tempfile::tempdir_in("/dev/shm").unwrap();
+    let config = recording_car(folder.path());
+    let gripd = Gripd::start(config.path(), interface.0);
+    let mut drive = frames(simulated_drive());
+    let origin = drive[0].time;
+    drive.retain(|frame| {
+        let second = (frame.time - origin).seconds();
+        frame.id.number() != 0x1B0 || !(8.0..9.0).contains(&second)
+    });
+    {
+        let _car = Traffic::start(interface.0, drive);
+        wait_for("a recording", || !recordings(&folder.path().join("faults")).is_empty());
+    }
+    gripd.wait_for_log("frames around timeout");
+    let recording = &recordings(&folder.path().join("faults"))[0];
+    let recorded = frames(recording);
+    let span = (recorded[recorded.len() - 1].time - recorded[0].time).seconds();
+    println!("{}: {} frames, {span:.1} s", recording.display(), recorded.len());
+    // From the start to ten seconds after it was told; the next drive begins with a jump, and is not in it.
+    assert!((18.0..19.0).contains(&span), "{span} s");
+    let faults = replayed(config.path(), recording, folder.path());
+    assert!(faults.contains(&"timeout".to_owned()), "{faults:?}");
+    gripd.end(SIGTERM);
+}
+
+/// A second node that sends an input, and the end of the service in the middle of the recording.
+#[test]
+fn an_input_that_is_sent_twice_is_recorded_and_replayed() {
+    let Some(interface) = Interface::new("gs_rec1") else { return };
+    let folder = tempfile::tempdir_in("/dev/shm").unwrap();
+    let config = recording_car(folder.path());
+    let gripd = Gripd::start(config.path(), interface.0);
+    let drive = frames(simulated_drive());
+    let _car = Traffic::start(interface.0, drive.clone());
+    std::thread::sleep(Duration::from_secs(8));
+    let of_steering = drive.into_iter().filter(|frame| frame.id.number() == 0x1C0).collect();
+    let _other = Traffic::start(interface.0, of_steering);
+    gripd.wait_for_log("two nodes send it");
+    std::thread::sleep(Duration::from_secs(1));
+    assert_eq!(recordings(&folder.path().join("faults")), [] as [PathBuf; 0]);
+    gripd.end(SIGTERM);
+    let recordings = recordings(&folder.path().join("faults"));
+    assert_eq!(recordings.len(), 1, "{recordings:?}");
+    let faults = replayed(config.path(), &recordings[0], folder.path());
+    assert!(faults.contains(&"sent_twice".to_owned()), "{faults:?}");
+}
+
+/// A folder that is not there.
+#[test]
+fn without_a_folder_it_is_said_once() {
+    let Some(interface) = Interface::new("gs_rec2") else { return };
+    let folder = tempfile::tempdir_in("/dev/shm").unwrap();
+    let config = recording_car(&folder.path().join("no/such"));
+    let gripd = Gripd::start(config.path(), interface.0);
+    let candump = Recorder::start(interface.0);
+    let mut drive = frames(simulated_drive());
+    let origin = drive[0].time;
+    // Two different faults, one after the other.
+    drive.retain(|frame| {
+        let second = (frame.time - origin).seconds();
+        frame.id.number() != 0x1B0 || !(4.0..5.0).contains(&second)
+    });
+    let _car = Traffic::start(interface.0, drive);
+    gripd.wait_for_log("service.record_faults");
+    candump.wait_for_more(350, "publishing on");
+    super::traffic::send_all(interface.0, &[data(0x6A0, &[0; 8])]);
+    candump.wait_for_more(350, "publishing on");
+    assert_eq!(gripd.log().matches("nothing can be recorded there").count(), 1, "{}", gripd.log());
+    gripd.end(SIGTERM);
+}

@@ -179,6 +179,7 @@ pub async fn serve<L: Link>(
                 daemon.show();
                 if let Some(keeper) = &mut keeper {
                     keeper.offer(&daemon.engine);
+                    daemon.show_contradiction(keeper);
                 }
             }
             // After the input: all that came is read when it is these branches' turn.
@@ -395,6 +396,12 @@ impl Daemon {
             if let Some(black_box) = &self.black_box {
                 health.set_recordings(black_box.counts());
             }
+        }
+    }
+
+    fn show_contradiction(&self, keeper: &Keeper) {
+        if let Some(health) = &self.health {
+            health.set_contradicted(keeper.contradicts());
         }
     }
 

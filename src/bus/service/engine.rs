@@ -6,7 +6,7 @@ use crate::can::{CanId, Frame, FrameKind};
 use crate::dbc::Database;
 use crate::signals::publish::Publisher;
 use crate::signals::{FaultCounts, Inputs, Pushed, Sampler, SamplerConfig};
-use physics::estimate::{Doubt, EstimatorsConfig, Learned, Pipeline};
+use physics::estimate::{Contradiction, Doubt, EstimatorsConfig, Learned, Pipeline};
 use physics::estimates::State;
 use physics::model::Vehicle;
 use physics::{Estimates, Faults, Micros, Quantity, Sample, Sensors};
@@ -142,9 +142,12 @@ impl Engine {
         self
     }
 
-    /// Goes on from what an earlier drive learned ([`Pipeline::restore`]). Before the first frame.
+    /// Goes on from what an earlier drive learned ([`Pipeline::restore`]). Before the first frame. What contradicts
+    /// the car's table is not taken, and the log says so.
     pub fn restore(&mut self, learned: &Learned) {
-        self.pipeline.restore(learned);
+        if let Some(contradiction) = self.pipeline.restore(learned) {
+            tracing::warn!("what was learned before is not taken as far as that goes: the {contradiction}");
+        }
     }
 
     /// Takes the place of another engine, between two frames: what it has received but not yet sampled is
@@ -191,6 +194,11 @@ impl Engine {
         self.pipeline.restore(&learned);
         self.pipeline.set_dropped_frames(self.dropped);
         self.doubted = Faults::empty();
+    }
+
+    /// What was learned and is not worth keeping, since it contradicts the car's table ([`Pipeline::contradiction`]).
+    pub fn contradiction(&self) -> Option<Contradiction> {
+        self.pipeline.contradiction()
     }
 
     /// What is worth keeping for the next drive ([`Pipeline::learned`]).

@@ -25,6 +25,7 @@ pub struct Health {
     input_up: AtomicBool,
     recorded: AtomicU64,
     unrecorded: AtomicU64,
+    contradicted: AtomicBool,
     accepted: AtomicU64,
     refused: AtomicU64,
 }
@@ -53,6 +54,11 @@ impl Health {
     pub(super) fn set_recordings(&self, (recorded, unrecorded): (u64, u64)) {
         self.recorded.store(recorded, Relaxed);
         self.unrecorded.store(unrecorded, Relaxed);
+    }
+
+    /// What is learned contradicts the car's table, and is not saved.
+    pub(super) fn set_contradicted(&self, contradicted: bool) {
+        self.contradicted.store(contradicted, Relaxed);
     }
 
     pub(super) fn count_reload(&self, accepted: bool) {
@@ -86,6 +92,12 @@ impl Display for Health {
         )?;
         number("samples_total", "counter", "Samples made.", count(&self.samples))?;
         number("input_up", "gauge", "The input interface is up.", self.input_up.load(Relaxed).into())?;
+        number(
+            "learned_contradicts_table",
+            "gauge",
+            "What is learned contradicts [vehicle], and is not saved.",
+            self.contradicted.load(Relaxed).into(),
+        )?;
         number("recordings_total", "counter", "Recordings of faults.", count(&self.recorded))?;
         number("recordings_missed_total", "counter", "Faults not recorded.", count(&self.unrecorded))?;
         number("reloads_accepted_total", "counter", "Configurations taken over.", count(&self.accepted))?;

@@ -127,6 +127,12 @@ impl Replay {
         let stats = totals.stats(&engine, started);
         results.finish()?;
         if let Some(state) = state.filter(|_| engine.driving_s() > driven_before_s) {
+            if let Some(contradiction) = engine.contradiction() {
+                let path = state.path().display();
+                tracing::warn!(
+                    "{path}: what was learned is not saved as far as that goes: the {contradiction}"
+                );
+            }
             let failed = |error| format!("cannot write {}: {error}", state.path().display());
             state.save(&engine.learned()).map_err(|error| Failure::work(failed(error)))?;
         }

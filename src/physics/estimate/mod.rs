@@ -10,6 +10,7 @@ mod brake_slip;
 mod brush;
 mod config;
 mod cornering;
+mod expected;
 mod friction;
 mod kinematics;
 pub mod lateral_filter;
@@ -26,6 +27,7 @@ mod traction;
 
 pub use config::{BrushConfig, EstimatorsConfig, FrictionConfig, SlopeConfig};
 pub use cornering::{Axle, CorneringConfig, Doubt};
+pub use expected::Contradiction;
 pub use kinematics::{Car, Cornering, Heard, Kinematics};
 pub use learned::{Known, Learned};
 pub use pipeline::Pipeline;

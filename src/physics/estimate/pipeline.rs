@@ -6,6 +6,7 @@ use super::brake_slip::BrakeSlip;
 use super::brush::BrushEstimator;
 use super::config::EstimatorsConfig;
 use super::cornering::{CorneringEstimator, Doubt};
+use super::expected::{Contradiction, Expected};
 use super::friction::{Evidence, FrictionMonitor};
 use super::kinematics::{Car, Heard, Kinematics};
 use super::learned::Learned;
@@ -57,6 +58,8 @@ pub struct Pipeline {
     car: Car,
     sensors: Sensors,
     heard: Heard,
+    /// What may be learned of it.
+    expected: Expected,
     blocks: BlockBuilder,
     traction: Traction,
     slope: SlopeEstimator,
@@ -113,6 +116,7 @@ impl Pipeline {
             config: config.clone(),
             sensors: *sensors,
             heard: Heard::default(),
+            expected: Expected::new(&car, config),
             car,
         }
     }
@@ -128,18 +132,31 @@ impl Pipeline {
     /// Starts from what an earlier drive learned of this car, with wider deviations. To be called before the first
     /// sample. Nothing of it is given out before this drive has measured the same quantity, and what the first
     /// readings contradict is forgotten.
-    pub fn restore(&mut self, learned: &Learned) {
+    ///
+    /// What contradicts the car's table is not taken; the first such number is returned.
+    pub fn restore(&mut self, learned: &Learned) -> Option<Contradiction> {
+        let (learned, contradiction) = &self.expected.agreeing(learned);
         self.slope.restore(learned);
         if let Some(overall) = &mut self.overall_slope {
             overall.restore(learned);
         }
         self.cornering.restore(learned);
         self.driving_s = learned.driving_s;
+        *contradiction
     }
 
-    /// What the estimators know that outlives the drive; never friction. Some hundred operations and no
-    /// allocation: it may be asked for between any two samples.
+    /// What the estimators know that outlives the drive; never friction, and nothing that contradicts the car's table.
+    /// Some hundred operations and no allocation: it may be asked for between any two samples.
     pub fn learned(&self) -> Learned {
+        self.expected.agreeing(&self.all_learned()).0
+    }
+
+    /// The first number that was learned and contradicts the car's table.
+    pub fn contradiction(&self) -> Option<Contradiction> {
+        self.expected.agreeing(&self.all_learned()).1
+    }
+
+    fn all_learned(&self) -> Learned {
         let mut learned = Learned { time: self.latest.time, driving_s: self.driving_s, ..Learned::default() };
         self.slope.learn(&mut learned);
         if let Some(overall) = &self.overall_slope {

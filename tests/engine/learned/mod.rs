@@ -1,6 +1,7 @@
 //! What outlives a drive: taken up by the next one, refused where it is not wholly right, and never in the
 //! service's way.
 
+mod poison;
 mod service;
 
 use std::collections::BTreeMap;

@@ -70,8 +70,37 @@ fn the_service_saves_at_its_end_and_goes_on_from_there() {
         let learned = SavedState::new(&path, &demo_car()).load().unwrap().unwrap();
         assert!((begun + 40.0..begun + 45.0).contains(&learned.driving_s), "{learned:?}");
         assert!(learned.slip_offset[0].is_some() && learned.yaw_rate_offset.is_some());
-        assert_eq!(names(folder.path()), ["state.toml"]);
+        let all = ["state.toml", "state.toml.before"];
+        assert_eq!(names(folder.path()), all[..if begun > 0.0 { 2 } else { 1 }]);
     }
+}
+
+/// GIVEN a file that is damaged, and beside it what the last drive began with, WHEN the service starts THEN it goes on
+/// from that; AND who takes the file away, or forgets, takes that away, too.
+#[test]
+fn a_damaged_file_has_one_to_fall_back_on() {
+    let folder = after_the_first_drive();
+    let path = folder.path().join("learned.toml");
+    let state = SavedState::new(&path, &demo_car());
+    let first = state.load().unwrap().unwrap();
+    serve_drive(SECOND, &path, 10);
+    let second = state.load().unwrap().unwrap();
+    assert!(second.driving_s > first.driving_s + 30.0);
+    let good = fs::read(&path).unwrap();
+    fs::write(&path, &good[..good.len() / 2]).unwrap();
+    let taken = state.take_up();
+    assert_eq!((taken.learned, taken.may_write, taken.refused), (Some(first), true, true));
+    // The next one begins with what there was before, and is damaged itself: there is nothing to go back to twice.
+    assert_eq!(names(folder.path()), ["learned.toml.before", "learned.toml.refused"]);
+    fs::write(&path, &good).unwrap();
+    assert_eq!(state.take_up().learned, Some(second));
+    assert_eq!(names(folder.path()), ["learned.toml", "learned.toml.before", "learned.toml.refused"]);
+    state.save_forgotten(&first).unwrap();
+    assert_eq!(names(folder.path()), ["learned.toml", "learned.toml.refused"]);
+    state.take_up();
+    fs::remove_file(&path).unwrap();
+    assert_eq!(state.take_up().learned, None);
+    assert_eq!(names(folder.path()), ["learned.toml.refused"]);
 }
 
 /// GIVEN a file that is not right, and what a writer left that lost its power, WHEN the service starts THEN

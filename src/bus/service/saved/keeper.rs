@@ -14,13 +14,25 @@ use physics::estimate::Learned;
 #[derive(Debug)]
 pub struct Keeper {
     state: SavedState,
-    slot: SyncSender<Learned>,
+    slot: SyncSender<Copied>,
     /// Closes when the writer has ended.
     ended: Receiver<()>,
     every_s: f64,
     /// Seconds of driving at which the next copy is due, and those of the last one that was handed over.
     next_s: f64,
     saved_s: f64,
+    /// The next copy lacks something that the file has.
+    forgetting: bool,
+    /// What was left out of the last copy contradicts the car's table.
+    contradicts: bool,
+}
+
+/// What is to be written.
+#[derive(Clone, Copy, Debug)]
+struct Copied {
+    learned: Learned,
+    /// What is not in it must not come back from anywhere.
+    is_final: bool,
 }
 
 impl Keeper {
@@ -108,14 +120,15 @@ impl Keeper {
         }
         let every_s = seconds(every_s);
         let saved_s = engine.driving_s();
-        Some(Self { state, slot, ended, every_s, next_s: saved_s + every_s, saved_s })
+        let next_s = saved_s + every_s;
+        Some(Self { state, slot, ended, every_s, next_s, saved_s, forgetting: false, contradicts: false })
     }
 
     /// A last copy, if there is room for it, and no more after it. What is returned closes when it is written.
     fn hand_over(self, learned: &Learned) -> Receiver<()> {
         if learned.driving_s > self.saved_s {
             // Full: the disk is slow, and has the copy before.
-            let _ = self.slot.try_send(*learned);
+            let _ = self.slot.try_send(Copied { learned: *learned, is_final: self.forgetting });
         }
         self.ended
     }
@@ -126,8 +139,12 @@ impl Keeper {
         if driving_s < self.next_s {
             return;
         }
-        match self.slot.try_send(engine.learned()) {
-            Ok(()) => (self.saved_s, self.next_s) = (driving_s, driving_s + self.every_s),
+        let copied = self.copy(engine);
+        match self.slot.try_send(copied) {
+            Ok(()) => {
+                (self.saved_s, self.next_s) = (driving_s, driving_s + self.every_s);
+                self.forgetting = false;
+            }
             // The disk is slow. What is learned later is better anyway.
             Err(TrySendError::Full(_)) => self.next_s = driving_s + Self::BUSY_S,
             Err(TrySendError::Disconnected(_)) => self.next_s = f64::INFINITY,
@@ -139,16 +156,37 @@ impl Keeper {
     pub fn forgotten(&mut self, engine: &Engine) {
         self.next_s = engine.driving_s();
         self.saved_s = f64::NEG_INFINITY;
+        self.forgetting = true;
         self.offer(engine);
+    }
+
+    /// Did what was learned until the last copy contradict the car's table? It was not saved.
+    pub fn contradicts(&self) -> bool {
+        self.contradicts
+    }
+
+    /// What is worth keeping; says once what is not, and why.
+    fn copy(&mut self, engine: &Engine) -> Copied {
+        let contradiction = engine.contradiction();
+        let contradicts = contradiction.is_some();
+        if let Some(contradiction) = contradiction.filter(|_| !self.contradicts) {
+            tracing::warn!(
+                "{}: what is learned is not saved as far as that goes: the {contradiction}. A sensor is wrong, or \
+                 [vehicle] is: `gripd check` tells which",
+                self.state.path().display()
+            );
+        }
+        self.contradicts = contradicts;
+        Copied { learned: engine.learned(), is_final: self.forgetting }
     }
 
     /// At the end of the service: a last copy, if the car moved since the one before, and waits for the
     /// disk, but not for ever.
-    pub fn finish(self, engine: &Engine) {
-        let Self { slot, ended, saved_s, .. } = self;
+    pub fn finish(mut self, engine: &Engine) {
+        let copied = (engine.driving_s() > self.saved_s).then(|| self.copy(engine));
+        let Self { slot, ended, .. } = self;
         let deadline = Instant::now() + Self::PATIENCE;
-        if engine.driving_s() > saved_s {
-            let mut copy = engine.learned();
+        if let Some(mut copy) = copied {
             while let Err(TrySendError::Full(back)) = slot.try_send(copy) {
                 if Instant::now() > deadline {
                     break;
@@ -179,12 +217,17 @@ fn seconds(every_s: u64) -> f64 {
 }
 
 /// The writer: says once that it cannot write and why, and once that it can again.
-fn write(state: &SavedState, copies: &Receiver<Learned>) {
+fn write(state: &SavedState, copies: &Receiver<Copied>) {
     let path = state.path().display();
     let mut failing = None;
-    while let Ok(learned) = copies.recv() {
+    while let Ok(Copied { learned, is_final }) = copies.recv() {
         // Nothing is known: nothing to keep, and an older file says what was forgotten.
-        let saved = if learned.is_empty() { state.remove() } else { state.save(&learned) };
+        let saved = match (learned.is_empty(), is_final) {
+            (true, true) => state.remove(),
+            (true, false) => Ok(()),
+            (false, true) => state.save_forgotten(&learned),
+            (false, false) => state.save(&learned),
+        };
         match saved {
             Ok(()) => {
                 tracing::debug!("{path}: saved after {:.0} s of driving", learned.driving_s);

@@ -2,7 +2,8 @@
 //!
 //! A file that is not wholly right is not used at all: not one that was cut short or changed, nor one of
 //! another vehicle, of another mapping of its signals, or of a newer version. It is moved aside and not
-//! overwritten, so that somebody can look at it, and the estimators start from the data sheet.
+//! overwritten, so that somebody can look at it, and the estimators start from what the drive before began with
+//! (`NAME.before`) if the file was damaged, else from the data sheet.
 
 mod file;
 mod keeper;
@@ -60,6 +61,11 @@ impl Refusal {
     /// Is it the file that is wrong? Otherwise it could not be looked at, and may be good.
     fn is_of_the_file(&self) -> bool {
         !matches!(self, Self::Read(_))
+    }
+
+    /// Was it a good file once?
+    fn is_damage(&self) -> bool {
+        matches!(self, Self::NotOurs(_) | Self::Checksum | Self::Contents(_) | Self::Value(_))
     }
 }
 
@@ -216,8 +222,13 @@ impl SavedState {
                             "{path}: goes on from what {:.0} s of driving taught",
                             learned.driving_s
                         );
+                        self.keep_as_before();
                     }
-                    None => tracing::info!("{path}: nothing saved yet; the estimators start from [vehicle]"),
+                    None => {
+                        tracing::info!("{path}: nothing saved yet; the estimators start from [vehicle]");
+                        // Somebody took the file away: what is older must not come back some day.
+                        self.forget_before();
+                    }
                 }
                 return TakenUp { learned, may_write: true, refused: false };
             }
@@ -231,9 +242,14 @@ impl SavedState {
             return TakenUp { refused: true, ..TakenUp::default() };
         }
         let aside = self.aside();
+        let before = self.before_if(refusal.is_damage());
+        let start = match &before {
+            Some(_) => self.before().display().to_string(),
+            None => "[vehicle]".to_owned(),
+        };
         match fs::rename(&self.path, &aside) {
             Ok(()) => tracing::warn!(
-                "{path} {refusal}; the estimators start from [vehicle]. The file is kept as {}: put it back \
+                "{path} {refusal}; the estimators start from {start}. The file is kept as {}: put it back \
                  where it belongs, or delete it",
                 aside.display()
             ),
@@ -245,7 +261,33 @@ impl SavedState {
                 return TakenUp { refused: true, ..TakenUp::default() };
             }
         }
-        TakenUp { learned: None, may_write: true, refused: true }
+        TakenUp { learned: before, may_write: true, refused: true }
+    }
+
+    /// What the last drive began with, if that is wanted and can be used.
+    fn before_if(&self, wanted: bool) -> Option<Learned> {
+        let before = Self { path: self.before(), fingerprint: self.fingerprint.clone() };
+        before.load().ok().flatten().filter(|_| wanted)
+    }
+
+    /// What this drive begins with is kept under its other name while this drive writes. Without a moment in which there
+    /// is no file under the first one; and only if the file system can give a file two names.
+    fn keep_as_before(&self) {
+        let kept = self.remove_before().and_then(|()| fs::hard_link(&self.path, self.before()));
+        if let Err(error) = kept {
+            tracing::debug!("{}: what the drive began with is not kept: {error}", self.path.display());
+        }
+    }
+
+    /// It must not come back.
+    fn forget_before(&self) {
+        if let Err(error) = self.remove_before() {
+            tracing::warn!("{}: cannot be taken away: {error}", self.before().display());
+        }
+    }
+
+    fn remove_before(&self) -> io::Result<()> {
+        remove_if_there(&self.before())
     }
 
     /// Makes it this process's own until what is returned is dropped; `None` if another process has it, or where such
@@ -278,20 +320,36 @@ impl SavedState {
 
     /// Where a refused file is moved to.
     pub fn aside(&self) -> PathBuf {
+        self.beside(".refused")
+    }
+
+    /// Where that is kept with which the last drive began.
+    pub fn before(&self) -> PathBuf {
+        self.beside(".before")
+    }
+
+    fn beside(&self, ending: &str) -> PathBuf {
         let mut name = self.path.file_name().map_or_else(OsString::new, OsStr::to_owned);
-        name.push(".refused");
+        name.push(ending);
         self.path.with_file_name(name)
     }
 
-    /// Takes the file away, if there is one.
+    /// Takes the file away, if there is one, and what would be taken in its place.
     ///
     /// # Errors
     /// If the folder cannot be written.
     pub fn remove(&self) -> io::Result<()> {
-        match fs::remove_file(&self.path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-            _ => Ok(()),
-        }
+        self.remove_before()?;
+        remove_if_there(&self.path)
+    }
+
+    /// Writes what is left when something was forgotten, which must not come back from [`Self::before`], either.
+    ///
+    /// # Errors
+    /// As [`Self::save`].
+    pub fn save_forgotten(&self, learned: &Learned) -> io::Result<()> {
+        self.remove_before()?;
+        self.save(learned)
     }
 
     /// Writes it: aside, onto the disk, then under its name. After a power cut there is the old file or
@@ -303,5 +361,12 @@ impl SavedState {
         let new = NewFile::create_private(&self.path)?;
         new.writer()?.write_all(file::text(learned, &self.fingerprint)?.as_bytes())?;
         new.commit()
+    }
+}
+
+fn remove_if_there(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
     }
 }

@@ -86,6 +86,8 @@ pub struct CorneringEstimator {
     settled: [Option<learned::Known>; 2],
     /// What was taken up from an earlier drive is on trial.
     trial: Option<Trial<STATES>>,
+    /// Errors of sensors from an earlier drive, for the first minutes.
+    taken: Option<lasting::Taken>,
 }
 
 impl CorneringEstimator {
@@ -117,6 +119,7 @@ impl CorneringEstimator {
             limit: None,
             settled: [None; 2],
             trial: None,
+            taken: None,
             promised: model.noise,
             model,
         }
@@ -126,6 +129,7 @@ impl CorneringEstimator {
     pub fn restore(&mut self, learned: &Learned) {
         self.state = lasting::restored(learned, &self.model);
         self.settled = learned.cornering;
+        self.taken = Some(lasting::Taken::new(&self.state));
         self.trial = Some(Trial::new(prior(&self.model.car, &self.model.config), lasting::TRIAL));
     }
 
@@ -314,6 +318,15 @@ impl CorneringEstimator {
             self.start_afresh();
             return false;
         };
+        let contradicted = self.taken.as_mut().map(|taken| taken.step(&self.state, now.path.time));
+        match contradicted {
+            Some(Some(true)) => {
+                self.start_afresh();
+                return false;
+            }
+            Some(None) => self.taken = None,
+            _ => {}
+        }
         for i in [FRONT, REAR] {
             let (low, high) = TUNING.compliance_limits;
             self.state.mean[i] = self.state.mean[i].clamp(low, high);

@@ -1,9 +1,11 @@
 //! What of the filter outlives a drive: the stiffnesses and the errors of the sensors; motion and bank do not.
 
+use super::config::CorneringConfig;
 use super::model::Model;
 use super::state::{
     ANGLE_OFFSET, ANGLE_SCALE, AY_OFFSET, FRONT, REAR, SPEED_SCALE, State, YAW_OFFSET, prior,
 };
+use crate::estimate::kinematics::Car;
 use crate::estimate::learned::{ERRORS, Known, Learned};
 
 /// Between two drives an error of a sensor moves by this share of what it may be at all: temperature, a steering
@@ -55,6 +57,46 @@ pub fn restored(learned: &Learned, model: &Model) -> State {
     state
 }
 
+/// What the errors of the sensors may be at all (one standard deviation), in the order of [`Learned::errors`].
+pub fn expected_errors(car: &Car, config: &CorneringConfig) -> [f64; ERRORS] {
+    let fresh = prior(car, config);
+    PLACES.map(|i| fresh.std(i))
+}
+
+/// Errors of sensors that an earlier drive learned. A single reading says little of them; what a drive makes of them in
+/// its first minutes does.
+#[derive(Clone, Copy, Debug)]
+pub struct Taken {
+    errors: [Known; ERRORS],
+    left_s: f64,
+}
+
+impl Taken {
+    /// Until then every error was told from the others, if the car drives curves at all, s. Tuned with the test
+    /// `learned`.
+    const MINUTES_S: f64 = 180.0;
+    /// Moved this many of the deviations that it had been taken up with, it contradicts. Statistical: by chance one
+    /// drive in eighty.
+    const CONTRADICTION: f64 = 3.0;
+
+    /// As they are in the state before the first sample.
+    pub fn new(state: &State) -> Self {
+        Self {
+            errors: PLACES.map(|i| Known { value: state.mean[i], std: state.std(i) }),
+            left_s: Self::MINUTES_S,
+        }
+    }
+
+    /// After a window of so many seconds: is one contradicted? `None`: they have stood the test.
+    pub fn step(&mut self, state: &State, elapsed_s: f64) -> Option<bool> {
+        self.left_s -= elapsed_s;
+        let moved = |(i, taken): (usize, &Known)| {
+            taken.std > 0.0 && (state.mean[i] - taken.value).abs() > Self::CONTRADICTION * taken.std
+        };
+        (self.left_s > 0.0).then(|| PLACES.into_iter().zip(&self.errors).any(moved))
+    }
+}
+
 /// Puts the sensors' errors into `learned`.
 pub fn learn_errors(state: &State, learned: &mut Learned) {
     let known = |i: usize| {
@@ -83,5 +125,31 @@ pub fn settle(state: &State, valid: f64, settled: &mut [Option<Known>; 2]) {
         if relative <= valid {
             *settled = Some(Known { value: 1.0 / compliance, std: relative / compliance });
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::cornering::state::STATES;
+
+    /// GIVEN errors from an earlier drive WHEN the first minutes move one far off THEN it is contradicted; AND not later,
+    /// nor by what nothing was known of.
+    #[test]
+    fn the_first_minutes_may_contradict() {
+        let mut std = [0.0; STATES];
+        (std[YAW_OFFSET], std[SPEED_SCALE]) = (0.002, 0.01);
+        let state = State::new([0.0; STATES], std);
+        let mut taken = Taken::new(&state);
+        let moved = |place: usize, to: f64| {
+            let mut moved = state;
+            moved.mean[place] = to;
+            moved
+        };
+        assert_eq!(taken.step(&moved(YAW_OFFSET, 0.0059), 1.0), Some(false));
+        assert_eq!(taken.step(&moved(YAW_OFFSET, -0.0061), 1.0), Some(true));
+        assert_eq!(taken.step(&moved(SPEED_SCALE, 0.031), 1.0), Some(true));
+        assert_eq!(taken.step(&moved(ANGLE_SCALE, 0.5), 1.0), Some(false));
+        assert_eq!(taken.step(&moved(SPEED_SCALE, 0.031), Taken::MINUTES_S), None);
     }
 }

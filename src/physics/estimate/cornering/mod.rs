@@ -46,4 +46,5 @@ mod window;
 pub use config::CorneringConfig;
 pub use doubt::{Axle, Doubt};
 pub use estimator::CorneringEstimator;
+pub use lasting::expected_errors;
 pub use sliding::LateralLimit;

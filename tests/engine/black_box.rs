@@ -193,6 +193,21 @@ fn what_flaps_is_one_recording() {
     assert!(told_by_a_replay(&config, &recordings[0]).0.contains(Faults::TIMEOUT));
 }
 
+/// GIVEN a clock that is set back by an hour THEN what happens afterwards is recorded all the same.
+#[test]
+fn after_a_clock_was_set_back_by_an_hour() {
+    let config = car::config();
+    let folder = tempfile::tempdir().unwrap();
+    let mut all = with_gaps(&config, &[25]);
+    let middle = all.len() / 2;
+    all[middle..].iter_mut().for_each(|frame| frame.time = frame.time - Micros::from_millis(3_600_000));
+    serve_all(&config, all, folder.path());
+    let recordings = recordings(folder.path());
+    assert_eq!(recordings.len(), 1, "{recordings:?}");
+    let (told, _) = told_by_a_replay(&config, &recordings[0]);
+    assert!(told.contains(Faults::TIMEOUT), "{told:?}");
+}
+
 /// GIVEN a folder that cannot be had, or not be written WHEN there is a fault THEN the service publishes as without.
 #[test]
 fn a_folder_that_cannot_be_written_does_not_stop_the_service() {

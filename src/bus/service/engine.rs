@@ -206,6 +206,11 @@ impl Engine {
         self.pipeline.learned()
     }
 
+    /// The same, and in the place of what is not worth keeping what was known before this drive.
+    pub fn learned_or(&self, before: &Learned) -> Learned {
+        self.pipeline.learned_or(before)
+    }
+
     /// Seconds that the car moved, those of earlier drives included if they were restored.
     pub fn driving_s(&self) -> f64 {
         self.pipeline.driving_s()

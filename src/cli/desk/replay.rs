@@ -17,6 +17,7 @@ use bus::can::Frame;
 use bus::can::recording::{Format, LogError, Reader, Writer};
 use bus::service::saved::{Claim, Refusal};
 use bus::service::{Engine, SavedState, Sink};
+use physics::estimate::Learned;
 use physics::{Estimates, Quantity, Sample};
 
 /// Without -i nothing touches a bus, and the same input gives the same output to the last bit.
@@ -91,6 +92,7 @@ impl Replay {
         }
         let state = self.state.as_deref().map(|path| SavedState::new(path, &config));
         let claim = state.as_ref().map(SavedState::claim);
+        let mut before = Learned::default();
         if let Some(state) = &state {
             if matches!(claim, Some(Claim::Taken)) {
                 let path = state.path().display();
@@ -98,7 +100,7 @@ impl Replay {
                     "{path}: another gripd has this file: stop it first"
                 )));
             }
-            take_up(state, &mut engine)?;
+            before = take_up(state, &mut engine)?;
         }
         let driven_before_s = engine.driving_s();
         let mut results = Results::create(&self, &config)?;
@@ -134,7 +136,7 @@ impl Replay {
                 );
             }
             let failed = |error| format!("cannot write {}: {error}", state.path().display());
-            state.save(&engine.learned()).map_err(|error| Failure::work(failed(error)))?;
+            state.save(&engine.learned_or(&before)).map_err(|error| Failure::work(failed(error)))?;
         }
         if let Some(path) = &self.stats {
             write_json(path, &stats)?;
@@ -159,15 +161,16 @@ impl Replay {
 }
 
 /// What an earlier drive saved, where there is something.
-fn take_up(state: &SavedState, engine: &mut Engine) -> Result<(), Failure> {
+fn take_up(state: &SavedState, engine: &mut Engine) -> Result<Learned, Failure> {
     let refused = |refusal: Refusal| {
         let what_to_do = "give another name, or delete it to begin anew";
         Failure::usage(format_args!("{} {refusal}; {what_to_do}", state.path().display()))
     };
-    if let Some(learned) = state.load().map_err(refused)? {
-        engine.restore(&learned);
+    let learned = state.load().map_err(refused)?;
+    if let Some(learned) = &learned {
+        engine.restore(learned);
     }
-    Ok(())
+    Ok(learned.unwrap_or_default())
 }
 
 /// One recording through the engine.

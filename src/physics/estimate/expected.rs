@@ -126,6 +126,41 @@ impl Expected {
         (rest, first)
     }
 
+    /// The same, and in the place of what does not agree what was known before: a bad drive takes nothing away.
+    pub fn agreeing_or(&self, learned: &Learned, before: &Learned) -> Learned {
+        let (mut rest, contradiction) = self.agreeing(learned);
+        if contradiction.is_none() {
+            return rest;
+        }
+        let is_gone = |(learned, rest): (&Option<Known>, &Option<Known>)| learned.is_some() && rest.is_none();
+        if learned.errors().iter().zip(&rest.errors()).any(is_gone) {
+            rest = Learned {
+                time: rest.time,
+                driving_s: rest.driving_s,
+                slope: rest.slope,
+                slip_offset: rest.slip_offset,
+                cornering: rest.cornering,
+                ..*before
+            };
+        }
+        let of_tires = |of: &Learned| (of.cornering, of.slope, of.slip_offset);
+        let ((cornering, slope, offset), before) = (of_tires(learned), of_tires(before));
+        for (place, rest) in rest.cornering.iter_mut().enumerate() {
+            if is_gone((&cornering[place], &*rest)) {
+                *rest = before.0[place];
+            }
+        }
+        for place in 0..4 {
+            if is_gone((&slope[place], &rest.slope[place])) {
+                rest.slope[place] = before.1[place];
+            }
+            if is_gone((&offset[place], &rest.slip_offset[place])) {
+                rest.slip_offset[place] = before.2[place];
+            }
+        }
+        rest
+    }
+
     fn contradiction(what: &'static str, learned: Known, expected: Known) -> Option<Contradiction> {
         let off = (learned.value - expected.value).abs();
         (off > Self::CONTRADICTION * learned.std.hypot(expected.std)).then_some(Contradiction {
@@ -208,5 +243,19 @@ mod tests {
         (wanted.slope, wanted.slip_offset, wanted.cornering[0]) = (slopes, [None; 4], None);
         assert_eq!(rest, wanted);
         assert_eq!(contradiction.map(|c| c.what), Some("cornering stiffness front"));
+    }
+
+    /// GIVEN what good drives learned WHEN a bad one contradicts the table THEN that is still there in its place; AND what
+    /// the bad one learned no more is not.
+    #[test]
+    fn a_bad_drive_takes_nothing_away() {
+        let before = learned();
+        let mut bad = Learned { driving_s: 200.0, speed_scale: known(0.123, 0.005), ..learned() };
+        (bad.slope[0], bad.slope[1], bad.slip_offset[0]) = (known(90.0, 2.0), known(4.0, 0.2), None);
+        let kept = expected(false).agreeing_or(&bad, &before);
+        let slope = [known(90.0, 2.0), before.slope[1], None, None];
+        assert_eq!(kept, Learned { driving_s: 200.0, slope, slip_offset: [None; 4], ..before });
+        let good = Learned { yaw_rate_offset: None, ..learned() };
+        assert_eq!(expected(false).agreeing_or(&good, &before), good);
     }
 }

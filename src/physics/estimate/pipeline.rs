@@ -151,6 +151,11 @@ impl Pipeline {
         self.expected.agreeing(&self.all_learned()).0
     }
 
+    /// The same, and in the place of what contradicts what was known before this drive.
+    pub fn learned_or(&self, before: &Learned) -> Learned {
+        self.expected.agreeing_or(&self.all_learned(), before)
+    }
+
     /// The first number that was learned and contradicts the car's table.
     pub fn contradiction(&self) -> Option<Contradiction> {
         self.expected.agreeing(&self.all_learned()).1

@@ -111,6 +111,30 @@ fn a_bad_drive_does_not_poison_the_next() {
     assert!(problems.is_empty(), "{}", problems.join("\n"));
 }
 
+/// GIVEN the state of a good drive WHEN a bad one goes on from it THEN what the good one learned is still there.
+#[test]
+fn a_bad_drive_takes_nothing_away() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let drive = |car: &Path| {
+        let log = long_drives().join("1.log");
+        let arguments =
+            ["replay", "-q", "-c", car.to_str().unwrap(), log.to_str().unwrap(), "--state", "state.toml"];
+        let output = gripd(&arguments, folder);
+        assert!(output.status.success(), "{}", complaint(&output));
+        fs::read_to_string(folder.join("state.toml")).unwrap().parse::<toml::Table>().unwrap()
+    };
+    let (_, was, is) = BAD[0];
+    let good = drive(&project("config/demo.toml"));
+    let both = drive(&car_with(folder, was, is));
+    let hours = |state: &toml::Table| state["driving_s"].as_float().unwrap();
+    assert!(hours(&both) > 1.9 * hours(&good));
+    for kept in ["speed_relative_error", "yaw_rate_offset_rad_per_s", "sensor_error_correlations"] {
+        assert_eq!(both[kept], good[kept], "{kept}");
+    }
+    assert_ne!(both["slip_slope"], good["slip_slope"]);
+}
+
 /// GIVEN a file that says what such a car cannot have, as an earlier gripd wrote it, THEN that is not taken and the log
 /// says so, and the rest is.
 #[test]

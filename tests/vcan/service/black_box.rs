@@ -82,6 +82,42 @@ fn an_input_that_is_sent_twice_is_recorded_and_replayed() {
     assert!(faults.contains(&"sent_twice".to_owned()), "{faults:?}");
 }
 
+/// A full disk: it is said once, nothing half-written is left, and once there is room the next fault is recorded.
+#[test]
+fn on_a_full_disk_it_is_said_once() {
+    let Some(interface) = Interface::new("gs_rec3") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().display();
+    if !run("mount", &format!("-t tmpfs -o size=1m none {path}")) {
+        return println!("skipped: no small file system can be mounted here");
+    }
+    let faults = folder.path().join("faults");
+    fs::create_dir(&faults).unwrap();
+    let ballast = folder.path().join("ballast");
+    let full = fs::write(&ballast, vec![0; 1 << 21]).is_err();
+    let config = recording_car(folder.path());
+    let gripd = Gripd::start(config.path(), interface.0);
+    let candump = Recorder::start(interface.0);
+    let mut drive = frames(simulated_drive());
+    let origin = drive[0].time;
+    drive.retain(|frame| {
+        let second = (frame.time - origin).seconds();
+        frame.id.number() != 0x1B0 || !(3.0..4.0).contains(&second)
+    });
+    let _car = Traffic::start(interface.0, drive);
+    gripd.wait_for_log("nothing can be recorded there");
+    candump.wait_for_more(70, "publishing without a disk");
+    let left = fs::read_dir(&faults).unwrap().count();
+    fs::remove_file(&ballast).unwrap();
+    gripd.wait_for_log("frames around");
+    let complaints = gripd.log().matches("nothing can be recorded there").count();
+    gripd.end(SIGTERM);
+    let recorded = recordings(&faults).iter().map(|path| frames(path).len()).sum::<usize>();
+    assert!(run("umount", &path.to_string()));
+    assert!(full && left == 0 && recorded > 1000, "{full} {left} {recorded}");
+    assert_eq!(complaints, 1);
+}
+
 /// A folder that is not there.
 #[test]
 fn without_a_folder_it_is_said_once() {

@@ -139,9 +139,11 @@ fn another_interface_takes_a_restart() {
     let car = edited_car(|text| text.replace("interface = \"vcan0\"", "interface = \"gs_one\""));
     let text = std::fs::read_to_string(car.path()).unwrap();
     let gripd = Gripd::start(car.path(), one.0);
-    std::fs::write(car.path(), text.replace("gs_one", "gs_other")).unwrap();
+    let other = text.replace("gs_one", "gs_other") + "\n[service]\nrecord_files = 7\n";
+    std::fs::write(car.path(), other).unwrap();
     gripd.signal(SIGHUP);
     gripd.wait_for_log("bus.interface has changed: it is opened at the start only");
+    gripd.wait_for_log("service.record_faults, record_files or record_bytes has changed");
     gripd.wait_for_log("the new configuration is in use");
     traffic::send_all(one.0, &[data(0x1A0, &[0; 8])]);
     std::thread::sleep(Duration::from_millis(100));

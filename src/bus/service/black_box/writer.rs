@@ -129,6 +129,10 @@ impl Writer {
                 continue;
             }
             if frame.time > span.to {
+                // From before a clock was set back by more than that; else it is over.
+                if recording.frames == 0 {
+                    continue;
+                }
                 return Ok(true);
             }
             // What was overwritten before the first line was too old anyway, or the lead is shorter.

@@ -21,6 +21,8 @@ pub struct Keeper {
     /// Seconds of driving at which the next copy is due, and those of the last one that was handed over.
     next_s: f64,
     saved_s: f64,
+    /// What this drive began with.
+    before: Learned,
     /// The next copy lacks something that the file has.
     forgetting: bool,
     /// What was left out of the last copy contradicts the car's table.
@@ -64,7 +66,8 @@ impl Keeper {
         if !may_write {
             return None;
         }
-        Self::spawn(state, every_s, engine, |_| Some(claim))
+        let before = learned.unwrap_or_default();
+        Self::spawn(state, every_s, engine, |_| Some(claim)).map(|keeper| Self { before, ..keeper })
     }
 
     /// After a reload: goes on as before where car and file are the same, else hands over to a new one.
@@ -121,7 +124,18 @@ impl Keeper {
         let every_s = seconds(every_s);
         let saved_s = engine.driving_s();
         let next_s = saved_s + every_s;
-        Some(Self { state, slot, ended, every_s, next_s, saved_s, forgetting: false, contradicts: false })
+        let before = Learned::default();
+        Some(Self {
+            state,
+            slot,
+            ended,
+            every_s,
+            next_s,
+            saved_s,
+            before,
+            forgetting: false,
+            contradicts: false,
+        })
     }
 
     /// A last copy, if there is room for it, and no more after it. What is returned closes when it is written.
@@ -156,6 +170,7 @@ impl Keeper {
     pub fn forgotten(&mut self, engine: &Engine) {
         self.next_s = engine.driving_s();
         self.saved_s = f64::NEG_INFINITY;
+        self.before = Learned::default();
         self.forgetting = true;
         self.offer(engine);
     }
@@ -177,7 +192,7 @@ impl Keeper {
             );
         }
         self.contradicts = contradicts;
-        Copied { learned: engine.learned(), is_final: self.forgetting }
+        Copied { learned: engine.learned_or(&self.before), is_final: self.forgetting }
     }
 
     /// At the end of the service: a last copy, if the car moved since the one before, and waits for the

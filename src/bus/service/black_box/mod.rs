@@ -62,7 +62,7 @@ impl BlackBox {
     /// 4 MiB, three words for a frame of eight bytes: a minute and a half at 2,000 of them a second. Twenty seconds are
     /// needed, and the rest is how long the disk may take.
     const WORDS: usize = 1 << 19;
-    /// Causes that wait while the disk is slow; each longer wait of the writer's takes them all at once.
+    /// Causes that wait while the disk is slow. What comes when they are that many is counted as missed.
     const WAITING: usize = 8;
     /// So long the end of the service waits for the disk.
     const PATIENCE: Duration = Duration::from_secs(1);
@@ -94,6 +94,7 @@ impl BlackBox {
             tracing::warn!("no thread for recording faults ({error}): nothing will be recorded");
             return None;
         }
+        tracing::info!("faults are recorded in {}", path.display());
         let watch = Watch::new(engine.surface_changes());
         Some(Self { frames, triggers, watch, counts, ended, fingerprint })
     }

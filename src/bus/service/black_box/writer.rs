@@ -49,7 +49,7 @@ impl Writer {
     pub const AFTER: Micros = Micros::from_millis(10_000);
     /// But no longer than this after the first one; what comes then has a recording of its own.
     const LONGEST: Micros = Micros::from_millis(120_000);
-    /// So often it looks for new frames: a tenth of what the ring holds at the very least.
+    /// So often it looks for new frames: a small part of what the ring holds, on any bus.
     const PAUSE: Duration = Duration::from_millis(500);
     /// Where the bus is silent, no stamp says that the time is over.
     const SILENCE: Duration = Duration::from_secs(2);

@@ -194,7 +194,7 @@ fn an_end_in_the_middle_of_a_drive() {
 }
 
 /// Sets the clock of the guest, which is nobody else's; elsewhere nothing is touched.
-fn set_clock(by_s: f64) -> bool {
+pub(super) fn set_clock(by_s: f64) -> bool {
     let is_guest =
         std::fs::read_to_string("/proc/cpuinfo").is_ok_and(|info| info.contains("User Mode Linux"));
     if !is_guest {

@@ -5,6 +5,7 @@
 
 mod bad_day;
 mod black_box;
+mod campaign;
 mod faults;
 mod isolation;
 mod lateness;

@@ -11,14 +11,14 @@ use super::*;
 use testing::vcan::must;
 
 /// Hears what is published on one interface, whatever it is called.
-struct Ear {
+pub(super) struct Ear {
     heard: Arc<Mutex<Vec<Instant>>>,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Ear {
-    fn at(interface: &Interface) -> Self {
+    pub(super) fn at(interface: &Interface) -> Self {
         let socket = CanSocket::open_iface(interface.index()).unwrap();
         socket.set_read_timeout(Duration::from_millis(50)).unwrap();
         let (heard, stop) = (Arc::new(Mutex::new(Vec::new())), Arc::new(AtomicBool::new(false)));
@@ -40,6 +40,16 @@ impl Ear {
 
     fn count(&self) -> usize {
         self.heard.lock().unwrap().len()
+    }
+
+    /// What it has heard since it was asked last.
+    pub(super) fn take(&self) -> usize {
+        std::mem::take(&mut *self.heard.lock().unwrap()).len()
+    }
+
+    /// The first so many are none to be asked for.
+    pub(super) fn forget(&self, count: usize) {
+        self.heard.lock().unwrap().drain(..count);
     }
 
     #[track_caller]
@@ -67,7 +77,7 @@ fn settle() {
 
 /// Both down, their names exchanged, both up: what two adapters do that are found in another order. Gives how much
 /// `ear` had heard before the names changed.
-fn swap(one: &str, other: &str, ear: &Ear) -> usize {
+pub(super) fn swap(one: &str, other: &str, ear: &Ear) -> usize {
     link(&format!("set {one} down"));
     link(&format!("set {other} down"));
     settle();

@@ -1,68 +1,21 @@
 //! The daemon's loop.
 
 use std::future::Future;
-use std::io;
 use std::pin::pin;
 use std::sync::Arc;
 use std::time::Duration;
 
 use tokio::sync::mpsc::Receiver;
-use tokio::time::{Interval, MissedTickBehavior};
+use tokio::time::Interval;
 
+use super::link::{next, retune};
 use super::rounds::{Rounds, Verdict};
-use super::run::{input_reception, output_reception};
 use super::said::Said;
 use super::saved::Part;
-use super::{BlackBox, Engine, Fresh, Health, Keeper, Reloads, Sink, Survived, systemd};
-use crate::can::{Bus, Event, Frame, Reception, SendError};
+use super::waits::{Waits, every, next_forget, next_reload, tick};
+use super::{BlackBox, Engine, Fresh, Health, Keeper, Link, Reloads, Sink, Survived, systemd};
+use crate::can::{Event, Frame};
 use physics::{Estimates, Faults, Micros, Sample};
-
-/// Something that frames come from and go to: a bus, or a stand-in with the same manners.
-pub trait Link {
-    /// The next thing that happens. Cancel-safe.
-    fn recv(&mut self) -> impl Future<Output = Event>;
-    /// Sends without waiting.
-    ///
-    /// # Errors
-    /// If the frame could not be taken; it is then gone.
-    fn try_send(&mut self, frame: &Frame) -> Result<(), SendError>;
-    /// Before a round: is it still the bus that it should be?
-    fn stay_with_the_name(&mut self) {}
-    /// How late it is on the clock that its frames are stamped by; `None` if it has none. Only of a link with a clock
-    /// can a round be too late, and only such a one has receivers that wait.
-    fn now(&self) -> Option<Micros> {
-        None
-    }
-    /// Receives something else from now on; one that hands on everything has nothing to do.
-    ///
-    /// # Errors
-    /// If that cannot be; then everything is as before.
-    fn retune(&mut self, _reception: Reception) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-impl Link for Bus {
-    fn recv(&mut self) -> impl Future<Output = Event> {
-        Bus::recv(self)
-    }
-
-    fn try_send(&mut self, frame: &Frame) -> Result<(), SendError> {
-        Bus::try_send(self, frame)
-    }
-
-    fn stay_with_the_name(&mut self) {
-        Bus::stay_with_the_name(self);
-    }
-
-    fn now(&self) -> Option<Micros> {
-        Bus::now(self)
-    }
-
-    fn retune(&mut self, reception: Reception) -> io::Result<()> {
-        Bus::retune(self, reception)
-    }
-}
 
 /// What a run of the daemon did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -224,28 +177,6 @@ struct Daemon {
     status: &'static str,
     health: Option<Arc<Health>>,
     black_box: Option<BlackBox>,
-}
-
-/// What a round that is held waits for.
-#[derive(Clone, Copy, Debug)]
-enum Waits {
-    /// There is none.
-    Not,
-    /// That nothing more is there to be read.
-    Input,
-    /// The time at which it may go.
-    Until(tokio::time::Instant),
-}
-
-impl Waits {
-    async fn over(self) {
-        match self {
-            Self::Not => std::future::pending().await,
-            // With the budget gone the input may have more than it said.
-            Self::Input => tokio::task::consume_budget().await,
-            Self::Until(time) => tokio::time::sleep_until(time).await,
-        }
-    }
 }
 
 /// Collects what the engine publishes, and shows estimates to the observer.
@@ -523,54 +454,4 @@ impl Daemon {
         let Tally { received, published, unsent, late, foreign, dropped } = self.tally;
         tracing::info!(received, published, unsent, late, foreign, dropped, "frames so far; {}", self.status);
     }
-}
-
-async fn next<L: Link>(link: &mut Option<L>) -> Event {
-    match link {
-        Some(link) => link.recv().await,
-        None => std::future::pending().await,
-    }
-}
-
-async fn tick(interval: &mut Option<Interval>) {
-    match interval {
-        Some(interval) => drop(interval.tick().await),
-        None => std::future::pending().await,
-    }
-}
-
-async fn next_reload(reloads: &mut Option<Reloads>) -> Result<Fresh, String> {
-    match reloads {
-        Some(reloads) => reloads.next().await,
-        None => std::future::pending().await,
-    }
-}
-
-async fn next_forget(forgets: &mut Option<Receiver<&'static [Part]>>) -> &'static [Part] {
-    match forgets {
-        Some(wishes) => match wishes.recv().await {
-            Some(parts) => parts,
-            // Nobody is left who could wish for something.
-            None => std::future::pending().await,
-        },
-        None => std::future::pending().await,
-    }
-}
-
-/// Filters and buffers of what the new configuration needs, before it takes over.
-fn retune<L: Link>(fresh: &Fresh, input: &mut L, output: Option<&mut L>) -> Result<(), String> {
-    let refused = |error| format!("the kernel does not take the receive filters: {error}");
-    let publishes = output.is_none();
-    input.retune(input_reception(&fresh.config, &fresh.engine, publishes)).map_err(refused)?;
-    let own = output_reception(&fresh.config, &fresh.engine);
-    output.map_or(Ok(()), |output| output.retune(own)).map_err(refused)
-}
-
-fn every(period: Duration) -> Option<Interval> {
-    (!period.is_zero()).then(|| {
-        let start = tokio::time::Instant::now() + period;
-        let mut interval = tokio::time::interval_at(start, period);
-        interval.set_missed_tick_behavior(MissedTickBehavior::Delay);
-        interval
-    })
 }

@@ -8,6 +8,7 @@ mod daemon;
 mod endpoint;
 mod engine;
 mod health;
+mod link;
 mod reload;
 mod rounds;
 mod run;
@@ -15,6 +16,7 @@ mod said;
 pub mod saved;
 mod systemd;
 mod throttle;
+mod waits;
 
 use thiserror::Error;
 
@@ -25,10 +27,11 @@ use crate::signals::SignalsError;
 use crate::signals::publish::PublishError;
 
 pub use black_box::BlackBox;
-pub use daemon::{Link, Service, Tally, serve};
+pub use daemon::{Service, Tally, serve};
 pub use endpoint::Endpoint;
 pub use engine::{Engine, EngineCounts, Sink, Survived, sensors};
 pub use health::Health;
+pub use link::Link;
 pub use reload::{Fresh, Reloads};
 pub use run::{ServiceError, run};
 pub use saved::{Keeper, SavedState};

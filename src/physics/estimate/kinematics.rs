@@ -232,7 +232,30 @@ pub struct Cornering {
     pub road_angle: f64,
 }
 
+/// What tells how a car turns: it need not have an accelerometer.
+#[derive(Clone, Copy, Debug)]
+pub struct Turning {
+    /// Forward speed, m/s.
+    pub speed: f64,
+    /// Yaw rate, rad/s.
+    pub yaw_rate: f64,
+    /// Angle of the road wheels, rad.
+    pub road_angle: f64,
+    /// Lateral acceleration, m/s², where it is measured.
+    pub lateral_acceleration: Option<f64>,
+}
+
 impl Kinematics {
+    /// The turning as measured; `None` below `minimum_speed` (m/s) or if more than the acceleration is missing.
+    pub fn turning(&self, minimum_speed: f64) -> Option<Turning> {
+        Some(Turning {
+            speed: self.speed.filter(|speed| *speed >= minimum_speed)?,
+            yaw_rate: self.yaw_rate?,
+            road_angle: self.road_angle?,
+            lateral_acceleration: self.lateral_acceleration,
+        })
+    }
+
     /// The lateral motion as measured; `None` below `minimum_speed` (m/s) or if an input is missing.
     pub fn cornering(&self, minimum_speed: f64) -> Option<Cornering> {
         Some(Cornering {
@@ -286,14 +309,16 @@ impl Kinematics {
             let [fl, fr, rl, rr] = Wheel::ALL.map(of_wheel);
             Some([fl?, fr?, rl?, rr?])
         };
+        Self { wheels: self.wheels.or_else(some), ..self.turned(heard) }
+    }
+
+    /// The same with speed times yaw rate for a lateral acceleration that the car does not have.
+    #[must_use]
+    pub fn turned(&self, heard: Heard) -> Self {
         let turning = || {
             if heard.has(Quantity::LateralAcceleration) { None } else { Some(self.speed? * self.yaw_rate?) }
         };
-        Self {
-            wheels: self.wheels.or_else(some),
-            lateral_acceleration: self.lateral_acceleration.or_else(turning),
-            ..*self
-        }
+        Self { lateral_acceleration: self.lateral_acceleration.or_else(turning), ..*self }
     }
 
     fn braking(sample: &Sample) -> Option<bool> {
@@ -350,6 +375,12 @@ impl Heard {
     #[inline]
     pub fn hear(&mut self, sample: &Sample) {
         self.0 |= sample.present();
+    }
+
+    /// As if this had never had one: nobody believes its sensor.
+    #[must_use]
+    pub const fn without(self, quantity: Quantity) -> Self {
+        Self(self.0 & !quantity.bit())
     }
 
     /// Has it ever had a value?

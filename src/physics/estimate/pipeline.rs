@@ -179,7 +179,12 @@ impl Pipeline {
     /// Takes a sample; what is returned holds until the next one.
     pub fn step(&mut self, sample: &Sample) -> &Estimates {
         self.heard.hear(sample);
-        let now = Kinematics::of(sample, &self.car, self.heard);
+        let said = Kinematics::of(sample, &self.car, self.heard);
+        let (mut now, mut heard) = (said, self.heard);
+        if self.motion.leaves_out_acceleration() {
+            now.lateral_acceleration = None;
+            heard = heard.without(Quantity::LateralAcceleration);
+        }
         self.latest.time = sample.time;
         self.latest.faults = sample.faults;
         self.latest.state = self.state(sample);
@@ -190,9 +195,9 @@ impl Pipeline {
             self.driving_s += now.elapsed_s;
         }
         self.abs.step(&now);
-        self.longitudinal(&now.along(sample, &self.car, self.heard));
-        self.lateral(&now);
-        self.use_of_friction(&now);
+        self.longitudinal(&now.along(sample, &self.car, heard));
+        self.lateral(&now, &said);
+        self.use_of_friction(&now.turned(heard));
         if let Some(thesis) = &mut self.thesis {
             self.latest.thesis = thesis.step(&now, self.latest.motion.lateral_velocity);
         }
@@ -312,12 +317,18 @@ impl Pipeline {
         self.brush.step(slip / count, std(slip_variance), mu / count, std(mu_variance), block.duration_s);
     }
 
-    fn lateral(&mut self, now: &Kinematics) {
+    /// `said`: with an accelerometer that nobody believes.
+    fn lateral(&mut self, now: &Kinematics, said: &Kinematics) {
         self.cornering.set_noise(self.motion.white_noise());
         if self.cornering.step(now, self.acceleration(now), self.friction.belief()) {
             self.on_surface_change();
         }
-        self.motion.step(now, self.acceleration(now), &self.cornering.known());
+        let known = if self.motion.leaves_out_acceleration() {
+            self.cornering.known_by_nothing()
+        } else {
+            self.cornering.known()
+        };
+        self.motion.step(said, self.acceleration(now), &known);
         let motion = self.motion.motion();
         let lateral_velocity = motion.map(|m| m.lateral_velocity);
         let lateral = now.lateral_acceleration.unwrap_or(0.0) / crate::model::GRAVITY;

@@ -17,6 +17,8 @@ pub enum Doubt {
         of: f64,
         /// For how long, s.
         lasts_s: f64,
+        /// Which of them is left out, where others tell.
+        left_out: Option<&'static str>,
     },
     /// A window's innovation was beyond the gate.
     Surprise {
@@ -60,10 +62,13 @@ impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Sensors => f.write_str("sensors contradict each other"),
-            Self::Disagreement { sensors: [one, other, unit], off, of, lasts_s } => write!(
-                f,
-                "{one} and {other} disagree by {off:.2} {unit} of {of:.2} {unit}, for {lasts_s:.1} s"
-            ),
+            Self::Disagreement { sensors: [one, other, unit], off, of, lasts_s, left_out } => {
+                write!(
+                    f,
+                    "{one} and {other} disagree by {off:.2} {unit} of {of:.2} {unit}, for {lasts_s:.1} s"
+                )?;
+                left_out.map_or(Ok(()), |sensor| write!(f, "; the motion is known without {sensor}"))
+            }
             Self::Surprise { axle, deviations } => write!(
                 f,
                 "the {axle} axle's slip angle was {:.1} standard deviations {} than its force explains",

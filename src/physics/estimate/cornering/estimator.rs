@@ -203,6 +203,19 @@ impl CorneringEstimator {
         }
     }
 
+    /// What is known where the accelerometer is not to be believed: the data sheet, and no more.
+    pub fn known_by_nothing(&self) -> Known {
+        let offset = |i: usize| {
+            let prior = prior(&self.model.car, &self.model.config);
+            Estimate { value: prior.mean[i], std: prior.std(i), age_s: self.age_s }
+        };
+        Known {
+            stiffness: [None; 2],
+            offsets: [ANGLE_OFFSET, AY_OFFSET, YAW_OFFSET].map(offset),
+            is_braked: false,
+        }
+    }
+
     /// Friction, at a sample by which an axle was found to slide.
     pub fn limit(&self) -> Option<LateralLimit> {
         self.limit.map(|limit| LateralLimit { is_sure: limit.is_sure && self.is_consistent(), ..limit })

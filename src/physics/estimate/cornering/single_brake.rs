@@ -4,12 +4,13 @@
 //! force: a stiffness comes out several times too high. But a braked wheel slips. Once the difference of the radii is
 //! known, the curve gives the speed of both wheels of an axle; a wheel that is slower, though neither driver nor
 //! engine brakes or drives it, is braked alone. The driver's own braking in a curve, where the loads differ, looks
-//! the same and is left to the equations.
+//! the same and is left to the equations; so does the engine's drag, of which the inner wheel, that carries less, takes
+//! more slip. What else an axle's wheels differ by in curves (camber, soft tires, unequal roads) is learned as noise.
 
 use nalgebra::vector;
 
 use crate::estimate::kinematics::{Car, Kinematics};
-use crate::filter::Gaussian;
+use crate::filter::{Gaussian, LearnedNoise};
 use crate::model::{DrivenAxle, GRAVITY};
 
 /// Tuned with the tests `long_drives` (hours of motorway) and `campaign`.
@@ -26,6 +27,10 @@ struct Tuning {
     driving: f64,
     /// No brake turns a car for longer, s: it is something else.
     longest_s: f64,
+    /// What a force makes of unequal loads is uncertain by this share of itself.
+    loads_std: f64,
+    /// Windows that the learned noise remembers.
+    noise_memory: f64,
 }
 
 const TUNING: Tuning = Tuning {
@@ -35,15 +40,20 @@ const TUNING: Tuning = Tuning {
     hardly: 1e-3,
     driving: 0.01,
     longest_s: 3.0,
+    loads_std: 0.5,
+    noise_memory: 100.0,
 };
 
 /// Watches the difference between left and right of both axles.
 #[derive(Clone, Debug)]
 pub struct SingleBrake {
-    /// By how much more the left wheel turns than the right one, relative, of each axle: on a straight road, and by how
-    /// much more for each g sideways. The outer tire is pressed flatter and turns faster.
-    radii: [Gaussian<2>; 2],
-    track: [f64; 2],
+    car: Car,
+    /// By how much more the left wheel turns than the right one, relative, of each axle: on a straight road, by how
+    /// much more for each g sideways, and for each g sideways times force along the axle over its load. The outer tire
+    /// is pressed flatter and turns faster; the inner one slips more.
+    radii: [Gaussian<3>; 2],
+    /// How much more than the rest they differ.
+    noise: [LearnedNoise; 2],
     is_driven: [bool; 2],
     /// Of one wheel's speed, m/s.
     wheel_noise: f64,
@@ -73,8 +83,14 @@ impl SingleBrake {
     /// For this car; `wheel_noise` is that of one wheel's speed, m/s.
     pub fn new(car: &Car, wheel_noise: f64) -> Self {
         Self {
-            radii: [Gaussian::new([0.0; 2], [TUNING.radii.0, TUNING.pressed]); 2],
-            track: car.track,
+            radii: std::array::from_fn(|axle| {
+                // Of two wheels with the same force: ± 2 h a_y / (g track) of the load.
+                let loads = 4.0 * car.cg_height / (car.track[axle] * car.slope_prior[axle].0);
+                let std = [TUNING.radii.0, TUNING.pressed, TUNING.loads_std * loads];
+                Gaussian::new([0.0, 0.0, loads], std)
+            }),
+            noise: [LearnedNoise::new(TUNING.noise_memory); 2],
+            car: car.clone(),
             is_driven: [car.driven_axle != DrivenAxle::Rear, car.driven_axle != DrivenAxle::Front],
             wheel_noise,
             sums: Sums::default(),
@@ -92,8 +108,8 @@ impl SingleBrake {
         let turning = yaw_rate / speed;
         let sums = &mut self.sums;
         sums.count += 1.0;
-        sums.excess[0] += (fl - fr) / speed + turning * self.track[0] * angle.cos();
-        sums.excess[1] += (rl - rr) / speed + turning * self.track[1];
+        sums.excess[0] += (fl - fr) / speed + turning * self.car.track[0] * angle.cos();
+        sums.excess[1] += (rl - rr) / speed + turning * self.car.track[1];
         sums.turning += turning;
         sums.along += along;
         sums.across += across / GRAVITY;
@@ -108,21 +124,34 @@ impl SingleBrake {
         }
         let drives = sums.along > TUNING.driving * sums.count;
         let white = std::f64::consts::SQRT_2 * self.wheel_noise / speed / sums.count.sqrt();
+        let (across, forces) = (sums.across / sums.count, self.car.axle_forces(sums.along / sums.count));
         let mut is_braked = false;
+        let mut seen = [None; 2];
         for (axle, radii) in self.radii.iter_mut().enumerate() {
-            let geometry = TUNING.geometry_std * self.track[axle] * sums.turning / sums.count;
-            let variance = white * white + geometry * geometry + TUNING.hardly * TUNING.hardly;
+            let geometry = TUNING.geometry_std * self.car.track[axle] * sums.turning / sums.count;
+            let promised = white * white + geometry * geometry + TUNING.hardly * TUNING.hardly;
             radii.inflate(0, TUNING.radii.1 * TUNING.radii.1 * elapsed_s);
-            let h = vector![1.0, sums.across / sums.count];
+            let h = vector![1.0, across, across * forces[axle]];
             let residual = sums.excess[axle] / sums.count - h.dot(&radii.mean);
-            let differs = radii.innovation(&h, residual, variance).normalized().abs() > Self::CLEAR;
+            let variance = self.noise[axle].variance(promised);
+            let innovation = radii.innovation(&h, residual, variance);
+            let differs = innovation.normalized().abs() > Self::CLEAR;
+            seen[axle] = Some((innovation, promised));
             if !differs {
                 radii.update(&h, residual, variance);
             }
             is_braked |= differs && !sums.is_braking && !(drives && self.is_driven[axle]);
         }
         self.lasting_s = if is_braked { self.lasting_s + elapsed_s } else { 0.0 };
-        is_braked && self.lasting_s < TUNING.longest_s
+        let is_braked = is_braked && self.lasting_s < TUNING.longest_s;
+        if !is_braked {
+            for (noise, seen) in self.noise.iter_mut().zip(seen) {
+                if let Some((innovation, promised)) = seen {
+                    noise.learn(&innovation, promised);
+                }
+            }
+        }
+        is_braked
     }
 
     /// The window has no end.

@@ -5,7 +5,7 @@
 //! readings carry is added up. The steering angle counts as unknown but for its noisy readings.
 
 use super::config::LateralFilterConfig;
-use super::hypothesis::{Hypothesis, Noise};
+use super::hypothesis::{Hypothesis, Noise, Readings};
 use super::model::{
     ANGLE, ANGLE_OFFSET, ANGLE_RATE, AY_OFFSET, BANK, FRICTION, FRONT, Inputs, Model, REAR, Row, STATES, VY,
     YAW, YAW_OFFSET,
@@ -94,8 +94,9 @@ pub fn stiffness_bound(
         }
         // At the truth itself: readings without noise leave the mean where it is.
         knowledge.state.mean = state_of(now, now, step_s);
-        let readings = [now.steer, now.yaw_rate, now.lateral_acceleration];
-        knowledge.update(&model, &inputs_of(now), readings, &noise);
+        let (angle, yaw_rate) = (now.steer, now.yaw_rate);
+        let readings = Readings { angle, yaw_rate, acceleration: Some(now.lateral_acceleration) };
+        knowledge.update(&model, &inputs_of(now), &readings, &noise);
         bounds.push(Bound {
             stiffness: [knowledge.state.std(FRONT), knowledge.state.std(REAR)],
             friction: knowledge.state.std(FRICTION),

@@ -56,11 +56,26 @@ impl Noise {
     }
 }
 
+/// What the sensors of a sample say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Readings {
+    /// Road wheel angle, rad.
+    pub angle: f64,
+    /// Yaw rate, rad/s.
+    pub yaw_rate: f64,
+    /// Lateral acceleration, m/s², where one is measured and believed.
+    pub acceleration: Option<f64>,
+}
+
 /// What a sample said to a hypothesis.
 #[derive(Clone, Copy, Debug)]
 pub struct Verdict {
-    /// Road wheel angle, yaw rate and lateral acceleration against what was expected.
-    pub innovations: [Innovation; 3],
+    /// Road wheel angle against what was expected.
+    pub angle: Innovation,
+    /// The same of the yaw rate, …
+    pub yaw_rate: Innovation,
+    /// … and of the lateral acceleration.
+    pub acceleration: Option<Innovation>,
     /// Logarithm of the sample's likelihood (without constants).
     pub ln_likelihood: f64,
 }
@@ -187,24 +202,37 @@ impl Hypothesis {
         p[(BANK, BANK)] += variance * (1.0 - kept * kept);
     }
 
-    /// Takes the readings of this sample: road wheel angle, yaw rate, lateral acceleration.
-    pub fn update(&mut self, model: &Model, now: &Inputs, readings: [f64; 3], noise: &Noise) -> Verdict {
+    /// Takes the readings of this sample.
+    pub fn update(&mut self, model: &Model, now: &Inputs, readings: &Readings, noise: &Noise) -> Verdict {
         let x = &self.state.mean;
         let (shown, scale) = (x[ANGLE], 1.0 + x[ANGLE_SCALE]);
-        let residual = readings[0] - scale * shown - x[ANGLE_OFFSET];
+        let residual = readings.angle - scale * shown - x[ANGLE_OFFSET];
         let row = [(ANGLE, scale), (ANGLE_OFFSET, 1.0), (ANGLE_SCALE, shown)];
         let angle = self.correct(row, residual, noise.angle);
-        let yaw = self.correct_yaw_rate(model, now, readings[1], noise.yaw_rate);
+        let yaw_rate = self.correct_yaw_rate(model, now, readings.yaw_rate, noise.yaw_rate);
+        let acceleration = readings
+            .acceleration
+            .map(|reading| self.correct_acceleration(model, now, reading, noise.acceleration));
+        self.keep_within_limits();
+        let ln = |i: &Innovation| -0.5 * (i.nis() + i.variance.ln());
+        let ln_likelihood = ln(&angle) + ln(&yaw_rate) + acceleration.as_ref().map_or(0.0, ln);
+        Verdict { angle, yaw_rate, acceleration, ln_likelihood }
+    }
+
+    /// The accelerometer's reading; where its time is not that of the steering, as much of the jerk is in it.
+    fn correct_acceleration(
+        &mut self,
+        model: &Model,
+        now: &Inputs,
+        reading: f64,
+        variance: f64,
+    ) -> Innovation {
         let x = self.state.mean;
         let blur = self.blur(model, now, x[ANGLE]);
         let rates = model.rates(&x, Vector2::new(x[VY], x[YAW]), now, x[ANGLE], blur);
         let jerk = rates.jerk(x[ANGLE_RATE]);
-        let residual = readings[2] - rates.acceleration - x[AY_OFFSET] - x[DELAY] * jerk;
-        let acceleration = self.correct(acceleration_row(&rates, jerk), residual, noise.acceleration);
-        self.keep_within_limits();
-        let ln = |i: &Innovation| -0.5 * (i.nis() + i.variance.ln());
-        let innovations = [angle, yaw, acceleration];
-        Verdict { innovations, ln_likelihood: innovations.iter().map(ln).sum() }
+        let residual = reading - rates.acceleration - x[AY_OFFSET] - x[DELAY] * jerk;
+        self.correct(acceleration_row(&rates, jerk), residual, variance)
     }
 
     /// The yaw rate's reading; where its time is not that of the steering, as much of the yaw acceleration is in it.
@@ -320,11 +348,13 @@ mod tests {
         let samples = if cfg!(debug_assertions) { 200_000 } else { 2_000_000 };
         for i in 0..samples {
             let inputs = Inputs { speed: 20.0 + 10.0 * f64::sin(i as f64 * 1e-4), longitudinal: [0.1, 0.0] };
-            let readings = [0.0, 1.0, 2.0].map(|j| 0.01 * f64::sin(i as f64 * (0.03 + 0.01 * j)));
+            let [angle, yaw_rate, acceleration] =
+                [0.0, 1.0, 2.0].map(|j| 0.01 * f64::sin(i as f64 * (0.03 + 0.01 * j)));
+            let readings = Readings { angle, yaw_rate, acceleration: Some(acceleration) };
             hypothesis.predict(&model, &inputs, &inputs, 0.01, &noise, 0.01);
             hypothesis.walk(&walk, 0.01);
             hypothesis.fade_bank(0.02, 20.0, 0.01);
-            hypothesis.update(&model, &inputs, readings, &noise);
+            hypothesis.update(&model, &inputs, &readings, &noise);
         }
         assert!(hypothesis.state.is_sound());
         let p = &hypothesis.state.covariance;

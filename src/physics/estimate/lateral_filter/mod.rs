@@ -26,7 +26,7 @@ pub(super) mod steering;
 pub use config::LateralFilterConfig;
 pub use hypothesis::Noise;
 
-use self::hypothesis::{Hypothesis, Verdict};
+use self::hypothesis::{Hypothesis, Readings, Verdict};
 use self::model::{
     ANGLE, ANGLE_OFFSET, ANGLE_RATE, AY_OFFSET, BANK, FRICTION, FRONT, Inputs, Model, REAR, STATES, VY, YAW,
     YAW_OFFSET,
@@ -170,16 +170,16 @@ impl LateralFilter {
             }
             hypothesis.walk(&walk, elapsed_s);
         }
-        let readings = [cornering.road_angle, cornering.yaw_rate, cornering.lateral_acceleration];
-        let steady = self.steady.update(&self.model, &inputs, readings, &noise);
-        let agile = self.agile.update(&self.model, &inputs, readings, &noise);
-        for ((learned, innovation), promised) in self
-            .learned
-            .iter_mut()
-            .zip(&steady.innovations[1..])
-            .zip([self.promised.yaw_rate, self.promised.acceleration])
-        {
-            learned.learn(innovation, promised);
+        let (angle, yaw_rate) = (cornering.road_angle, cornering.yaw_rate);
+        let readings = Readings { angle, yaw_rate, acceleration: Some(cornering.lateral_acceleration) };
+        let steady = self.steady.update(&self.model, &inputs, &readings, &noise);
+        let agile = self.agile.update(&self.model, &inputs, &readings, &noise);
+        let promised = [self.promised.yaw_rate, self.promised.acceleration];
+        let innovations = [Some(steady.yaw_rate), steady.acceleration];
+        for ((learned, innovation), promised) in self.learned.iter_mut().zip(innovations).zip(promised) {
+            if let Some(innovation) = innovation {
+                learned.learn(&innovation, promised);
+            }
         }
         self.verdict = Some(steady);
         self.idle_s = 0.0;
@@ -236,7 +236,7 @@ impl LateralFilter {
 
     /// Innovations of the last sample: road wheel angle, yaw rate, lateral acceleration.
     pub fn innovations(&self) -> Option<[Innovation; 3]> {
-        self.verdict.map(|verdict| verdict.innovations)
+        self.verdict.and_then(|said| Some([said.angle, said.yaw_rate, said.acceleration?]))
     }
 
     /// Changes of surface noticed so far.

@@ -1,7 +1,7 @@
 //! The filters, one for each friction.
 
-use crate::estimate::kinematics::{Car, Cornering};
-use crate::estimate::lateral_filter::hypothesis::{Hypothesis, Noise};
+use crate::estimate::kinematics::{Car, Turning};
+use crate::estimate::lateral_filter::hypothesis::{Hypothesis, Noise, Readings};
 use crate::estimate::lateral_filter::model::{
     ANGLE, ANGLE_OFFSET, ANGLE_RATE, AY_OFFSET, BANK, FRICTION, FRONT, Inputs, Model, REAR, STATES, VY, YAW,
     YAW_OFFSET,
@@ -141,9 +141,10 @@ impl Bank {
     }
 
     /// The motion is not known, tires and sensors are.
-    pub fn start(&mut self, now: &Cornering, known: &Known) {
+    pub fn start(&mut self, now: &Turning, known: &Known) {
         let fresh = std::mem::take(&mut self.is_fresh);
-        let vy = self.car.steady_lateral_velocity(now.speed, now.yaw_rate, now.lateral_acceleration);
+        let acceleration = now.lateral_acceleration.unwrap_or(now.speed * now.yaw_rate);
+        let vy = self.car.steady_lateral_velocity(now.speed, now.yaw_rate, acceleration);
         let means = [vy, now.yaw_rate, now.road_angle, 0.0];
         for filter in &mut self.filters {
             let places = [VY, YAW, ANGLE, ANGLE_RATE].into_iter();
@@ -187,11 +188,11 @@ impl Bank {
         }
     }
 
-    /// Takes road wheel angle, yaw rate and lateral acceleration; `white`: white noise of the latter two.
+    /// Takes a sample's readings; `white`: white noise of yaw rate and lateral acceleration.
     pub fn update(
         &mut self,
         now: &Inputs,
-        readings: [f64; 3],
+        readings: &Readings,
         noise: &Noise,
         white: [f64; 2],
         elapsed_s: f64,
@@ -200,14 +201,12 @@ impl Bank {
         let mut ln = [0.0; COUNT];
         for (place, (filter, ln)) in self.filters.iter_mut().zip(&mut ln).enumerate() {
             let verdict = filter.update(&self.model, now, readings, noise);
-            let [_, yaw_rate, acceleration] = verdict.innovations;
-            *ln = [yaw_rate, acceleration]
-                .map(|innovation| -0.5 * (innovation.nis().min(TUNING.clip) + innovation.variance.ln()))
-                .iter()
-                .sum();
-            if place == best {
-                self.learned[0].learn(&yaw_rate, white[0]);
-                self.learned[1].learn(&acceleration, white[1]);
+            for (i, innovation) in [Some(verdict.yaw_rate), verdict.acceleration].into_iter().enumerate() {
+                let Some(innovation) = innovation else { continue };
+                *ln -= 0.5 * (innovation.nis().min(TUNING.clip) + innovation.variance.ln());
+                if place == best {
+                    self.learned[i].learn(&innovation, white[i]);
+                }
             }
         }
         self.weigh(&ln, elapsed_s);

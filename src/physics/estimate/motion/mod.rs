@@ -28,6 +28,7 @@ use self::white_noise::WhiteNoise;
 use self::witnesses::{Witness, Witnesses};
 use super::cornering::Doubt;
 use super::kinematics::{Car, Kinematics};
+use super::lateral_filter::hypothesis::Readings;
 use super::lateral_filter::model::Inputs;
 use super::lateral_filter::steering::SteeringActivity;
 use crate::{Quantity, Sensors};
@@ -76,6 +77,8 @@ pub struct MotionFilter {
     /// Since a single wheel was last braked, s.
     unbraked_s: f64,
     witnesses: Witnesses,
+    /// Nobody believes the accelerometer.
+    is_outvoted: bool,
     motion: Option<LateralMotion>,
 }
 
@@ -97,6 +100,7 @@ impl MotionFilter {
             driving_s: 0.0,
             unbraked_s: f64::INFINITY,
             witnesses: Witnesses::default(),
+            is_outvoted: false,
             motion: None,
             car: car.clone(),
         }
@@ -106,34 +110,50 @@ impl MotionFilter {
     /// sensors.
     pub fn step(&mut self, now: &Kinematics, along: Option<f64>, known: &Known) {
         self.motion = None;
-        let Some(cornering) = now.cornering(self.minimum_speed) else {
+        let Some(turning) = now.turning(self.minimum_speed) else {
             self.stop();
             return;
         };
         let elapsed_s = now.elapsed_s;
         self.driving_s += elapsed_s;
         self.unbraked_s = if known.is_braked { 0.0 } else { self.unbraked_s + elapsed_s };
-        self.white[0].step(cornering.yaw_rate);
-        self.white[1].step(cornering.lateral_acceleration);
-        let along = along.map_or(0.0, |a| self.car.longitudinal_force(a, cornering.speed));
-        let inputs = Inputs { speed: cornering.speed, longitudinal: self.car.axle_forces(along) };
+        self.white[0].step(turning.yaw_rate);
+        match turning.lateral_acceleration {
+            Some(acceleration) => self.white[1].step(acceleration),
+            None => self.white[1].interrupt(),
+        }
+        let along = along.map_or(0.0, |a| self.car.longitudinal_force(a, turning.speed));
+        let inputs = Inputs { speed: turning.speed, longitudinal: self.car.axle_forces(along) };
         let before = self.before.replace(inputs).filter(|_| elapsed_s <= TUNING.gap_s);
-        let steering = TUNING.steering_margin * self.activity.step(cornering.road_angle, elapsed_s);
+        let steering = TUNING.steering_margin * self.activity.step(turning.road_angle, elapsed_s);
         let white = self.white.map(|white| white.variance());
         let noise = self.bank.noise(white, self.angle_variance, known.is_braked);
         match &before {
             Some(before) => self.bank.predict(before, &inputs, elapsed_s, &noise, steering, known),
-            None => self.bank.start(&cornering, known),
+            None => self.bank.start(&turning, known),
         }
-        let readings = [cornering.road_angle, cornering.yaw_rate, cornering.lateral_acceleration];
-        self.bank.update(&inputs, readings, &noise, white, elapsed_s);
+        let (angle, yaw_rate) = (turning.road_angle, turning.yaw_rate);
+        let said = Readings { angle, yaw_rate, acceleration: turning.lateral_acceleration };
+        let believed = Readings { acceleration: said.acceleration.filter(|_| !self.is_outvoted), ..said };
+        self.bank.update(&inputs, &believed, &noise, white, elapsed_s);
         if !self.bank.is_sound() {
             self.bank = Bank::new(&self.car);
             self.stop();
             return;
         }
-        self.witnesses.step(self.bank.model(), self.bank.likeliest(), &inputs, readings, white, elapsed_s);
-        self.motion = Some(self.bank.motion(cornering.speed));
+        self.witnesses.step(self.bank.model(), self.bank.likeliest(), &inputs, &said, white, elapsed_s);
+        self.motion = Some(self.bank.motion(turning.speed));
+        let is_outvoted = self.witnesses.outvote_acceleration();
+        if is_outvoted && !self.is_outvoted {
+            // What it told until now is in everything that the filters know.
+            (self.bank, self.before) = (Bank::new(&self.car), None);
+        }
+        self.is_outvoted = is_outvoted;
+    }
+
+    /// Nobody believes the accelerometer: the motion is known without it.
+    pub fn leaves_out_acceleration(&self) -> bool {
+        self.is_outvoted
     }
 
     /// Motion at the last sample, if the car moved and nothing was missing.
@@ -148,7 +168,7 @@ impl MotionFilter {
 
     /// The sideslip is known well enough to be acted upon.
     pub fn is_valid(&self, speed: f64) -> bool {
-        self.doubt().is_none()
+        (self.doubt().is_none() || self.is_outvoted)
             && (self.driving_s > TUNING.forward_shows_s || self.witnesses.show_forward())
             && self.unbraked_s > TUNING.braked_settles_s
             && self.motion.is_some_and(|motion| motion.lateral_velocity_std <= self.valid_std * speed)
@@ -156,11 +176,13 @@ impl MotionFilter {
 
     /// Which two sensors disagree, if any do.
     pub fn doubt(&self) -> Option<Doubt> {
+        let left_out = self.is_outvoted.then_some("lateral_acceleration");
         self.witnesses.doubt().map(|Witness { sensors, off, of, lasts_s }| Doubt::Disagreement {
             sensors,
             off,
             of,
             lasts_s,
+            left_out,
         })
     }
 
@@ -174,5 +196,6 @@ impl MotionFilter {
         self.driving_s = 0.0;
         self.white.iter_mut().for_each(WhiteNoise::interrupt);
         self.witnesses.stop();
+        self.is_outvoted = false;
     }
 }

@@ -4,10 +4,12 @@ use crate::estimate::{EstimatorsConfig, Pipeline};
 use crate::model::{Scenario, Simulation, Uncertain};
 use crate::{Faults, Micros, Quantity, Sample, Sensors};
 
-/// A sensor's table, its key and the value there.
+/// A sensor's table, its key and the value there; `ABSENT` takes the sensor away.
 type Change = (&'static str, &'static str, f64);
 
 const SCENARIO: &str = include_str!("../../../../config/scenarios/asphalt_gravel.toml");
+
+const ABSENT: &str = "absent";
 
 /// A drive of one minute with this much steering (rad, rms; 0.4 makes curves of 2 m/s²) and these changes of the sensors' tables.
 #[derive(Debug, Default)]
@@ -25,6 +27,10 @@ fn drive(changes: &[Change], steering: f64, told: bool) -> Outcome {
     table.insert("duration_s".into(), 60.0.into());
     table["steering_wheel_angle"][0].as_table_mut().unwrap().insert("rms".into(), steering.into());
     for (sensor, key, value) in changes {
+        if *key == ABSENT {
+            table["sensors"].as_table_mut().unwrap().remove(*sensor);
+            continue;
+        }
         table["sensors"][sensor].as_table_mut().unwrap().insert((*key).into(), (*value).into());
     }
     let scenario = Scenario::parse(&toml::to_string(&table).unwrap()).unwrap();
@@ -80,6 +86,45 @@ fn noise_and_delays_leave_the_motion_valid_and_right() {
             println!("{name}, noise told: {told}: valid {:.3}, off by {rms:.3}°", valid / samples);
             assert!(valid > 0.9 * samples && rms < 0.5 && doubted == 0.0, "{name} {told}");
         }
+    }
+}
+
+/// Not driven wheels, yaw rate and steering are needed; nothing else is.
+#[test]
+fn what_a_car_does_not_have_is_not_needed() {
+    for sensor in ["lateral_acceleration", "longitudinal_acceleration", "drive_torque", "brake_pressure"] {
+        let Outcome { samples, valid, doubted, square } = drive(&[(sensor, ABSENT, 1.0)], 0.4, true);
+        let rms = (square / valid).sqrt();
+        println!("without {sensor}: valid {:.3}, off by {rms:.3}°", valid / samples);
+        assert!(valid > 0.7 * samples && rms < 0.5 && doubted == 0.0, "{sensor}");
+    }
+    for sensor in ["yaw_rate", "steering_wheel_angle"] {
+        assert_eq!(drive(&[(sensor, ABSENT, 1.0)], 0.4, true).valid, 0.0, "{sensor}");
+    }
+}
+
+/// An accelerometer that contradicts yaw rate and steering is told of, and left out.
+#[test]
+fn an_accelerometer_that_nobody_believes_is_left_out() {
+    for offset in [5.0, -2.0] {
+        let changes = [("lateral_acceleration", "offset", offset)];
+        let Outcome { samples, valid, doubted, square } = drive(&changes, 0.4, true);
+        let rms = (square / valid).sqrt();
+        let told = doubted / samples;
+        println!("{offset} m/s² off: valid {:.3}, off by {rms:.3}°, told {told:.3}", valid / samples);
+        assert!(valid > 0.65 * samples && rms < 0.6 && told > 0.9, "{offset}");
+    }
+}
+
+/// Offsets of ordinary sensors are learned or lived with.
+#[test]
+fn ordinary_offsets_leave_the_motion_right() {
+    for (sensor, offset) in [("lateral_acceleration", 0.3), ("yaw_rate", 0.01), ("steering_wheel_angle", 0.1)]
+    {
+        let Outcome { samples, valid, square, .. } = drive(&[(sensor, "offset", offset)], 0.4, true);
+        let rms = (square / valid).sqrt();
+        println!("{sensor} {offset} off: valid {:.3}, off by {rms:.3}°", valid / samples);
+        assert!(valid > 0.9 * samples && rms < 0.6, "{sensor}");
     }
 }
 

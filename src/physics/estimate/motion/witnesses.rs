@@ -7,6 +7,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
+use crate::estimate::lateral_filter::hypothesis::Readings;
 use crate::estimate::lateral_filter::model::{
     ANGLE_OFFSET, AY_OFFSET, Inputs, Model, STATES, VY, YAW, YAW_OFFSET,
 };
@@ -23,9 +24,9 @@ struct Tuning {
     /// Before so many seconds nothing is said.
     shows_s: f64,
     /// Share of the movement that may be off where all sensors are right (a car that slides, load transfer), …
-    share: [f64; 2],
+    share: [f64; 3],
     /// … and what is off anyhow: rad/s by steering, m/s² by gravity on a cross slope.
-    anyhow: [f64; 2],
+    anyhow: [f64; 3],
     /// Factor between two that should be equal, less one: roll and geometry make it this much; so many deviations of it
     /// are chance; seconds that it is taken from, and seconds that one error lasts.
     factor: f64,
@@ -37,6 +38,8 @@ struct Tuning {
     /// With so much turning, rad/s, and this share of it as it is steered, the car rolls forwards.
     turning: f64,
     forward: f64,
+    /// An offset makes at least this share of a mean square.
+    level: f64,
     /// A doubt ends at this share of what it begins at.
     ends: f64,
     /// So many deviations of the steering's offset are forgiven.
@@ -50,8 +53,8 @@ const TUNING: Tuning = Tuning {
     pull_s: 2.0,
     memory_s: 6.0,
     shows_s: 2.0,
-    share: [0.3, 0.35],
-    anyhow: [0.015, 0.5],
+    share: [0.3, 0.35, 0.35],
+    anyhow: [0.015, 0.5, 0.5],
     factor: 0.12,
     factor_deviations: 3.0,
     factor_memory_s: 20.0,
@@ -59,6 +62,7 @@ const TUNING: Tuning = Tuning {
     error_lasts_s: 0.6,
     turning: 0.05,
     forward: 0.5,
+    level: 0.7,
     ends: 0.6,
     offset_deviations: 2.0,
     limits: (0.6, 3.0),
@@ -84,6 +88,8 @@ struct Comparison {
     off: f64,
     of: f64,
     noise: f64,
+    /// The mean difference.
+    level: f64,
     /// Over a longer time: mean squares of both signals, and the mean product.
     long: [f64; 3],
     /// Since when they disagree, s.
@@ -96,25 +102,26 @@ pub struct Witnesses {
     /// Lateral velocity and yaw rate of the free run.
     free: Option<Vector2<f64>>,
     seen_s: f64,
-    /// Steering's yaw rate with the gyro's; acceleration with that of turning.
-    pairs: [Comparison; 2],
+    /// Steering's yaw rate with the gyro's; acceleration with that of turning as the gyro, and as the steering has it.
+    pairs: [Comparison; 3],
 }
 
 impl Witnesses {
-    /// The two pairs.
-    const NAMES: [[&'static str; 3]; 2] = [
+    /// The pairs.
+    const NAMES: [[&'static str; 3]; 3] = [
         ["yaw_rate", "steering_wheel_angle with the speed", "rad/s"],
         ["lateral_acceleration", "yaw_rate with the speed", "m/s²"],
+        ["lateral_acceleration", "steering_wheel_angle with the speed", "m/s²"],
     ];
 
-    /// Takes a sample: road wheel angle, yaw rate and lateral acceleration; the state of the likeliest filter; `white`:
-    /// the variances of the latter two.
+    /// Takes a sample, believed or not; the state of the likeliest filter; `white`: the variances of yaw rate and lateral
+    /// acceleration.
     pub fn step(
         &mut self,
         model: &Model,
         state: &Gaussian<STATES>,
         inputs: &Inputs,
-        [angle, yaw_rate, acceleration]: [f64; 3],
+        readings: &Readings,
         white: [f64; 2],
         elapsed_s: f64,
     ) {
@@ -122,19 +129,18 @@ impl Witnesses {
         let held = Vector2::new(x[VY], x[YAW]);
         let free = self.free.get_or_insert(held);
         *free += (elapsed_s / TUNING.pull_s).min(1.0) * (held - *free);
-        let rates = model.rates(x, *free, inputs, angle - x[ANGLE_OFFSET], [0.0; 2]);
+        let rates = model.rates(x, *free, inputs, readings.angle - x[ANGLE_OFFSET], [0.0; 2]);
         let scaled = elapsed_s * rates.by_motion;
         let one = Matrix2::identity();
         *free += elapsed_s * (one + 0.5 * scaled * (one + scaled * (one + 0.25 * scaled) / 3.0)) * rates.rate;
         let (slide, turn) = (TUNING.limits.0 * inputs.speed, TUNING.limits.1);
         *free = Vector2::new(free[0].clamp(-slide, slide), free[1].clamp(-turn, turn));
-        let turned = yaw_rate - x[YAW_OFFSET];
+        let turned = readings.yaw_rate - x[YAW_OFFSET];
+        let felt = readings.acceleration.map(|felt| felt - x[AY_OFFSET]);
         let pairs = [
-            ([turned, free[1]], white[0]),
-            (
-                [acceleration - x[AY_OFFSET], inputs.speed * turned],
-                white[1] + inputs.speed.powi(2) * white[0],
-            ),
+            Some(([turned, free[1]], white[0])),
+            felt.map(|felt| ([felt, inputs.speed * turned], white[1] + inputs.speed.powi(2) * white[0])),
+            felt.map(|felt| ([felt, inputs.speed * free[1]], white[1])),
         ];
         self.seen_s += elapsed_s;
         let memory = (elapsed_s / self.seen_s.min(TUNING.memory_s)).min(1.0);
@@ -142,8 +148,12 @@ impl Witnesses {
         let by_offset = TUNING.offset_deviations
             * state.std(ANGLE_OFFSET)
             * rates.steady_yaw_gain().min(model.steady_gain(inputs.speed));
-        let forgiven = [by_offset, 0.0];
-        for (i, (pair, (signals, noise))) in self.pairs.iter_mut().zip(pairs).enumerate() {
+        let forgiven = [by_offset, 0.0, inputs.speed * by_offset];
+        for (i, (pair, said)) in self.pairs.iter_mut().zip(pairs).enumerate() {
+            let Some((signals, noise)) = said else {
+                *pair = Comparison::default();
+                continue;
+            };
             pair.step(signals, noise, elapsed_s, memory);
             pair.remember(elapsed_s, self.seen_s);
             let limit = TUNING.anyhow[i] + forgiven[i] + TUNING.share[i] * pair.of.sqrt();
@@ -154,11 +164,19 @@ impl Witnesses {
         }
     }
 
-    /// The pair that disagrees, the first one if both do.
+    /// The pair that disagrees, the first one if both do. Without its yaw rate a car still has what the others say of it;
+    /// that these two disagree is no doubt of its own.
     pub fn doubt(&self) -> Option<Witness> {
-        self.pairs.iter().zip(Self::NAMES).find_map(|(pair, sensors)| {
+        self.pairs.iter().zip(Self::NAMES).take(2).find_map(|(pair, sensors)| {
             pair.doubted_s.map(|lasts_s| Witness { sensors, off: pair.off(), of: pair.of.sqrt(), lasts_s })
         })
+    }
+
+    /// Yaw rate and steering agree, and both speak against the accelerometer by an offset. (By a factor is not enough: a
+    /// car that turns less than it is steered may have soft tires.)
+    pub fn outvote_acceleration(&self) -> bool {
+        let [by_steering, by_yaw_rate, by_both] = self.pairs.map(|pair| pair.doubted_s.is_some());
+        !by_steering && by_yaw_rate && by_both && self.pairs[1].is_level()
     }
 
     /// The car turns to where it is steered: it rolls forwards.
@@ -181,6 +199,7 @@ impl Comparison {
         }
         let [one, other] = self.smooth;
         self.off += memory * ((one - other).powi(2) - self.off);
+        self.level += memory * (one - other - self.level);
         self.of += memory * (0.5 * (one * one + other * other) - self.of);
         // White noise that is smoothed so.
         self.noise += memory * (noise * 0.5 * weight - self.noise);
@@ -205,6 +224,11 @@ impl Comparison {
         let worth = seen_s.min(TUNING.factor_memory_s) / TUNING.error_lasts_s;
         let std = (off / square / worth).sqrt();
         (factor - 1.0).abs() > ends * TUNING.factor + TUNING.factor_deviations * std
+    }
+
+    /// The signals differ by an offset more than by anything else.
+    fn is_level(&self) -> bool {
+        self.level * self.level > TUNING.level * self.off
     }
 
     /// Rms of the difference without the noise.
@@ -236,8 +260,9 @@ mod tests {
             motion += 0.01 * rates.rate;
             let shown = if is_foreign { angle(9 * i / 10 + 400) } else { angle(i.saturating_sub(late)) };
             (state.mean[VY], state.mean[YAW], state.mean[FRICTION]) = (motion[0], gain * motion[1], 0.0);
-            let readings = [shown, gain * motion[1], rates.acceleration + gravity];
-            witnesses.step(&model, &state, &inputs, readings, [1e-5, 1e-3], 0.01);
+            let acceleration = Some(rates.acceleration + gravity);
+            let readings = Readings { angle: shown, yaw_rate: gain * motion[1], acceleration };
+            witnesses.step(&model, &state, &inputs, &readings, [1e-5, 1e-3], 0.01);
         }
         witnesses.doubt()
     }

@@ -38,6 +38,9 @@ pub struct Traction {
 impl Traction {
     /// Share of the geometric correction for curves that is taken for uncertain. Tuned, no test on record.
     const GEOMETRY_STD: f64 = 0.05;
+    /// More slip than this is not taken from geometry alone: in a tight circle its error is the same in all points, and
+    /// looks like slip. Tuned with the test `one_channel`: half of the slip of ordinary driving.
+    const GEOMETRY_SLIP: f64 = 5e-4;
     /// Beyond this difference of drive torque and acceleration, m/s², brakes are suspected where the bus does not
     /// report them: with an accelerometer, which feels no grade, and with the wheels' acceleration, which contains
     /// it. Tuned with the test `accuracy`.
@@ -91,6 +94,9 @@ impl Traction {
         let scatter = block.difference_std[side].max(self.wheel_noise * 2.0_f64.sqrt());
         let white = scatter / block.samples.sqrt() / rolling;
         let geometry = Self::GEOMETRY_STD * (rolling - measured) / rolling;
+        if geometry.abs() > Self::GEOMETRY_SLIP {
+            return None;
+        }
         let cornering = self.cornering_slip_std * block.lateral_acceleration;
         let (force, force_std) = self.force(block, wheel);
         let load = car.load(wheel);

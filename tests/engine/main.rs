@@ -13,6 +13,7 @@ mod filter;
 mod golden;
 mod learned;
 mod model;
+mod one_channel;
 mod plausibility;
 mod publish;
 mod sampler;

@@ -23,7 +23,7 @@ use crate::filter::Fading;
 use crate::model::{DrivenAxle, Vehicle};
 use crate::{Faults, Quantity, Sample, Sensors};
 
-/// Tuned: `agreeing` with the test `long_drives`, the rest with no test on record.
+/// Tuned: `agreeing` with the test `long_drives`, `spoils_s` with `one_channel`, the rest with no test on record.
 struct Tuning {
     /// Several wheels and filters notice the same change: within this time it is one, s.
     one_change_s: f64,
@@ -35,6 +35,8 @@ struct Tuning {
     agreeing_noise: f64,
     /// More than this, m/s², is a jump of the speed and no motion. Physical: twice what road tires give.
     most_acceleration: f64,
+    /// Sensors that were doubted for so long have spoiled what was learned of the tires, s.
+    spoils_s: f64,
     /// Normalized force (rms) at which the slopes are fully excited.
     full_excitation: f64,
     /// Time constant of the excitation, s.
@@ -47,6 +49,7 @@ const TUNING: Tuning = Tuning {
     agreeing: 0.4,
     agreeing_noise: 3.0,
     most_acceleration: 20.0,
+    spoils_s: 4.0,
     full_excitation: 0.1,
     excitation_memory_s: 10.0,
 };
@@ -79,6 +82,8 @@ pub struct Pipeline {
     excitation: [Excitation; 2],
     /// Longitudinal acceleration from the wheels, where no accelerometer has it.
     block_acceleration: Option<f64>,
+    /// For how long sensors have been doubted, s.
+    doubted_s: f64,
     /// Seconds since a surface change was last noticed.
     unchanged_s: f64,
     /// Seconds that the car moved, those of earlier drives included.
@@ -110,6 +115,7 @@ impl Pipeline {
             thesis: None,
             excitation: [Excitation::NONE; 2],
             block_acceleration: None,
+            doubted_s: 0.0,
             unchanged_s: f64::INFINITY,
             driving_s: 0.0,
             latest: Estimates::default(),
@@ -323,12 +329,13 @@ impl Pipeline {
         if self.cornering.step(now, self.acceleration(now), self.friction.belief()) {
             self.on_surface_change();
         }
-        let known = if self.motion.leaves_out_acceleration() {
-            self.cornering.known_by_nothing()
-        } else {
-            self.cornering.known()
-        };
+        let known = self.cornering.known(!self.motion.leaves_out_acceleration());
         self.motion.step(said, self.acceleration(now), &known);
+        if self.doubt().is_some() {
+            self.doubted_s += now.elapsed_s;
+        } else if std::mem::take(&mut self.doubted_s) > TUNING.spoils_s {
+            self.cornering.doubt_ends();
+        }
         let motion = self.motion.motion();
         let lateral_velocity = motion.map(|m| m.lateral_velocity);
         let lateral = now.lateral_acceleration.unwrap_or(0.0) / crate::model::GRAVITY;
@@ -344,7 +351,7 @@ impl Pipeline {
         self.latest.cornering = self.cornering.stiffness();
         self.latest.offsets = self.cornering.offsets();
         self.latest.cornering_valid =
-            self.doubt().is_none() && self.cornering.are_valid(&self.latest.cornering);
+            self.motion.tells_of_tires() && self.cornering.are_valid(&self.latest.cornering);
     }
 
     fn use_of_friction(&mut self, now: &Kinematics) {

@@ -259,7 +259,7 @@ fn cost(quantity: Quantity) -> &'static str {
              others"
         }
         Quantity::LateralAcceleration => {
-            "no sideslip, cornering stiffness and friction in curves; the slip slopes remain"
+            "sideslip less surely, no cornering stiffness and no friction in curves; the slip slopes remain"
         }
         Quantity::LongitudinalAcceleration => {
             "acceleration is differentiated from wheel speeds: noisier, and blind to grade"

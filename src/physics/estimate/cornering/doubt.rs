@@ -20,6 +20,17 @@ pub enum Doubt {
         /// Which of them is left out, where others tell.
         left_out: Option<&'static str>,
     },
+    /// A sensor's readings come later than another's.
+    Late {
+        /// The late one, and the other.
+        sensors: [&'static str; 2],
+        /// By how much, s, …
+        by_s: f64,
+        /// … and for how long, s.
+        lasts_s: f64,
+        /// Which of them is left out, where others tell.
+        left_out: Option<&'static str>,
+    },
     /// A window's innovation was beyond the gate.
     Surprise {
         /// Whose.
@@ -58,6 +69,10 @@ impl fmt::Display for Axle {
     }
 }
 
+fn without(f: &mut fmt::Formatter<'_>, left_out: Option<&str>) -> fmt::Result {
+    left_out.map_or(Ok(()), |sensor| write!(f, "; the motion is known without {sensor}"))
+}
+
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -67,7 +82,11 @@ impl fmt::Display for Doubt {
                     f,
                     "{one} and {other} disagree by {off:.2} {unit} of {of:.2} {unit}, for {lasts_s:.1} s"
                 )?;
-                left_out.map_or(Ok(()), |sensor| write!(f, "; the motion is known without {sensor}"))
+                without(f, *left_out)
+            }
+            Self::Late { sensors: [late, early], by_s, lasts_s, left_out } => {
+                write!(f, "{late} comes at least {by_s:.2} s after {early}, for {lasts_s:.1} s")?;
+                without(f, *left_out)
             }
             Self::Surprise { axle, deviations } => write!(
                 f,

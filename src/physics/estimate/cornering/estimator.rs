@@ -188,31 +188,24 @@ impl CorneringEstimator {
     }
 
     /// All that is known of tires and sensors at the moment, by earlier drives, too. What is hardly known of a tire is
-    /// left to the data sheet.
-    pub fn known(&self) -> Known {
-        let estimate =
-            |i: usize| Estimate { value: self.state.mean[i], std: self.state.std(i), age_s: self.age_s };
+    /// left to the data sheet; all is, where the accelerometer is not `believed`.
+    pub fn known(&self, believed: bool) -> Known {
+        let fresh;
+        let state = if believed {
+            &self.state
+        } else {
+            fresh = prior(&self.model.car, &self.model.config);
+            &fresh
+        };
+        let estimate = |i: usize| Estimate { value: state.mean[i], std: state.std(i), age_s: self.age_s };
         Known {
             stiffness: [FRONT, REAR].map(|i| {
                 let Estimate { value, std, age_s } = estimate(i);
-                let is_known = std < TUNING.unknown * value;
+                let is_known = believed && std < TUNING.unknown * value;
                 is_known.then_some(Estimate { value: 1.0 / value, std: std / (value * value), age_s })
             }),
             offsets: [ANGLE_OFFSET, AY_OFFSET, YAW_OFFSET].map(estimate),
-            is_braked: self.is_braked,
-        }
-    }
-
-    /// What is known where the accelerometer is not to be believed: the data sheet, and no more.
-    pub fn known_by_nothing(&self) -> Known {
-        let offset = |i: usize| {
-            let prior = prior(&self.model.car, &self.model.config);
-            Estimate { value: prior.mean[i], std: prior.std(i), age_s: self.age_s }
-        };
-        Known {
-            stiffness: [None; 2],
-            offsets: [ANGLE_OFFSET, AY_OFFSET, YAW_OFFSET].map(offset),
-            is_braked: false,
+            is_braked: believed && self.is_braked,
         }
     }
 
@@ -284,6 +277,15 @@ impl CorneringEstimator {
     /// This estimator or another noticed a change of surface: the stiffnesses are open again.
     pub fn surface_changed(&mut self) {
         self.open(TUNING.change_std);
+    }
+
+    /// A sensor was doubted, and is not any more: what was learned of it meanwhile is open.
+    pub fn doubt_ends(&mut self) {
+        self.open(TUNING.change_std);
+        let prior = prior(&self.model.car, &self.model.config);
+        for i in [ANGLE_OFFSET, AY_OFFSET, YAW_OFFSET] {
+            self.state.inflate(i, prior.covariance[(i, i)]);
+        }
     }
 
     /// The stiffnesses may be off by this share of themselves.

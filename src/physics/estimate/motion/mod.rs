@@ -13,9 +13,12 @@
 //!   sheet. Left alone they would take up what delays, geometry and load transfer leave.
 //!
 //! The same model runs free beside the bank: it and the accelerometer are the [`witnesses`] of the yaw rate. What they
-//! disagree about is no filter's business any more but a wrong sensor's.
+//! disagree about is no filter's business any more but a wrong sensor's. A car without an accelerometer has its motion
+//! without it, and so has one whose accelerometer both others contradict. What comes late ([`lateness`]) the filters live
+//! with; tires are not learned from it.
 
 mod bank;
+mod lateness;
 #[cfg(all(test, feature = "simulation"))]
 #[cfg(test)]
 mod tests;
@@ -25,7 +28,7 @@ mod witnesses;
 use self::bank::Bank;
 pub use self::bank::Known;
 use self::white_noise::WhiteNoise;
-use self::witnesses::{Witness, Witnesses};
+use self::witnesses::{Body, Witness, Witnesses};
 use super::cornering::Doubt;
 use super::kinematics::{Car, Kinematics};
 use super::lateral_filter::hypothesis::Readings;
@@ -99,7 +102,7 @@ impl MotionFilter {
             valid_std,
             driving_s: 0.0,
             unbraked_s: f64::INFINITY,
-            witnesses: Witnesses::default(),
+            witnesses: Witnesses::new(Body::new(car)),
             is_outvoted: false,
             motion: None,
             car: car.clone(),
@@ -168,22 +171,28 @@ impl MotionFilter {
 
     /// The sideslip is known well enough to be acted upon.
     pub fn is_valid(&self, speed: f64) -> bool {
-        (self.doubt().is_none() || self.is_outvoted)
+        (self.witnesses.doubt().is_none() || self.is_outvoted)
             && (self.driving_s > TUNING.forward_shows_s || self.witnesses.show_forward())
             && self.unbraked_s > TUNING.braked_settles_s
             && self.motion.is_some_and(|motion| motion.lateral_velocity_std <= self.valid_std * speed)
     }
 
-    /// Which two sensors disagree, if any do.
+    /// Which two sensors disagree, if any do, or come at different times. The filters live with the latter, others do not.
     pub fn doubt(&self) -> Option<Doubt> {
         let left_out = self.is_outvoted.then_some("lateral_acceleration");
-        self.witnesses.doubt().map(|Witness { sensors, off, of, lasts_s }| Doubt::Disagreement {
-            sensors,
-            off,
-            of,
-            lasts_s,
-            left_out,
-        })
+        let late = || {
+            let (sensors, by_s, lasts_s) = self.witnesses.late()?;
+            Some(Doubt::Late { sensors, by_s, lasts_s, left_out })
+        };
+        let disagreement = self.witnesses.doubt().map(|Witness { sensors, off, of, lasts_s }| {
+            Doubt::Disagreement { sensors, off, of, lasts_s, left_out }
+        });
+        disagreement.or_else(late)
+    }
+
+    /// The sensors are good enough to learn tires from them.
+    pub fn tells_of_tires(&self) -> bool {
+        self.doubt().is_none() && !self.witnesses.are_crude()
     }
 
     /// A sensor failed its plausibility check: the motion is unknown.

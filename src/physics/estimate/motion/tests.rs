@@ -84,7 +84,11 @@ fn noise_and_delays_leave_the_motion_valid_and_right() {
             let Outcome { samples, valid, doubted, square } = drive(&changes, 0.4, told);
             let rms = (square / valid).sqrt();
             println!("{name}, noise told: {told}: valid {:.3}, off by {rms:.3}°", valid / samples);
-            assert!(valid > 0.9 * samples && rms < 0.5 && doubted == 0.0, "{name} {told}");
+            assert!(valid > 0.9 * samples && rms < 0.5, "{name} {told}");
+            // The motion lives with what is late; of 300 ms is told, because tires are learned wrong from it.
+            let late = name.contains("late") && !name.starts_with("wheels");
+            assert!(late || doubted == 0.0, "{name} {told}");
+            assert!(doubted > 0.0 || !name.contains("300"), "{name} {told}");
         }
     }
 }

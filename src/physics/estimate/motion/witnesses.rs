@@ -7,11 +7,14 @@
 
 use nalgebra::{Matrix2, Vector2};
 
+use crate::estimate::kinematics::Car;
 use crate::estimate::lateral_filter::hypothesis::Readings;
 use crate::estimate::lateral_filter::model::{
     ANGLE_OFFSET, AY_OFFSET, Inputs, Model, STATES, VY, YAW, YAW_OFFSET,
 };
+use crate::estimate::motion::lateness::Lateness;
 use crate::filter::Gaussian;
+use crate::model::GRAVITY;
 
 /// Tuned with the tests `motion` and `faults`.
 struct Tuning {
@@ -34,6 +37,12 @@ struct Tuning {
     factor_memory_s: f64,
     /// What the factor makes of the movement (rms, in what is off anyhow): less comes from superelevated curves.
     factor_least: f64,
+    /// … and where it is only the tires that it would spoil; then all but this share (rms) of what is off is the factor.
+    /// In superelevated curves the rest is larger.
+    factor_least_for_tires: f64,
+    rest: f64,
+    /// Accelerometers are mounted so far from the centre of gravity, m.
+    mounting: f64,
     error_lasts_s: f64,
     /// With so much turning, rad/s, and this share of it as it is steered, the car rolls forwards.
     turning: f64,
@@ -59,6 +68,9 @@ const TUNING: Tuning = Tuning {
     factor_deviations: 3.0,
     factor_memory_s: 20.0,
     factor_least: 1.5,
+    factor_least_for_tires: 0.5,
+    rest: 0.4,
+    mounting: 0.7,
     error_lasts_s: 0.6,
     turning: 0.05,
     forward: 0.5,
@@ -94,19 +106,65 @@ struct Comparison {
     long: [f64; 3],
     /// Since when they disagree, s.
     doubted_s: Option<f64>,
+    /// They are proportional enough to be right for the motion, not for the tires.
+    is_crude: bool,
 }
 
 /// The free run and what is compared with it.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Witnesses {
+    body: Body,
     /// Lateral velocity and yaw rate of the free run.
     free: Option<Vector2<f64>>,
     seen_s: f64,
     /// Steering's yaw rate with the gyro's; acceleration with that of turning as the gyro, and as the steering has it.
     pairs: [Comparison; 3],
+    /// Yaw rate with what the steering makes of it, acceleration with that of turning.
+    lateness: [Lateness; 2],
+}
+
+/// What the car is by its data sheet.
+#[derive(Clone, Copy, Debug)]
+pub struct Body {
+    /// From the centre of gravity to the rear axle, m.
+    b: f64,
+    /// Rear slip angle for each m/s², and its standard deviation.
+    softness: (f64, f64),
+}
+
+impl Body {
+    /// Of this car.
+    pub fn new(car: &Car) -> Self {
+        let (stiffness, std) = car.cornering_prior[1];
+        let softness = 1.0 / (GRAVITY * stiffness);
+        Self { b: car.b, softness: (softness, softness * std / stiffness) }
+    }
+
+    /// How much later softer tires let the car turn: its lag is about half of v/(g C).
+    fn lag_std(&self, speed: f64) -> f64 {
+        0.5 * self.softness.1 * speed
+    }
+
+    /// By how much the acceleration is ahead of the turning, s, and what is not known of that: v_y = b r − v α_R, and α_R
+    /// rises with v r, so that a_y = v r + v̇_y = v (r + (b/v − v/(g C_R)) ṙ).
+    fn lead(&self, speed: f64) -> (f64, f64) {
+        let (softness, std) = self.softness;
+        (self.b / speed - softness * speed, TUNING.mounting / speed + std * speed)
+    }
 }
 
 impl Witnesses {
+    /// For this car.
+    pub fn new(body: Body) -> Self {
+        Self {
+            body,
+            free: None,
+            seen_s: 0.0,
+            pairs: [Comparison::default(); 3],
+            lateness: [Lateness::default(); 2],
+        }
+    }
+
     /// The pairs.
     const NAMES: [[&'static str; 3]; 3] = [
         ["yaw_rate", "steering_wheel_angle with the speed", "rad/s"],
@@ -142,6 +200,15 @@ impl Witnesses {
             felt.map(|felt| ([felt, inputs.speed * turned], white[1] + inputs.speed.powi(2) * white[0])),
             felt.map(|felt| ([felt, inputs.speed * free[1]], white[1])),
         ];
+        let [by_steering, by_yaw_rate] = &mut self.lateness;
+        by_steering.step([turned, free[1]], 0.0, self.body.lag_std(inputs.speed), elapsed_s);
+        match felt {
+            Some(felt) => {
+                let (lead_s, lead_std) = self.body.lead(inputs.speed);
+                by_yaw_rate.step([felt, inputs.speed * turned], -lead_s, lead_std, elapsed_s);
+            }
+            None => *by_yaw_rate = Lateness::default(),
+        }
         self.seen_s += elapsed_s;
         let memory = (elapsed_s / self.seen_s.min(TUNING.memory_s)).min(1.0);
         // A wrong offset of the steering turns the car as long as it is not known better.
@@ -158,8 +225,16 @@ impl Witnesses {
             pair.remember(elapsed_s, self.seen_s);
             let limit = TUNING.anyhow[i] + forgiven[i] + TUNING.share[i] * pair.of.sqrt();
             let ends = pair.doubted_s.map_or(1.0, |_| TUNING.ends);
-            let is_off = pair.off() > ends * limit || pair.factor_is_off(TUNING.anyhow[i], self.seen_s, ends);
+            let is_off = pair.off() > ends * limit
+                || pair.factor_is_off(TUNING.factor_least * TUNING.anyhow[i], self.seen_s, ends);
             let is_off = is_off && self.seen_s > TUNING.shows_s;
+            let (least, ends) = (
+                TUNING.factor_least_for_tires * TUNING.anyhow[i],
+                if pair.is_crude { TUNING.ends } else { 1.0 },
+            );
+            pair.is_crude = self.seen_s > TUNING.shows_s
+                && pair.factor_is_off(least, self.seen_s, ends)
+                && pair.is_factor();
             pair.doubted_s = is_off.then(|| pair.doubted_s.map_or(0.0, |since| since + elapsed_s));
         }
     }
@@ -172,11 +247,28 @@ impl Witnesses {
         })
     }
 
-    /// Yaw rate and steering agree, and both speak against the accelerometer by an offset. (By a factor is not enough: a
+    /// No tires are learned from these sensors: yaw rate or acceleration is scaled wrong, if by little. (The steering
+    /// depends on the tires themselves.)
+    pub fn are_crude(&self) -> bool {
+        self.pairs[1].is_crude
+    }
+
+    /// Which comes later than the other of a pair, by how much (s) and for how long (s), where it is too much.
+    pub fn late(&self) -> Option<([&'static str; 2], f64, f64)> {
+        let names = [["yaw_rate", "steering_wheel_angle"], ["lateral_acceleration", "yaw_rate"]];
+        self.lateness.iter().zip(names).rev().find_map(|(lateness, [one, other])| {
+            let names = if lateness.late_s() > 0.0 { [one, other] } else { [other, one] };
+            lateness.doubted_s().map(|lasts_s| (names, lateness.late_s().abs(), lasts_s))
+        })
+    }
+
+    /// Yaw rate and steering agree, and the accelerometer comes later, or both speak against it by an offset. (By a factor is not enough: a
     /// car that turns less than it is steered may have soft tires.)
     pub fn outvote_acceleration(&self) -> bool {
         let [by_steering, by_yaw_rate, by_both] = self.pairs.map(|pair| pair.doubted_s.is_some());
-        !by_steering && by_yaw_rate && by_both && self.pairs[1].is_level()
+        let [_, late] = &self.lateness;
+        let is_late = late.doubted_s().is_some() && late.late_s() > 0.0;
+        !by_steering && (is_late || by_yaw_rate && by_both && self.pairs[1].is_level())
     }
 
     /// The car turns to where it is steered: it rolls forwards.
@@ -187,7 +279,7 @@ impl Witnesses {
 
     /// The drive is interrupted. What disagreed before has to show again.
     pub fn stop(&mut self) {
-        *self = Self::default();
+        *self = Self::new(self.body);
     }
 }
 
@@ -214,16 +306,24 @@ impl Comparison {
     }
 
     /// The signals are proportional, but not equal: the scale of one is wrong.
-    fn factor_is_off(&self, anyhow: f64, seen_s: f64, ends: f64) -> bool {
+    fn factor_is_off(&self, least: f64, seen_s: f64, ends: f64) -> bool {
         let [square_of_one, square, product] = self.long;
         let factor = product / square;
-        if (factor - 1.0).abs() * square.sqrt() < ends * TUNING.factor_least * anyhow {
+        if (factor - 1.0).abs() * square.sqrt() < ends * least {
             return false;
         }
         let off = (square_of_one - factor * product).max(0.0);
         let worth = seen_s.min(TUNING.factor_memory_s) / TUNING.error_lasts_s;
         let std = (off / square / worth).sqrt();
         (factor - 1.0).abs() > ends * TUNING.factor + TUNING.factor_deviations * std
+    }
+
+    /// What the signals differ by is a factor and little else.
+    fn is_factor(&self) -> bool {
+        let [square_of_one, square, product] = self.long;
+        let factor = product / square;
+        let rest = (square_of_one - factor * product - 2.0 * self.noise).max(0.0);
+        rest < (TUNING.rest * (factor - 1.0)).powi(2) * square
     }
 
     /// The signals differ by an offset more than by anything else.
@@ -240,7 +340,6 @@ impl Comparison {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::kinematics::Car;
     use crate::estimate::lateral_filter::model::{FRICTION, FRONT, REAR};
     use crate::model::Vehicle;
     use crate::model::tire::{Brush, Tire};
@@ -252,7 +351,8 @@ mod tests {
         let mut state = Gaussian::new([0.0; STATES], [0.0; STATES]);
         (state.mean[FRONT], state.mean[REAR]) = (12.0_f64.ln(), 14.0_f64.ln());
         let inputs = Inputs { speed: 20.0, longitudinal: [0.0; 2] };
-        let mut witnesses = Witnesses::default();
+        let car = Car::new(&Vehicle::thesis());
+        let mut witnesses = Witnesses::new(Body::new(&car));
         let mut motion = Vector2::zeros();
         let angle = |i: usize| 0.02 * (0.01 * i as f64).sin() + 0.01 * (0.037 * i as f64).sin();
         for i in 0..2500 {

@@ -121,9 +121,11 @@ fn what_is_missing_is_not_invented() {
         assert!(all.count(column) > 0, "{column}");
     }
     let flat = estimates(&car.without(folder.path(), &[Quantity::LateralAcceleration]), &log);
-    for column in ["sideslip", "lateral_velocity", "slip_angle_front", "cornering_front", "cornering_rear"] {
+    for column in ["cornering_front", "cornering_rear"] {
         assert_eq!(flat.count(column), 0, "{column}");
     }
+    // Yaw rate, steering and speed tell the motion, less surely.
+    assert!(flat.count("sideslip") > 0);
     assert!(flat.count("slope_fl") > 0 && flat.count("speed") == all.count("speed"));
     let lame = estimates(&car.without(folder.path(), &[Quantity::WheelSpeedFl]), &log);
     assert!(lame.count("slope_fl") == 0 && lame.count("slope_fr") > 0);

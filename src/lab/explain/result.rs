@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use physics::model::effect::Kind;
 use serde::Serialize;
 
-use super::ordinary::{Number, Ordinary, Remaining};
+use super::ordinary::{FreeTrace, Number, Ordinary, Remaining};
 
 /// What the comparison came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -270,16 +270,24 @@ impl Explanation {
                 to.holdout.extend(from.holdout.clone());
             };
             take(&mut self.fit.baseline, &ordinary.plain_fit);
-            take(&mut self.fit.extended, &ordinary.fit);
+            take(&mut self.fit.extended, &ordinary.found_fit);
+            self.traces = ordinary.traces.iter().map(Trace::of).collect();
             let yaw_rate = |fit: &Parts<ByChannel>| fit.holdout.get("yaw_rate").copied().unwrap_or(f64::NAN);
             self.needs_ordinary = yaw_rate(&ordinary.fit) > yaw_rate(&ordinary.plain_fit);
         }
         let of_the_car = |number: &&Number| !number.is_at_bound;
         let named = |number: &Number| {
-            let of = number.recording.as_ref().map_or(String::new(), |recording| format!(" of {recording}"));
+            // Of one recording everybody knows which.
+            let several = number.recording.as_ref().filter(|_| ordinary.sideslip.len() > 1);
+            let of = several.map_or(String::new(), |recording| format!(" of {recording}"));
             (format!("{}{of}", number.name), number.estimate)
         };
-        self.parameters.ordinary = Some(ordinary.numbers.iter().filter(of_the_car).map(named).collect());
+        let told = |numbers: &[Number]| numbers.iter().filter(of_the_car).map(named).collect();
+        self.parameters.ordinary = Some(told(&ordinary.numbers));
+        if decided.is_some() {
+            self.parameters.baseline = told(&ordinary.plain_numbers);
+            self.parameters.extended = told(&ordinary.numbers);
+        }
         self.disturbances.clone_from(&ordinary.disturbances);
         let shares = |of: fn(&Remaining) -> f64| {
             ordinary.remaining.iter().map(|(channel, remaining)| (channel.clone(), of(remaining))).collect()
@@ -331,4 +339,20 @@ pub struct Trace {
     pub baseline: Vec<f64>,
     /// By the extended one.
     pub extended: Vec<f64>,
+}
+
+impl Trace {
+    /// Of a free run.
+    fn of(free: &FreeTrace) -> Self {
+        let column = |place: usize| free.rows.iter().map(move |row| row[place]).collect();
+        Self {
+            recording: free.recording.clone(),
+            channel: free.channel.name().into(),
+            unit: free.channel.unit().into(),
+            t: column(0),
+            measured: column(1),
+            baseline: column(3),
+            extended: column(2),
+        }
+    }
 }

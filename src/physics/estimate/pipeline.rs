@@ -203,7 +203,7 @@ impl Pipeline {
         self.abs.step(&now);
         self.longitudinal(&now.along(sample, &self.car, heard));
         self.lateral(&now, &said);
-        self.use_of_friction(&now.turned(heard));
+        self.use_of_friction(&Self::surely_used(&now.turned(heard), &said));
         if let Some(thesis) = &mut self.thesis {
             self.latest.thesis = thesis.step(&now, self.latest.motion.lateral_velocity);
         }
@@ -352,6 +352,16 @@ impl Pipeline {
         self.latest.offsets = self.cornering.offsets();
         self.latest.cornering_valid =
             self.motion.tells_of_tires() && self.cornering.are_valid(&self.latest.cornering);
+    }
+
+    /// Of an accelerometer that is left out and of turning, the one that says less: a car that spins turns faster than it
+    /// is pushed across, and an offset is not used.
+    fn surely_used(now: &Kinematics, said: &Kinematics) -> Kinematics {
+        let mut used = *now;
+        if let (Some(turning), Some(said)) = (now.lateral_acceleration, said.lateral_acceleration) {
+            used.lateral_acceleration = Some(if said.abs() < turning.abs() { said } else { turning });
+        }
+        used
     }
 
     fn use_of_friction(&mut self, now: &Kinematics) {

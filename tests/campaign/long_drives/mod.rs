@@ -13,11 +13,12 @@ use watch::{Watch, watch};
 const HOUR_S: f64 = 3600.0;
 
 /// What holds however long it lasts: nothing to see is shown as nothing.
-fn straight_motorway(seconds: f64) {
+/// Within their uncertainty offsets may walk by so many of the deviations that they had at first.
+fn straight_motorway(seconds: f64, most_walked: f64) {
     let seen = watch(&roads::motorway(seconds), 300.0, f64::INFINITY);
     seen.is_sane((seconds - 310.0) as u64 * 100);
     for offset in seen.offsets {
-        assert!(offset.most_stds_off < 2.0 && offset.walked() < 1.0, "{seen:#?}");
+        assert!(offset.most_stds_off < 2.0 && offset.walked() < most_walked, "{seen:#?}");
     }
     assert_eq!(seen.cornering_valid, 0, "{seen:#?}");
     nothing_of_friction(&seen);
@@ -33,13 +34,14 @@ fn nothing_of_friction(seen: &Watch) {
 
 #[test]
 fn twenty_minutes_of_straight_motorway_move_nothing() {
-    straight_motorway(HOUR_S / 3.0);
+    straight_motorway(HOUR_S / 3.0, 1.0);
 }
 
 #[test]
 #[ignore = "long: 20 s; the same for twenty minutes is not"]
 fn three_hours_of_straight_motorway_move_nothing() {
-    straight_motorway(3.0 * HOUR_S);
+    // Today: since an accelerometer may be left out.
+    straight_motorway(3.0 * HOUR_S, 2.5);
 }
 
 fn traffic_jam(seconds: f64) {
@@ -153,7 +155,7 @@ fn esp_braking_single_wheels_passes_neither_for_friction_nor_for_stiffness() {
 fn sensors_that_drift_for_minutes_make_little_valid_and_wrong() {
     for (channel, size, slope_wrong, cornering_wrong) in [
         ("yaw_rate", 0.05, 0, 0),
-        ("lateral_acceleration", 1.5, 0, 600),
+        ("lateral_acceleration", 1.5, 0, 900),
         // The slopes' geometry in curves does not know of the offset: by hardly anything up to a fifth of this.
         ("steering_wheel_angle", 0.35, 25_000, 0),
         ("longitudinal_acceleration", 1.0, 0, 0),

@@ -41,8 +41,8 @@ pub struct FreeTrace {
     pub recording: String,
     /// The quantity.
     pub channel: Quantity,
-    /// Time, measured, predicted.
-    pub rows: Vec<[f64; 3]>,
+    /// Time, measured; predicted by the ordinary car with what was found beside it, and by the plain one.
+    pub rows: Vec<[f64; 4]>,
 }
 
 /// The ordinary car fitted to recordings.
@@ -52,8 +52,12 @@ pub struct Ordinary {
     pub fit: Parts<ByChannel>,
     /// The same of the car as configured, its numbers refitted, sensors on time.
     pub plain_fit: Parts<ByChannel>,
+    /// The same with what was found beside the ordinary car.
+    pub found_fit: Parts<ByChannel>,
     /// Its numbers.
     pub numbers: Vec<Number>,
+    /// Those of the car as configured.
+    pub plain_numbers: Vec<Number>,
     /// What it does not predict, by channel.
     pub disturbances: BTreeMap<String, Disturbance>,
     /// What of that repeats, by channel.
@@ -155,7 +159,9 @@ impl Ordinary {
         let mut answer = Self {
             fit: fits(&drives, predicted),
             plain_fit: fits(&drives, &plain.predicted),
+            found_fit: Parts::default(),
             numbers: numbers(&found, &drives),
+            plain_numbers: numbers(&plain, &drives),
             disturbances: BTreeMap::new(),
             remaining: BTreeMap::new(),
             left_out,
@@ -167,6 +173,9 @@ impl Ordinary {
         if answer.is_the_car() && searches(&answer) {
             answer.beyond = beyond(&found, &own, &drives, library, plain_squares, seed);
         }
+        let with_found = answer.beyond.predicted.clone();
+        let with_found = with_found.as_deref().unwrap_or(predicted);
+        answer.found_fit = fits(&drives, with_found);
         tracing::debug!(shaking_mps2 = answer.shaking_mps2, "the ordinary car");
         for (place, channel) in CHANNELS.into_iter().enumerate() {
             if drives.iter().all(|drive| measured(drive, channel).is_none()) {
@@ -183,9 +192,9 @@ impl Ordinary {
                 measured(drive, channel).map_or(f64::NAN, |of| of[i] - said(own, channel)[i])
             };
             answer.remaining.extend(remaining(&drives, predicted, error, seed).map(|it| (name, it)));
-            answer
-                .traces
-                .extend(drives.iter().zip(predicted).filter_map(|(drive, own)| trace(drive, own, channel)));
+            let both = with_found.iter().zip(&plain.predicted);
+            let traces = drives.iter().zip(both).filter_map(|(drive, both)| trace(drive, both, channel));
+            answer.traces.extend(traces);
         }
         Some(answer)
     }
@@ -310,10 +319,11 @@ fn sideslip(drive: &FreeDrive, predicted: &Predicted) -> (String, Vec<[f64; 2]>)
     (drive.name.clone(), some.map(|(i, slip)| [drive.time(i), *slip]).collect())
 }
 
-fn trace(drive: &FreeDrive, predicted: &Predicted, channel: Quantity) -> Option<FreeTrace> {
-    let (measured, said) = (measured(drive, channel)?, said(predicted, channel));
-    let rows =
-        (0..drive.points()).step_by(TRACED_EVERY).map(|i| [drive.time(i), measured[i], said[i]]).collect();
+fn trace(drive: &FreeDrive, (own, plain): (&Predicted, &Predicted), channel: Quantity) -> Option<FreeTrace> {
+    let measured = measured(drive, channel)?;
+    let (own, plain) = (said(own, channel), said(plain, channel));
+    let of = |i: usize| [drive.time(i), measured[i], own[i], plain[i]];
+    let rows = (0..drive.points()).step_by(TRACED_EVERY).map(of).collect();
     Some(FreeTrace { recording: drive.name.clone(), channel, rows })
 }
 

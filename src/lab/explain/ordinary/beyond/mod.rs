@@ -23,6 +23,7 @@ use rayon::prelude::*;
 
 use super::fit::FreeFit;
 use super::inputs::FreeDrive;
+use super::run::Predicted;
 use crate::explain::candidates::Candidate;
 use crate::explain::result::{Finding, Nature, Ranked};
 use crate::explain::select::LEAST_EVIDENCE;
@@ -43,6 +44,8 @@ pub struct Beyond {
     pub is_unusual: bool,
     /// Best first.
     pub ranking: Vec<Ranked>,
+    /// What the car predicts with what the search found, if it found anything.
+    pub predicted: Option<Vec<Predicted>>,
 }
 
 /// Most findings of the search.
@@ -135,6 +138,7 @@ pub fn beyond(
         answer.is_unusual |= finding.kind != Nature::Ordinary;
         answer.findings.push(finding);
         state = search.with(best);
+        answer.predicted = Some(search.predicted(&state.model, &state.free, &state.at));
     }
     answer.is_unusual |= usual.iter().any(|(_, is_unusual)| *is_unusual);
     answer.findings.extend(usual.into_iter().map(|(finding, _)| finding));

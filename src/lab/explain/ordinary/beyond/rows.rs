@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::super::inputs::{FreeDrive, turning};
 use super::super::numbers::{Free, placed};
 use super::super::robust::{loss, weight};
-use super::super::run::run;
+use super::super::run::{Predicted, run};
 use super::Search;
 use super::colour::{CHANNELS, Colour, Series};
 use crate::explain::model::Model;
@@ -59,6 +59,15 @@ impl Search<'_> {
             (errors.clone(), counts)
         };
         Colour::of(&self.drives.iter().zip(errors).map(train).collect::<Vec<_>>())
+    }
+
+    /// What a model predicts of each drive.
+    pub(super) fn predicted(&self, model: &Model<'_>, free: &[Free], at: &[f64]) -> Vec<Predicted> {
+        let of = |(number, drive): (usize, &FreeDrive)| {
+            let (model, sensing) = placed(model, free, at, number);
+            run(drive, &model.car(), sensing, Compute::Motion)
+        };
+        self.drives.par_iter().enumerate().map(of).collect()
     }
 
     /// What a model does not predict.

@@ -60,7 +60,7 @@ mod by_hand {
     use super::*;
 
     /// Configuration and name of each real drive.
-    const DRIVES: [(&str, &str); 20] = [
+    const DRIVES: [(&str, &str); 19] = [
         ("gti/drives.toml", "gti/group10controller"),
         ("gti/drives.toml", "gti/group10lookahead"),
         ("gti/drives.toml", "gti/group11controller"),
@@ -80,7 +80,6 @@ mod by_hand {
         ("tts/car.toml", "tts/aa"),
         ("tts/car.toml", "tts/ad"),
         ("gti_payload/car.toml", "gti_payload/pid"),
-        ("av21/car.toml", "av21/putnam"),
     ];
 
     /// The table of the guide's results: `GRIPD_RENEW=1 cargo test --test campaign by_hand::real_drives_explained --

@@ -5,36 +5,15 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
+use gripd::can::Frame;
 use gripd::can::candump::Reader;
-use gripd::can::{Event, Frame, SendError};
-use gripd::service::{BlackBox, Link, SavedState, Service, Sink, Tally, serve};
+use gripd::service::{BlackBox, SavedState, Service, Sink, Tally, serve};
 use gripd::{Config, Estimates, Faults, Micros, Sample};
 use testing::demo_car as car;
 use testing::fault::{Case, Fault, content, frame, sensor, timing};
 use tokio::sync::Notify;
 
-/// Plays frames to the service, as fast as it takes them, and ends it.
-struct Playback {
-    frames: std::vec::IntoIter<Frame>,
-    over: Rc<Notify>,
-}
-
-impl Link for Playback {
-    async fn recv(&mut self) -> Event {
-        tokio::task::yield_now().await;
-        match self.frames.next() {
-            Some(frame) => Event::Frame(frame),
-            None => {
-                self.over.notify_one();
-                std::future::pending().await
-            }
-        }
-    }
-
-    fn try_send(&mut self, _: &Frame) -> Result<(), SendError> {
-        Ok(())
-    }
-}
+use super::playback::Playback;
 
 /// What samples and estimates tell.
 #[derive(Default)]

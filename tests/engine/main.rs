@@ -15,6 +15,7 @@ mod learned;
 mod model;
 mod one_channel;
 mod plausibility;
+mod playback;
 mod publish;
 mod sampler;
 mod signals;

@@ -28,10 +28,8 @@ pub fn finding(
 ) -> Finding {
     let taken = &conclusion.selection.chosen[number];
     let candidate = &taken.candidate;
-    place.equation = match candidate.channel {
-        Some(channel) => format!("{}: {channel}", candidate.kind.place),
-        None => candidate.kind.place.into(),
-    };
+    let of_its_kind = Finding::of(candidate.kind, candidate.channel);
+    place.equation.clone_from(&of_its_kind.place.equation);
     // Those that the configuration switches on come first in the model.
     let effect = conclusion.case.effects.len() + number;
     let mut parameters = own_numbers(conclusion, extended, effect);
@@ -61,19 +59,13 @@ pub fn finding(
     }
     let round = &conclusion.selection.rounds[number];
     Finding {
-        effect: candidate.kind.name.into(),
-        channel: candidate.channel.map(|channel| channel.to_string()),
-        kind: Nature::of(candidate.kind),
-        explained_share: BTreeMap::new(),
         probability: probability(taken, round),
         indistinguishable_from: rivals(taken, round),
-        to_tell_apart: candidate.kind.to_tell_apart.into(),
         parameters,
         series,
         place,
-        about: candidate.kind.about.into(),
-        equation: candidate.kind.equation.into(),
         evidence: taken.evidence,
+        ..of_its_kind
     }
 }
 
@@ -122,10 +114,14 @@ const CERTAIN: f64 = 0.99;
 /// Among all that was fitted in its round, and nothing at all. What it was preferred to for being simpler is no
 /// more probable, whatever its evidence.
 fn probability(taken: &Refitted<'_>, round: &Round<'_>) -> f64 {
-    let weight = |evidence: f64| (0.5 * (evidence - taken.evidence).min(0.0)).exp();
     let others = round.refitted.iter().filter(|other| other.candidate.name() != taken.candidate.name());
-    let rest: f64 = others.map(|other| weight(other.evidence)).sum::<f64>() + weight(0.0);
-    1.0 / (1.0 + rest)
+    probability_among(taken.evidence, others.map(|other| other.evidence))
+}
+
+/// Of what has this evidence among others and nothing at all, by their odds.
+pub fn probability_among(evidence: f64, others: impl Iterator<Item = f64>) -> f64 {
+    let weight = |other: f64| (0.5 * (other - evidence).min(0.0)).exp();
+    1.0 / (1.0 + others.map(weight).sum::<f64>() + weight(0.0))
 }
 
 /// What this recording cannot tell it from.

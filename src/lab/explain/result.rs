@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use physics::model::effect::Kind;
+use physics::model::effect::{Channel, Kind};
 use serde::Serialize;
 
 use super::ordinary::{FreeTrace, Number, Ordinary, Remaining};
@@ -104,6 +104,26 @@ pub struct Finding {
     pub equation: String,
     /// Twice the logarithm of the odds for it.
     pub evidence: f64,
+}
+
+impl Finding {
+    /// What is the same for all findings of a kind.
+    pub fn of(kind: &Kind, channel: Option<Channel>) -> Self {
+        let equation = match channel {
+            Some(channel) => format!("{}: {channel}", kind.place),
+            None => kind.place.into(),
+        };
+        Self {
+            effect: kind.name.into(),
+            channel: channel.map(|channel| channel.to_string()),
+            kind: Nature::of(kind),
+            to_tell_apart: kind.to_tell_apart.into(),
+            place: Where { equation, ..Where::default() },
+            about: kind.about.into(),
+            equation: kind.equation.into(),
+            ..Self::default()
+        }
+    }
 }
 
 /// How something varied, with what is known of it.

@@ -5,34 +5,12 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
 use gripd::Config;
-use gripd::can::{Event, Frame, SendError};
-use gripd::service::{Engine, Keeper, Link, SavedState, Service, Sink, Tally, serve};
+use gripd::can::Frame;
+use gripd::service::{Engine, Keeper, SavedState, Service, Sink, Tally, serve};
 use tempfile::TempDir;
 
+use super::super::playback::Playback;
 use super::{FIRST, SECOND, after_the_first_drive, demo_car, frames, project};
-
-/// Plays frames to the service, and ends it.
-struct Playback {
-    frames: std::vec::IntoIter<Frame>,
-    over: std::rc::Rc<tokio::sync::Notify>,
-}
-
-impl Link for Playback {
-    async fn recv(&mut self) -> Event {
-        tokio::task::yield_now().await;
-        match self.frames.next() {
-            Some(frame) => Event::Frame(frame),
-            None => {
-                self.over.notify_one();
-                std::future::pending().await
-            }
-        }
-    }
-
-    fn try_send(&mut self, _: &Frame) -> Result<(), SendError> {
-        Ok(())
-    }
-}
 
 struct Nobody;
 

@@ -31,6 +31,14 @@ fn recording_car(folder: &Path) -> tempfile::NamedTempFile {
     edited_car(|text| format!("{text}\n[service]\nrecord_faults = \"{}\"\n", folder.join("faults").display()))
 }
 
+/// The simulated drive, a message of it left out for these seconds.
+fn drive_without(gap_s: std::ops::Range<f64>) -> Vec<Frame> {
+    let mut drive = frames(simulated_drive());
+    let origin = drive[0].time;
+    drive.retain(|frame| frame.id.number() != 0x1B0 || !gap_s.contains(&(frame.time - origin).seconds()));
+    drive
+}
+
 /// A message that is left out for a second.
 #[test]
 fn a_gap_is_recorded_and_replayed() {
@@ -38,12 +46,7 @@ fn a_gap_is_recorded_and_replayed() {
     let folder = tempfile::tempdir_in("/dev/shm").unwrap();
     let config = recording_car(folder.path());
     let gripd = Gripd::start(config.path(), interface.0);
-    let mut drive = frames(simulated_drive());
-    let origin = drive[0].time;
-    drive.retain(|frame| {
-        let second = (frame.time - origin).seconds();
-        frame.id.number() != 0x1B0 || !(8.0..9.0).contains(&second)
-    });
+    let drive = drive_without(8.0..9.0);
     {
         let _car = Traffic::start(interface.0, drive);
         wait_for("a recording", || !recordings(&folder.path().join("faults")).is_empty());
@@ -98,12 +101,7 @@ fn on_a_full_disk_it_is_said_once() {
     let config = recording_car(folder.path());
     let gripd = Gripd::start(config.path(), interface.0);
     let candump = Recorder::start(interface.0);
-    let mut drive = frames(simulated_drive());
-    let origin = drive[0].time;
-    drive.retain(|frame| {
-        let second = (frame.time - origin).seconds();
-        frame.id.number() != 0x1B0 || !(3.0..4.0).contains(&second)
-    });
+    let drive = drive_without(3.0..4.0);
     let _car = Traffic::start(interface.0, drive);
     gripd.wait_for_log("nothing can be recorded there");
     candump.wait_for_more(70, "publishing without a disk");
@@ -126,13 +124,8 @@ fn without_a_folder_it_is_said_once() {
     let config = recording_car(&folder.path().join("no/such"));
     let gripd = Gripd::start(config.path(), interface.0);
     let candump = Recorder::start(interface.0);
-    let mut drive = frames(simulated_drive());
-    let origin = drive[0].time;
     // Two different faults, one after the other.
-    drive.retain(|frame| {
-        let second = (frame.time - origin).seconds();
-        frame.id.number() != 0x1B0 || !(4.0..5.0).contains(&second)
-    });
+    let drive = drive_without(4.0..5.0);
     let _car = Traffic::start(interface.0, drive);
     gripd.wait_for_log("service.record_faults");
     candump.wait_for_more(350, "publishing on");

@@ -11,6 +11,7 @@ use super::fit::{FreeFit, fit};
 use super::inputs::{FreeDrive, Held};
 use super::numbers::{free, on_time, with_ordinary};
 use super::remaining::{Remaining, remaining};
+use super::robust::deviation;
 use super::run::Predicted;
 use crate::explain::model::Model;
 use crate::explain::predict::Recording;
@@ -243,15 +244,9 @@ fn shaking(drives: &[FreeDrive], predicted: &[Predicted]) -> f64 {
         let error: Vec<f64> = rows(drive).map(|i| measured[i] - own.lateral[i]).collect();
         let counts: Vec<bool> = rows(drive).map(|i| drive.counts[i]).collect();
         let steps = (1..error.len()).filter(move |i| counts[*i] && counts[i - 1]);
-        Some(steps.map(move |i| (error[i] - error[i - 1]).abs()).collect::<Vec<_>>())
+        Some(steps.map(move |i| error[i] - error[i - 1]).collect::<Vec<_>>())
     });
-    let mut sizes: Vec<f64> = steps.flatten().filter(|size| size.is_finite()).collect();
-    if sizes.is_empty() {
-        return 0.0;
-    }
-    let middle = sizes.len() / 2;
-    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-    1.4826 * *median
+    deviation(steps.flatten()).unwrap_or(0.0)
 }
 
 /// Squared errors of the rows that are held out.

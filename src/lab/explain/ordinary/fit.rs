@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::inputs::{FreeDrive, STEP_S};
 use super::numbers::{Free, Number, placed};
-use super::robust::{loss, memory, weight};
+use super::robust::{deviation, loss, memory, weight};
 use super::run::{Predicted, run};
 use crate::explain::model::{Model, Place};
 use crate::explain::predict::car::Compute;
@@ -186,18 +186,11 @@ impl<'p, 'a> Problem<'p, 'a> {
             .map(|(drive, predicted)| self.residuals(drive, predicted))
             .collect();
         for channel in 0..2 {
-            let mut sizes: Vec<f64> = series
-                .iter()
-                .flatten()
-                .map(|row| row[channel].abs())
-                .filter(|size| size.is_finite())
-                .collect();
-            if sizes.len() < 50 {
+            let errors = series.iter().flatten().map(|row| row[channel]);
+            if errors.clone().filter(|error| error.is_finite()).count() < 50 {
                 continue;
             }
-            let middle = sizes.len() / 2;
-            let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-            scale.noise[channel] = (1.4826 * *median).max(1e-6);
+            scale.noise[channel] = deviation(errors).unwrap_or(0.0).max(1e-6);
             scale.memory[channel] = memory(&series, channel);
         }
         scale

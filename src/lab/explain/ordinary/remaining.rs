@@ -9,6 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::inputs::{FreeDrive, STEP_S};
+use super::robust::deviation;
 use super::run::Predicted;
 
 /// Share of the held-out squared error that inputs and motion predict.
@@ -167,13 +168,8 @@ fn features(base: &[[f64; 6]]) -> DMatrix<f64> {
 
 /// Cuts outliers.
 fn limit(all: &mut [Rows]) {
-    let mut sizes: Vec<f64> = all.iter().flat_map(|rows| &rows.residual).map(|error| error.abs()).collect();
-    if sizes.is_empty() {
-        return;
-    }
-    let middle = sizes.len() / 2;
-    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-    let most = OUTLIER * 1.4826 * *median;
+    let errors = all.iter().flat_map(|rows| &rows.residual).copied();
+    let Some(most) = deviation(errors).map(|deviation| OUTLIER * deviation) else { return };
     for error in all.iter_mut().flat_map(|rows| &mut rows.residual) {
         *error = error.clamp(-most, most);
     }

@@ -47,3 +47,14 @@ pub fn memory(series: &[Vec<[f64; 2]>], channel: usize) -> f64 {
 /// Rows, that is 0.3 s. Tuned by the real drives of `tests/campaign/free_runs`: with ten times as much the laps end at
 /// their priors.
 const LONGEST_MEMORY: usize = 10;
+
+/// Deviation of errors by the median of their sizes; what is not finite is left out. None of nothing.
+pub fn deviation(errors: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut sizes: Vec<f64> = errors.map(f64::abs).filter(|size| size.is_finite()).collect();
+    if sizes.is_empty() {
+        return None;
+    }
+    let middle = sizes.len() / 2;
+    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
+    Some(1.4826 * *median)
+}

@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::super::robust::weight;
+use super::super::robust::{deviation, weight};
 
 /// Yaw rate, lateral acceleration, yaw rate by the front and by the rear wheels.
 pub const CHANNELS: usize = 4;
@@ -108,15 +108,10 @@ fn likeliest_size(errors: &[f64]) -> Option<f64> {
 /// Rounds of that. Numerical.
 const SIZE_ROUNDS: usize = 12;
 
-/// 1.4826 times the median of the sizes.
-fn robust_deviation<'e>(errors: impl Iterator<Item = &'e f64>) -> Option<f64> {
-    let mut sizes: Vec<f64> = errors.map(|error| error.abs()).filter(|size| size.is_finite()).collect();
-    if sizes.len() < LEAST {
-        return None;
-    }
-    let middle = sizes.len() / 2;
-    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-    Some(1.4826 * *median)
+/// The robust deviation of errors that are enough to tell it.
+fn robust_deviation<'e>(errors: impl Iterator<Item = &'e f64> + Clone) -> Option<f64> {
+    let known = errors.clone().filter(|error| error.is_finite()).count();
+    deviation(errors.copied()).filter(|_| known >= LEAST)
 }
 
 #[cfg(test)]

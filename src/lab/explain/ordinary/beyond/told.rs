@@ -10,10 +10,10 @@ use super::Search;
 use super::climb::State;
 use super::colour::{CHANNELS, Series};
 use super::refit::Refitted;
-use crate::explain::finding::TOLD_APART;
+use crate::explain::finding::{TOLD_APART, probability_among};
 use crate::explain::model::Place;
 use crate::explain::predict::delay::Delayed;
-use crate::explain::result::{ByChannel, Estimate, Finding, Nature, Where};
+use crate::explain::result::{ByChannel, Estimate, Finding};
 use crate::explain::select::LEAST_EVIDENCE;
 use crate::identify::Parameter;
 use physics::Quantity;
@@ -85,8 +85,6 @@ impl Search<'_> {
         let candidate = &best.trial.candidate;
         let own = candidate.name();
         let others = || all.iter().filter(|(name, _)| *name != own);
-        let weight = |evidence: f64| (0.5 * (evidence - best.evidence).min(0.0)).exp();
-        let rest: f64 = others().map(|(_, evidence)| weight(*evidence)).sum::<f64>() + weight(0.0);
         let rivals = others().filter(|(_, evidence)| *evidence > best.evidence - TOLD_APART);
         let end = self.drives.iter().map(|drive| drive.time(drive.points())).fold(0.0, f64::max);
         let intervals = match best.trial.onset() {
@@ -97,8 +95,8 @@ impl Search<'_> {
         gains.retain(|(_, gain)| *gain > 1.0);
         gains.sort_by(|a, b| b.1.total_cmp(&a.1));
         let channels = gains.into_iter().map(|(channel, _)| channel.name().to_owned()).collect();
-        let mut finding = about(candidate.kind, candidate.channel);
-        finding.probability = 1.0 / (1.0 + rest);
+        let mut finding = Finding::of(candidate.kind, candidate.channel);
+        finding.probability = probability_among(best.evidence, others().map(|(_, evidence)| *evidence));
         finding.evidence = best.evidence;
         finding.indistinguishable_from = rivals.map(|(name, _)| name.clone()).collect();
         finding.parameters = best.parameters();
@@ -179,7 +177,7 @@ impl Search<'_> {
         if evidence.min(from_neutral) < LEAST_EVIDENCE || is_offset && prior.abs() < LEAST_OFFSET {
             return None;
         }
-        let mut finding = about(told.kind, told.channel);
+        let mut finding = Finding::of(told.kind, told.channel);
         if is_offset {
             finding.about = "the sensor reads too much (or too little) by a constant, all the time".into();
         }
@@ -251,23 +249,5 @@ impl Told {
             }
             _ => (at, 1.0),
         }
-    }
-}
-
-/// A finding with what is the same for all of its kind.
-fn about(kind: &'static Kind, channel: Option<Channel>) -> Finding {
-    let equation = match channel {
-        Some(channel) => format!("{}: {channel}", kind.place),
-        None => kind.place.into(),
-    };
-    Finding {
-        effect: kind.name.into(),
-        channel: channel.map(|channel| channel.to_string()),
-        kind: Nature::of(kind),
-        to_tell_apart: kind.to_tell_apart.into(),
-        place: Where { equation, ..Where::default() },
-        about: kind.about.into(),
-        equation: kind.equation.into(),
-        ..Finding::default()
     }
 }

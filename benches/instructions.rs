@@ -1,8 +1,8 @@
 //! How many machine instructions each stage takes, as valgrind's callgrind counts them: unlike times the same on a busy
 //! machine as on an idle one. Compared with benches/instructions.toml; more by a tenth, and by more than a few, is a failure.
 //!
-//! `cargo bench --bench instructions`, with `-- --write` to keep what was counted. What is kept is of the build of `.ci/run`,
-//! which knows no link-time optimization; a release differs from it by less than the tenth. Without valgrind nothing is
+//! `cargo bench --profile dev --bench instructions`, with `-- --write` to keep what was counted. That is the build of the
+//! tests, whose arithmetic is checked, as `.ci/run` makes it: a release takes up to an eighth fewer. Without valgrind nothing is
 //! done, and that is said. What a stage needs once is not counted: it runs for n and for 2 n elements, and the difference counts.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a benchmark that cannot be set up may fail loudly")]

@@ -1,7 +1,7 @@
 //! `explain` of a recording that is longer than what it searches: what shows in a few seconds of it is found.
 
 use gripd::explain::{Case, Explanation, Recording, Verdict};
-use gripd::model::effect::KINDS;
+use gripd::model::effect::{KINDS, Kind};
 use gripd::model::{Piece, Scenario, TireKind, Uncertain, Vehicle};
 
 /// Steering, driving and braking.
@@ -10,6 +10,22 @@ const DRIVE: &str = include_str!("../data/steered.toml");
 /// Where the wind blows, s: eight seconds in five minutes, in the one that is not searched for its kind of driving (an
 /// excerpt chosen by that alone has the others).
 const GUST: [f64; 2] = [186.0, 194.0];
+
+/// What is asked for: the wind, and what looks like it on other drives. Of all kinds it takes three times as long.
+const ASKED_FOR: [&str; 8] = [
+    "crosswind",
+    "road_bank",
+    "road_grade",
+    "friction_change",
+    "sensor_drift",
+    "sensor_bias",
+    "payload",
+    "relaxation_length",
+];
+
+fn library() -> Vec<&'static Kind> {
+    KINDS.iter().copied().filter(|kind| ASKED_FOR.contains(&kind.name)).collect()
+}
 
 fn driven(effect: &str) -> (Vehicle, Recording) {
     let mut scenario = Scenario::parse(&format!("{DRIVE}\n{effect}")).unwrap();
@@ -49,7 +65,7 @@ fn explained(effect: &str) -> Explanation {
         recordings: &recordings,
         held_out: 0,
         chain: &[],
-        library: KINDS,
+        library: &library(),
         seed: 1,
     };
     case.explain(&|_, _| {}).explanation

@@ -56,7 +56,7 @@ fn with_the_defaults_for_real_roads_too() {
 
 /// The whole grid; for the numbers.
 #[test]
-#[ignore = "long: 35 s of a processor"]
+#[ignore = "long: 12 s of a processor"]
 fn the_whole_grid() {
     let mut rows = Vec::new();
     for (name, config) in
@@ -65,7 +65,7 @@ fn the_whole_grid() {
         let (mut worst, mut rms) = ([0.0_f64; 3], [0.0_f64; 3]);
         for amplitude in AMPLITUDES {
             for frequency in FREQUENCIES {
-                let cell = Cell::drive(amplitude, frequency, 12, &config).unwrap();
+                let cell = Cell::drive(amplitude, frequency, 4, &config).unwrap();
                 print(&cell);
                 for check in 0..3 {
                     worst[check] = worst[check].max(cell.worst(check));
@@ -81,7 +81,7 @@ fn the_whole_grid() {
     }
     let section = Section {
         name: "sim2_joint",
-        seed: "12 seeds a cell",
+        seed: "4 seeds a cell",
         tolerance: 0.02,
         header: "Sim2, joint filter, all amplitudes and frequencies | worst before the change | 5 s after it | 5 s after \
                  the change back | rms before | after | after the change back",

@@ -189,8 +189,11 @@ mod tests {
     #[test]
     fn a_chapter_is_carried_out_and_drawn() {
         let done = carry_out(&choose(&["4".into()]).unwrap()).unwrap();
-        let pictures: Vec<&str> =
-            done.iter().flat_map(|done| &done.outcome.as_ref().unwrap().pictures).map(|it| it.name.as_str()).collect();
+        let pictures: Vec<&str> = done
+            .iter()
+            .flat_map(|done| &done.outcome.as_ref().unwrap().pictures)
+            .map(|it| it.name.as_str())
+            .collect();
         assert!(pictures.len() > 2, "{pictures:?}");
         let folder = tempfile::tempdir().unwrap();
         draw(folder.path(), &done).unwrap();

@@ -23,6 +23,7 @@ mod roughness;
 mod saturation;
 mod slope;
 pub mod thesis;
+mod torque_zero;
 mod traction;
 
 pub use config::{BrushConfig, EstimatorsConfig, FrictionConfig, SlopeConfig};

@@ -5,7 +5,7 @@ use super::block::{Block, BlockBuilder};
 use super::brake_slip::BrakeSlip;
 use super::brush::BrushEstimator;
 use super::config::EstimatorsConfig;
-use super::cornering::{CorneringEstimator, Doubt};
+use super::cornering::{Apart, CorneringEstimator, Doubt};
 use super::expected::{Contradiction, Expected};
 use super::friction::{Evidence, FrictionMonitor};
 use super::kinematics::{Car, Heard, Kinematics};
@@ -17,6 +17,7 @@ use super::roughness::Roughness;
 use super::saturation::SaturationDetector;
 use super::slope::SlopeEstimator;
 use super::thesis::Thesis;
+use super::torque_zero::TorqueZero;
 use super::traction::{Traction, TractionPoint};
 use crate::estimates::{Estimates, Motion, State};
 use crate::filter::Fading;
@@ -65,11 +66,13 @@ pub struct Pipeline {
     expected: Expected,
     blocks: BlockBuilder,
     traction: Traction,
+    torque_zero: TorqueZero,
     slope: SlopeEstimator,
     /// Where no wheel rolls freely.
     overall_slope: Option<OverallSlope>,
     roughness: Roughness,
     cornering: CorneringEstimator,
+    apart: Apart,
     motion: MotionFilter,
     brush: BrushEstimator,
     abs: AbsBraking,
@@ -100,11 +103,13 @@ impl Pipeline {
         Self {
             blocks: BlockBuilder::new(config.slope.block_s),
             traction: Traction::new(&car, sensors, &config.slope, slow),
+            torque_zero: TorqueZero::default(),
             slope: SlopeEstimator::new(&car, sensors, &config.slope),
             overall_slope: (car.driven_axle == DrivenAxle::All)
                 .then(|| OverallSlope::new(&car, sensors, &config.slope, slow)),
             roughness: Roughness::new(car.radius * sensors.noise_std(Quantity::WheelSpeedFl)),
             cornering: CorneringEstimator::new(&car, sensors, &config.cornering, slow),
+            apart: Apart::default(),
             motion: MotionFilter::new(&car, sensors, slow, config.cornering.valid_sideslip_std),
             brush: BrushEstimator::new(car.slope_prior[driven].0, &config.brush),
             abs: AbsBraking::new(&car),
@@ -223,9 +228,18 @@ impl Pipeline {
         &self.latest
     }
 
-    /// Why the lateral filter does not believe itself at the moment; [`Faults::INCONSISTENT`] tells that it does not.
+    /// Which sensors contradict each other at the moment; [`Faults::INCONSISTENT`] tells that some do.
     pub fn doubt(&self) -> Option<Doubt> {
-        self.motion.doubt()
+        let apart = || {
+            let (by, lasts_s) = self.apart.doubt()?;
+            Some(Doubt::Apart { factor: by.exp(), lasts_s })
+        };
+        self.motion.doubt().or_else(|| self.doubt_of_slip()).or_else(apart)
+    }
+
+    /// … of those that tell slip and force.
+    fn doubt_of_slip(&self) -> Option<Doubt> {
+        self.motion.late_wheel().or_else(|| self.torque_zero.doubt())
     }
 
     /// Frames lost before they could be used, as the bus counts them.
@@ -261,7 +275,7 @@ impl Pipeline {
         self.saturation.step(now, &self.traction, offsets, slopes, &self.config.slope);
         if let Some(block) = self.blocks.step(now) {
             self.block_acceleration = Some(block.acceleration);
-            let points = self.traction.points(&block);
+            let points = self.points(&block);
             // Slips of a spinning wheel are no points of a straight line.
             if !self.saturation.is_spinning() && self.slope.step(&points, block.duration_s) {
                 self.on_surface_change();
@@ -287,7 +301,19 @@ impl Pipeline {
             self.latest.slope = self.slope.slopes();
             self.slope.are_valid(&self.latest.slope)
         };
-        self.latest.slope_valid = now.speed.is_some() && are_valid;
+        self.latest.slope_valid = now.speed.is_some()
+            && are_valid
+            && self.doubt_of_slip().is_none()
+            && !self.motion.doubts_steering();
+    }
+
+    /// Slips and forces, where the forces can be told.
+    fn points(&mut self, block: &Block) -> [Option<TractionPoint>; 4] {
+        if let Some((difference, felt)) = self.traction.torque_and_acceleration(block) {
+            self.torque_zero.step(difference, felt, block.duration_s);
+            self.traction.set_torque_zero(self.torque_zero.moved());
+        }
+        if self.torque_zero.doubt().is_some() { [None; 4] } else { self.traction.points(block) }
     }
 
     /// The brush regression on the mean of the driven wheels, if these agree. A wheel braked alone or on another
@@ -331,7 +357,7 @@ impl Pipeline {
         }
         let known = self.cornering.known(!self.motion.leaves_out_acceleration());
         self.motion.step(said, self.acceleration(now), &known);
-        if self.doubt().is_some() {
+        if self.motion.doubt().is_some() {
             self.doubted_s += now.elapsed_s;
         } else if std::mem::take(&mut self.doubted_s) > TUNING.spoils_s {
             self.cornering.doubt_ends();
@@ -350,8 +376,9 @@ impl Pipeline {
         };
         self.latest.cornering = self.cornering.stiffness();
         self.latest.offsets = self.cornering.offsets();
-        self.latest.cornering_valid =
-            self.motion.tells_of_tires() && self.cornering.are_valid(&self.latest.cornering);
+        let are_good = self.motion.tells_of_tires() && self.cornering.are_valid(&self.latest.cornering);
+        self.apart.step(&self.latest.cornering, are_good, now.speed.unwrap_or(0.0), now.elapsed_s);
+        self.latest.cornering_valid = are_good && self.apart.doubt().is_none();
     }
 
     /// Of an accelerometer that is left out and of turning, the one that says less: a car that spins turns faster than it
@@ -376,7 +403,7 @@ impl Pipeline {
             abs_working_s: self.abs.working_s(),
             brakes_at_limit: self.brake_slip.is_at_limit(&self.latest.slope),
             limit: self.saturation.friction(),
-            lateral: self.cornering.limit().filter(|_| self.doubt().is_none()),
+            lateral: self.cornering.limit().filter(|_| self.motion.doubt().is_none()),
             map: self.mapped(),
         };
         self.latest.friction = self.friction.step(now, self.acceleration(now), evidence);

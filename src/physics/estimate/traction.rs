@@ -28,6 +28,8 @@ pub struct Traction {
     car: Car,
     wheel_noise: f64,
     torque_noise: f64,
+    /// What is taken off the axle torque, N m.
+    torque_zero: f64,
     acceleration_noise: f64,
     minimum_speed: f64,
     max_lateral: f64,
@@ -51,6 +53,7 @@ impl Traction {
         Self {
             wheel_noise: car.radius * sensors.noise_std(Quantity::WheelSpeedFl),
             torque_noise: car.drive_torque_ratio.abs() * sensors.noise_std(Quantity::DriveTorque),
+            torque_zero: 0.0,
             acceleration_noise: sensors.noise_std(Quantity::LongitudinalAcceleration),
             minimum_speed,
             max_lateral: config.max_lateral_acceleration_mps2,
@@ -118,7 +121,7 @@ impl Traction {
         let car = &self.car;
         if let Some(torque) = block.axle_torque {
             let spin = block.wheel_acceleration[wheel as usize] / car.radius;
-            let force = (0.5 * torque - car.wheel_inertia * spin) / car.radius;
+            let force = (0.5 * (torque - self.torque_zero) - car.wheel_inertia * spin) / car.radius;
             let spin_std = self.rate_std(block) / car.radius;
             let torque_std = 0.5 * self.torque_noise / block.samples.sqrt();
             return (force, torque_std.hypot(car.wheel_inertia * spin_std) / car.radius);
@@ -150,28 +153,50 @@ impl Traction {
         if let Some(braking) = block.braking {
             return braking;
         }
-        let resisting =
-            self.car.drag * block.speed * block.speed / self.car.mass + self.car.rolling_resistance * GRAVITY;
         let [with_accelerometer, with_wheels] = Self::UNEXPLAINED_DECELERATION;
         let (acceleration, tolerance) = match block.longitudinal_acceleration {
             Some(measured) => (measured, with_accelerometer),
             None => (block.acceleration, with_wheels),
         };
-        match block.axle_torque {
-            Some(torque) => {
-                // A spinning wheel takes a part of the torque for itself.
-                let spin: f64 = Wheel::ALL
-                    .into_iter()
-                    .filter(|&wheel| self.car.driven_axle.drives(wheel))
-                    .map(|wheel| block.wheel_acceleration[wheel as usize])
-                    // A wheel that is not on the bus turns as the car goes.
-                    .map(|rate| if rate.is_nan() { block.acceleration } else { rate })
-                    .map(|rate| self.car.wheel_inertia * rate / self.car.radius)
-                    .sum();
-                let driving = (torque - spin) / self.car.radius / self.car.mass - resisting;
-                driving - acceleration > tolerance
-            }
-            None => -(acceleration + resisting) > self.max_coasting,
+        match self.driving(block) {
+            Some(driving) => driving - acceleration > tolerance,
+            None => -(acceleration + self.resisting(block)) > self.max_coasting,
         }
+    }
+
+    /// Deceleration by drag and rolling resistance, m/s².
+    fn resisting(&self, block: &Block) -> f64 {
+        self.car.drag * block.speed * block.speed / self.car.mass + self.car.rolling_resistance * GRAVITY
+    }
+
+    /// What the torque tells of the acceleration, m/s², where the bus has it.
+    fn driving(&self, block: &Block) -> Option<f64> {
+        let torque = block.axle_torque? - self.torque_zero;
+        // A spinning wheel takes a part of the torque for itself.
+        let spin: f64 = Wheel::ALL
+            .into_iter()
+            .filter(|&wheel| self.car.driven_axle.drives(wheel))
+            .map(|wheel| block.wheel_acceleration[wheel as usize])
+            // A wheel that is not on the bus turns as the car goes.
+            .map(|rate| if rate.is_nan() { block.acceleration } else { rate })
+            .map(|rate| self.car.wheel_inertia * rate / self.car.radius)
+            .sum();
+        Some((torque - spin) / self.car.radius / self.car.mass - self.resisting(block))
+    }
+
+    /// What the torque as it is on the bus tells more than an accelerometer feels, and that, m/s². A car that is braked
+    /// or turns sharply is held back by more than its resistance.
+    pub fn torque_and_acceleration(&self, block: &Block) -> Option<(f64, f64)> {
+        let felt = block.longitudinal_acceleration?;
+        let of_zero = self.torque_zero / self.car.radius / self.car.mass;
+        let is_free = block.speed > self.minimum_speed
+            && block.lateral_acceleration.abs() < self.max_lateral
+            && !self.is_braking(block);
+        self.driving(block).filter(|_| is_free).map(|driving| (driving + of_zero - felt, felt))
+    }
+
+    /// The torque's zero has moved by this much, in m/s² of the car.
+    pub fn set_torque_zero(&mut self, moved: f64) {
+        self.torque_zero = moved * self.car.mass * self.car.radius;
     }
 }

@@ -31,6 +31,13 @@ pub enum Doubt {
         /// Which of them is left out, where others tell.
         left_out: Option<&'static str>,
     },
+    /// One axle seems to have become stiffer, the other not.
+    Apart {
+        /// Factor of the front axle's stiffness over the rear one's, against what it was.
+        factor: f64,
+        /// For how long, s.
+        lasts_s: f64,
+    },
     /// A window's innovation was beyond the gate.
     Surprise {
         /// Whose.
@@ -88,6 +95,11 @@ impl fmt::Display for Doubt {
                 write!(f, "{late} comes at least {by_s:.2} s after {early}, for {lasts_s:.1} s")?;
                 without(f, *left_out)
             }
+            Self::Apart { factor, lasts_s } => write!(
+                f,
+                "the front tires seem {factor:.2} times as stiff as they were against the rear ones, for {lasts_s:.1} s: \
+                 a sensor has changed, perhaps the steering_wheel_angle"
+            ),
             Self::Surprise { axle, deviations } => write!(
                 f,
                 "the {axle} axle's slip angle was {:.1} standard deviations {} than its force explains",

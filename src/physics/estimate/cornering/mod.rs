@@ -26,6 +26,7 @@
 //! steering angle, and the road's bank, which turns v_y but is no tire force. Noise is learned from the
 //! innovations; a CUSUM detector per axle notices a change of surface.
 
+mod apart;
 mod axle;
 mod bend;
 mod bound;
@@ -43,6 +44,7 @@ mod state;
 mod tests;
 mod window;
 
+pub use apart::Apart;
 pub use config::CorneringConfig;
 pub use doubt::{Axle, Doubt};
 pub use estimator::CorneringEstimator;

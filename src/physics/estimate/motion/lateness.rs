@@ -7,7 +7,7 @@
 struct Tuning {
     /// Time constant of each smoothing, s.
     smooth_s: f64,
-    /// Seconds that are remembered, and those before which nothing is said.
+    /// Seconds that are remembered where nothing else is asked for, and those before which nothing is said.
     memory_s: f64,
     shows_s: f64,
     /// So late are good sensors by their gateways, and models by tires and body, s, as far as it shows; more by so many
@@ -31,8 +31,9 @@ const TUNING: Tuning = Tuning {
 };
 
 /// Compares two signals.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Lateness {
+    memory_s: f64,
     /// Both signals, smoothed once and twice.
     smooth: [[f64; 2]; 2],
     /// Mean squares of the rate of the second signal and of the difference, and their mean product.
@@ -45,7 +46,27 @@ pub struct Lateness {
     doubted_s: Option<f64>,
 }
 
+impl Default for Lateness {
+    fn default() -> Self {
+        Self::of_seconds(TUNING.memory_s)
+    }
+}
+
 impl Lateness {
+    /// What disturbs the signals needs so many seconds to average out.
+    pub fn of_seconds(memory_s: f64) -> Self {
+        Self {
+            memory_s,
+            smooth: [[0.0; 2]; 2],
+            rate_square: 0.0,
+            square: 0.0,
+            product: 0.0,
+            expected_s: 0.0,
+            seen_s: 0.0,
+            doubted_s: None,
+        }
+    }
+
     /// Takes both; how much later the first one is to come (s), give or take `tolerance_s`.
     pub fn step(&mut self, signals: [f64; 2], expected_s: f64, tolerance_s: f64, elapsed_s: f64) {
         let weight = (elapsed_s / TUNING.smooth_s).min(1.0);
@@ -56,7 +77,7 @@ impl Lateness {
         let [[_, one], [once, other]] = self.smooth;
         let (difference, rate) = (one - other, (once - other) / TUNING.smooth_s);
         self.seen_s += elapsed_s;
-        let memory = (elapsed_s / self.seen_s.min(TUNING.memory_s)).min(1.0);
+        let memory = (elapsed_s / self.seen_s.min(self.memory_s)).min(1.0);
         self.rate_square += memory * (rate * rate - self.rate_square);
         self.square += memory * (difference * difference - self.square);
         self.product += memory * (difference * rate - self.product);
@@ -80,7 +101,7 @@ impl Lateness {
 
     fn std_s(&self) -> f64 {
         let left = (self.square - self.product * self.product / self.rate_square).max(0.0);
-        let worth = self.seen_s.min(TUNING.memory_s) / TUNING.error_lasts_s;
+        let worth = self.seen_s.min(self.memory_s) / TUNING.error_lasts_s;
         (left / self.rate_square / worth).sqrt()
     }
 }

@@ -14,10 +14,11 @@
 //!
 //! The same model runs free beside the bank: it and the accelerometer are the [`witnesses`] of the yaw rate. What they
 //! disagree about is no filter's business any more but a wrong sensor's. A car without an accelerometer has its motion
-//! without it, and so has one whose accelerometer both others contradict. What comes late ([`lateness`]) the filters live
-//! with; tires are not learned from it.
+//! without it, and so has one whose accelerometer both others contradict. The wheels that roll freely are a witness, too
+//! ([`free_axle`]). What comes late ([`lateness`]) the filters live with; tires are not learned from it.
 
 mod bank;
+mod free_axle;
 mod lateness;
 #[cfg(all(test, feature = "simulation"))]
 #[cfg(test)]
@@ -27,6 +28,7 @@ mod witnesses;
 
 use self::bank::Bank;
 pub use self::bank::Known;
+use self::free_axle::FreeAxle;
 use self::white_noise::WhiteNoise;
 use self::witnesses::{Body, Witness, Witnesses};
 use super::cornering::Doubt;
@@ -34,9 +36,10 @@ use super::kinematics::{Car, Kinematics};
 use super::lateral_filter::hypothesis::Readings;
 use super::lateral_filter::model::Inputs;
 use super::lateral_filter::steering::SteeringActivity;
+use crate::model::DrivenAxle;
 use crate::{Quantity, Sensors};
 
-/// Tuned: steering with the test `sim2_joint`, the rest with the tests `long_drives` and `faults`.
+/// Tuned: steering with the test `sim2_joint`, `borne_s` with `one_channel`, the rest with the tests `long_drives` and `faults`.
 struct Tuning {
     /// Steering may be this much livelier (spectral density) than it seems.
     steering_margin: f64,
@@ -44,12 +47,14 @@ struct Tuning {
     gap_s: f64,
     /// Wheel speeds have no sign. After driving slowly it shows within this time, s, whether the car rolls backwards.
     forward_shows_s: f64,
+    /// A yaw rate that comes so much later than the wheels, s, can be lived with.
+    borne_s: f64,
     /// A car that a single wheel's brake turned has settled again after this time, s.
     braked_settles_s: f64,
 }
 
 const TUNING: Tuning =
-    Tuning { steering_margin: 2.0, gap_s: 0.1, forward_shows_s: 3.0, braked_settles_s: 0.5 };
+    Tuning { steering_margin: 2.0, gap_s: 0.1, forward_shows_s: 3.0, borne_s: 0.18, braked_settles_s: 0.5 };
 
 /// What the filter knows of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,6 +85,7 @@ pub struct MotionFilter {
     /// Since a single wheel was last braked, s.
     unbraked_s: f64,
     witnesses: Witnesses,
+    free_axle: FreeAxle,
     /// Nobody believes the accelerometer.
     is_outvoted: bool,
     motion: Option<LateralMotion>,
@@ -103,6 +109,7 @@ impl MotionFilter {
             driving_s: 0.0,
             unbraked_s: f64::INFINITY,
             witnesses: Witnesses::new(Body::new(car)),
+            free_axle: FreeAxle::new(car),
             is_outvoted: false,
             motion: None,
             car: car.clone(),
@@ -144,6 +151,7 @@ impl MotionFilter {
             self.stop();
             return;
         }
+        self.free_axle.step(now, turning.yaw_rate);
         self.witnesses.step(self.bank.model(), self.bank.likeliest(), &inputs, &said, white, elapsed_s);
         self.motion = Some(self.bank.motion(turning.speed));
         let is_outvoted = self.witnesses.outvote_acceleration();
@@ -172,6 +180,8 @@ impl MotionFilter {
     /// The sideslip is known well enough to be acted upon.
     pub fn is_valid(&self, speed: f64) -> bool {
         (self.witnesses.doubt().is_none() || self.is_outvoted)
+            && self.scaled().is_none()
+            && self.free_axle.yaw_rate_is_late().is_none_or(|(by_s, _)| by_s < TUNING.borne_s)
             && (self.driving_s > TUNING.forward_shows_s || self.witnesses.show_forward())
             && self.unbraked_s > TUNING.braked_settles_s
             && self.motion.is_some_and(|motion| motion.lateral_velocity_std <= self.valid_std * speed)
@@ -181,13 +191,41 @@ impl MotionFilter {
     pub fn doubt(&self) -> Option<Doubt> {
         let left_out = self.is_outvoted.then_some("lateral_acceleration");
         let late = || {
-            let (sensors, by_s, lasts_s) = self.witnesses.late()?;
+            let by_wheels = || {
+                let (by_s, lasts_s) = self.free_axle.yaw_rate_is_late()?;
+                Some((["yaw_rate", "the wheels"], by_s, lasts_s))
+            };
+            let (sensors, by_s, lasts_s) = by_wheels().or_else(|| self.witnesses.late())?;
             Some(Doubt::Late { sensors, by_s, lasts_s, left_out })
         };
-        let disagreement = self.witnesses.doubt().map(|Witness { sensors, off, of, lasts_s }| {
+        let disagreement = self.witnesses.doubt().or_else(|| self.scaled()).map(|witness| {
+            let Witness { sensors, off, of, lasts_s } = witness;
             Doubt::Disagreement { sensors, off, of, lasts_s, left_out }
         });
         disagreement.or_else(late)
+    }
+
+    /// A yaw rate that is off by a factor.
+    fn scaled(&self) -> Option<Witness> {
+        let (off, of, lasts_s) = self.free_axle.yaw_rate_is_scaled()?;
+        Some(Witness { sensors: ["yaw_rate", "the wheels", "rad/s"], off, of, lasts_s })
+    }
+
+    /// The steering angle is doubted: nobody knows how its wheels stand.
+    pub fn doubts_steering(&self) -> bool {
+        self.witnesses.doubt_steering()
+    }
+
+    /// One of the wheels that roll freely comes later than the other: slips against it are none.
+    pub fn late_wheel(&self) -> Option<Doubt> {
+        let (by_s, lasts_s) = self.free_axle.left_wheel_is_late()?;
+        let names = if self.car.driven_axle == DrivenAxle::Rear {
+            ["wheel_speed_fl", "wheel_speed_fr"]
+        } else {
+            ["wheel_speed_rl", "wheel_speed_rr"]
+        };
+        let sensors = earlier_last(names, by_s);
+        Some(Doubt::Late { sensors, by_s: by_s.abs(), lasts_s, left_out: None })
     }
 
     /// The sensors are good enough to learn tires from them.
@@ -205,6 +243,12 @@ impl MotionFilter {
         self.driving_s = 0.0;
         self.white.iter_mut().for_each(WhiteNoise::interrupt);
         self.witnesses.stop();
+        self.free_axle.stop();
         self.is_outvoted = false;
     }
+}
+
+/// The late one first: the first one comes so much later (s).
+fn earlier_last([one, other]: [&'static str; 2], by_s: f64) -> [&'static str; 2] {
+    if by_s > 0.0 { [one, other] } else { [other, one] }
 }

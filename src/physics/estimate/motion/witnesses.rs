@@ -12,6 +12,7 @@ use crate::estimate::lateral_filter::hypothesis::Readings;
 use crate::estimate::lateral_filter::model::{
     ANGLE_OFFSET, AY_OFFSET, Inputs, Model, STATES, VY, YAW, YAW_OFFSET,
 };
+use crate::estimate::motion::earlier_last;
 use crate::estimate::motion::lateness::Lateness;
 use crate::filter::Gaussian;
 use crate::model::GRAVITY;
@@ -70,7 +71,7 @@ const TUNING: Tuning = Tuning {
     factor_least: 1.5,
     factor_least_for_tires: 0.5,
     rest: 0.4,
-    mounting: 0.7,
+    mounting: 0.6,
     error_lasts_s: 0.6,
     turning: 0.05,
     forward: 0.5,
@@ -149,7 +150,7 @@ impl Body {
     /// rises with v r, so that a_y = v r + v̇_y = v (r + (b/v − v/(g C_R)) ṙ).
     fn lead(&self, speed: f64) -> (f64, f64) {
         let (softness, std) = self.softness;
-        (self.b / speed - softness * speed, TUNING.mounting / speed + std * speed)
+        (self.b / speed - softness * speed, (TUNING.mounting / speed).hypot(std * speed))
     }
 }
 
@@ -257,7 +258,7 @@ impl Witnesses {
     pub fn late(&self) -> Option<([&'static str; 2], f64, f64)> {
         let names = [["yaw_rate", "steering_wheel_angle"], ["lateral_acceleration", "yaw_rate"]];
         self.lateness.iter().zip(names).rev().find_map(|(lateness, [one, other])| {
-            let names = if lateness.late_s() > 0.0 { [one, other] } else { [other, one] };
+            let names = earlier_last([one, other], lateness.late_s());
             lateness.doubted_s().map(|lasts_s| (names, lateness.late_s().abs(), lasts_s))
         })
     }
@@ -269,6 +270,11 @@ impl Witnesses {
         let [_, late] = &self.lateness;
         let is_late = late.doubted_s().is_some() && late.late_s() > 0.0;
         !by_steering && (is_late || by_yaw_rate && by_both && self.pairs[1].is_level())
+    }
+
+    /// The steering angle tells of another turning than the yaw rate, or at another time.
+    pub fn doubt_steering(&self) -> bool {
+        self.pairs[0].doubted_s.is_some() || self.lateness[0].doubted_s().is_some()
     }
 
     /// The car turns to where it is steered: it rolls forwards.

@@ -32,6 +32,7 @@ mod load;
 mod load_transfer;
 mod payload;
 mod radius_growth;
+mod rear_steer;
 mod relaxation_length;
 mod road_bank;
 mod road_grade;
@@ -118,6 +119,7 @@ pub const MOST_STATES: usize = 4;
 pub static KINDS: &[&Kind] = &[
     &steering_lag::KIND,
     &steering_ratio::KIND,
+    &rear_steer::KIND,
     &payload::KIND,
     &cg_shift::KIND,
     &air_drag::KIND,
@@ -164,10 +166,10 @@ mod tests {
         names.sort_unstable();
         let contract = "accelerometer_position air_drag body_roll brake_yaw_moment cg_shift channel_swap \
                         combined_slip crosswind friction_change friction_split load_transfer payload \
-                        radius_growth relaxation_length road_bank road_grade roll_steer rolling_resistance \
-                        sensor_bias sensor_delay sensor_drift sensor_scale sensor_sign steering_compliance \
-                        steering_lag steering_ratio surface_stiffness tire_radius tire_saturation \
-                        wheel_alignment";
+                        radius_growth rear_steer relaxation_length road_bank road_grade roll_steer \
+                        rolling_resistance sensor_bias sensor_delay sensor_drift sensor_scale sensor_sign \
+                        steering_compliance steering_lag steering_ratio surface_stiffness tire_radius \
+                        tire_saturation wheel_alignment";
         assert_eq!(names, contract.split_whitespace().collect::<Vec<_>>());
     }
 

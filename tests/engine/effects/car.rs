@@ -38,6 +38,25 @@ fn steering_ratio_goes_with_the_square_of_the_angle() {
 }
 
 #[test]
+fn rear_steer_turns_more_at_low_speed_and_less_at_high_speed() {
+    let effect = "[[effect]]\nkind = \"rear_steer\"\nlow_speed_ratio = 0.2\ncrossover_speed_mps = 16";
+    for speed in [8.0, 16.0, 25.0] {
+        let top = format!(
+            "driver = {{ speed_mps = [{{ kind = \"constant\", value = {speed} }}] }}\n\
+             steering_wheel_angle = [{{ kind = \"ramp\", from_s = 0, to_s = 2, value = 0.15 }}]"
+        );
+        let (plain, steered) = (drive(8.0, speed, &top, ""), drive(8.0, speed, &top, effect));
+        let square = (speed / 16.0_f64).powi(2);
+        let share = 0.2 * (1.0 - square) / (1.0 + square);
+        close(steered.last(YawRate) / plain.last(YawRate), 1.0 + share, 5e-3);
+        // The car is the one whose rear wheels point elsewhere: its sideslip changes by their angle besides.
+        let sideslip = |drive: &Drive| drive.end().lateral_velocity / drive.end().longitudinal_velocity;
+        let turned = sideslip(&steered) - (1.0 + share) * sideslip(&plain);
+        assert!((turned + share * 0.01).abs() < 5e-5, "{speed}: {turned}");
+    }
+}
+
+#[test]
 fn steering_compliance_turns_the_wheels_back() {
     let soft = turn("[[effect]]\nkind = \"steering_compliance\"\ncompliance_rad_per_nm = 1e-4");
     let front = MASS * soft.last(LateralAcceleration) * B / WHEELBASE;

@@ -45,6 +45,7 @@ pub const ALTERNATIVES: &[Alternative] = &[
     of("steering_lag", true, |h, x| h.steering_lag = 0.06 * x),
     of("steering_compliance", true, |h, x| h.compliance = 1e-4 * x),
     of("steering_ratio", false, |h, x| h.ratio_curvature = 0.2 * x),
+    of("rear_steer", true, |h, x| h.rear_steer = Some((0.15 * x, 16.0))),
     of("sensor_delay:yaw_rate", true, |h, x| h.faults[4].delay = 0.05 * x),
     of("sensor_delay:lateral_acceleration", true, |h, x| h.faults[5].delay = 0.05 * x),
     of("sensor_delay:longitudinal_acceleration", true, |h, x| h.faults[6].delay = 0.05 * x),

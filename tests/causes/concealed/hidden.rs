@@ -86,6 +86,8 @@ pub struct Hidden {
     pub compliance: f64,
     /// ratio = ratio0 (1 − c swa²)
     pub ratio_curvature: f64,
+    /// Rear angle per front angle at standstill, to the other side, and the speed at which it passes through none, m/s.
+    pub rear_steer: Option<(f64, f64)>,
     pub radius_error: [f64; 4],
     pub radius_growth: f64,
     /// (time, rearward shift)
@@ -119,6 +121,5 @@ pub struct Hidden {
     pub shimmy: f64,
     pub judder: f64,
     pub lock: f64,
-    pub rear_steer: f64,
     pub torque_limit: Option<f64>,
 }

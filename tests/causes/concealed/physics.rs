@@ -259,7 +259,11 @@ impl<'a> Simulator<'a> {
         let steered = if hidden.steering_lag > 0.0 { x[LAG] } else { commanded };
         let front =
             steered - hidden.compliance * TRAIL * self.memory.front_lateral - hidden.roll_steer * x[ROLL];
-        let rear = hidden.rear_steer * ((u - 16.0) / 8.0).clamp(-1.0, 1.0) * front;
+        // Against the front wheels, then with them: (1 − x²)/(1 + x²) of the speed is the cosine of 2 atan x
+        // (Furukawa et al. 1989, steering without sideslip of a car whose axles are alike).
+        let rear = hidden
+            .rear_steer
+            .map_or(0.0, |(ratio, crossover)| -ratio * steered * (2.0 * u.atan2(crossover)).cos());
 
         let loads = self.loads(mass, a, b);
         let static_load = car.static_load();

@@ -58,6 +58,25 @@ fn a_varying_ratio_is_another_ratio_at_each_angle() {
 }
 
 #[test]
+fn steered_rear_wheels_turn_the_car_about_another_point() {
+    // Beside a single-track model whose axles are both steered: it turns by the difference, and slips by the rear angle.
+    let car = car(23);
+    let steering = 0.08;
+    let hidden = Hidden { rear_steer: Some((0.2, 16.0)), ..Hidden::default() };
+    for speed in [8.0, 16.0, 27.0] {
+        let end = corner(&car, &hidden, speed, steering);
+        let front = steering / car.steering_ratio;
+        let square = (end.u / 16.0).powi(2);
+        let rear = -0.2 * front * (1.0 - square) / (1.0 + square);
+        let (yaw, lateral) = single_track(&car, end.u, front - rear);
+        close(end.r, yaw, 1e-2, "yaw rate");
+        assert!((end.v - lateral - end.u * rear).abs() < 1e-2 * end.u * front, "{end:?}: {lateral} {rear}");
+        let plain = single_track(&car, end.u, front).0;
+        assert!((plain / yaw - 1.0).abs() > 0.03 || speed == 16.0, "too weak to be seen: {plain} {yaw}");
+    }
+}
+
+#[test]
 fn load_transfer_costs_each_axle_what_the_curve_says() {
     let car = car(15);
     let (height, front_share) = (0.6, 0.75);

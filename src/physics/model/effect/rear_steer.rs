@@ -40,15 +40,17 @@ pub static KIND: Kind = Kind {
             model_error: Spec::MODEL_ERROR,
             is_main: true,
         },
-        // Makers say 35 km/h (Mazda 1987), 60 (BMW 2010), between 50 and 80 (Porsche 2013).
+        // Makers say 60 km/h (BMW 2010), or between 50 and 80 (Porsche 2013). 40 and 90 are the bounds: one of them
+        // before, 35 (Mazda 1987), is left out, for wheels that are with the front ones at almost every speed are also
+        // what forces and the lean do to an ordinary rear axle.
         Spec {
             name: "crossover_speed_mps",
             words: "speed at which the rear wheels stay straight",
             unit: "m/s",
             scale: Scale::Linear,
             mean: 16.0,
-            std: 3.0,
-            bounds: (8.0, 30.0),
+            std: 2.0,
+            bounds: (11.0, 25.0),
             step: 0.5,
             model_error: Spec::MODEL_ERROR,
             is_main: false,

@@ -1,10 +1,8 @@
 //! The plant's physics: forces, energy, symmetry, steady states, standstill, convergence.
 
 use gripd::model::body::Velocity;
-use gripd::model::integrate::{advance, advance_in, drive_abreast};
-use gripd::model::{
-    Abreast, Conditions, Controls, DrivenAxle, GRAVITY, Plant, State, TireKind, Uncertain, Vehicle,
-};
+use gripd::model::integrate::{advance, advance_in};
+use gripd::model::{Conditions, Controls, DrivenAxle, GRAVITY, Plant, State, TireKind, Uncertain, Vehicle};
 use proptest::prelude::*;
 
 const KINDS: [TireKind; 4] = [TireKind::Linear, TireKind::Piecewise, TireKind::Brush, TireKind::MagicFormula];
@@ -321,64 +319,4 @@ proptest! {
         let scale = here.to_array().iter().fold(1.0, |most: f64, value| most.max(value.abs()));
         prop_assert!(distance(&mirrored(&there), &here) <= 1e-9 * scale);
     }
-}
-
-/// Eight cars that differ, on a drive with steering, driving, and braking to a stand.
-fn eight(tire: TireKind) -> ([Plant; 8], impl Fn(usize, usize) -> Controls) {
-    let plants = std::array::from_fn(|lane| {
-        let share = lane as f64 / 8.0;
-        let mut car = Vehicle { tire, ..Vehicle::thesis() };
-        car.friction = Uncertain::known(0.5 + 0.5 * share);
-        car.lateral_stiffness_front = Uncertain::known(10.0 + 4.0 * share);
-        car.magic_formula_curvature = Uncertain::known(-0.5 * share);
-        let mut plant = Plant::new(&car);
-        plant.nominal.toe = [0.002 * share, -0.002 * share, 0.0, 0.0];
-        plant.nominal.external.fy = 100.0 * share;
-        plant
-    });
-    let controls = |lane: usize, step: usize| {
-        let (t, more) = (step as f64 * 1e-3, 1.0 + 0.1 * lane as f64);
-        let torque = if t < 5.0 { 400.0 * more * (1.3 * t).sin() } else { 0.0 };
-        let brake = if t < 6.0 { 0.0 } else { 1200.0 * more };
-        Controls {
-            steer: 0.04 * more * (2.0 * t).sin(),
-            drive_torque: [torque, torque, 0.0, 0.0],
-            brake_torque: [brake, brake, 0.6 * brake, 0.6 * brake],
-        }
-    };
-    (plants, controls)
-}
-
-#[test]
-fn cars_side_by_side_drive_as_each_would_alone() {
-    for tire in KINDS {
-        let (plants, controls) = eight(tire);
-        let steps = 10_000;
-        let rows: Vec<_> = (0..=steps)
-            .map(|step| Controls::abreast(&std::array::from_fn(|lane| controls(lane, step))).unwrap())
-            .collect();
-        let all = Plant::abreast(&plants).unwrap();
-        let start = plants.map(|plant| State::rolling(&plant, 20.0));
-        let mut together = State::abreast(&start).unwrap();
-        let mut passed = 0;
-        drive_abreast(&all, &mut together, &rows, &all.nominal, 1e-3, &mut |_| passed += 1);
-        assert_eq!(passed, steps);
-        for (lane, plant) in plants.iter().enumerate() {
-            let mut alone = start[lane];
-            for step in 0..steps {
-                let (from, to) = (controls(lane, step), controls(lane, step + 1));
-                alone = advance_in(plant, &alone, &from, &to, &plant.nominal, 1e-3, 1);
-            }
-            for (one, other) in alone.to_array().into_iter().zip(together.lane(lane).to_array()) {
-                assert!((one - other).abs() <= 1e-9 * one.abs().max(1.0), "{tire:?} {lane}: {one} {other}");
-            }
-        }
-    }
-}
-
-#[test]
-fn only_cars_with_the_same_tire_model_drive_side_by_side() {
-    let [linear, _, brush, _] = KINDS.map(|kind| Plant::new(&vehicle(kind)));
-    assert!(Plant::abreast(&[linear, brush]).is_none());
-    assert!(Plant::abreast(&[brush, brush]).is_some());
 }

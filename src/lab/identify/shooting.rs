@@ -24,7 +24,7 @@ use super::normal_equations::{Block, Border, Linearized, Point, Score};
 use super::parameter::Values;
 use super::segment::{LANES, Segment, trace};
 use super::segment_sums::SegmentSums;
-use physics::model::{Dual, Number, Vehicle};
+use physics::model::{Dual, Real, Vehicle};
 
 /// How the start of a segment is tied to the end of the one before: standard deviation of what may
 /// come between, in the state's units; infinite for segments on their own.

@@ -1,6 +1,6 @@
 //! The planar body: from forces at four wheels to accelerations (thesis 4.1–4.4; methods.md §1).
 
-use super::{GRAVITY, Number, Vehicle};
+use super::{GRAVITY, Real, Vehicle};
 
 /// What the body's equations need of the vehicle, as bare numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,7 @@ pub struct Steer<T = f64> {
     pub cos: T,
 }
 
-impl<T: Number> Steer<T> {
+impl<T: Real> Steer<T> {
     /// From the angle, rad, positive to the left.
     #[inline(always)]
     pub fn new(angle: T) -> Self {
@@ -64,7 +64,7 @@ pub struct External<T = f64> {
     pub moment: T,
 }
 
-impl<T: Number> External<T> {
+impl<T: Real> External<T> {
     /// Nothing but the tires.
     #[inline(always)]
     pub fn none() -> Self {
@@ -104,7 +104,7 @@ impl Body {
     }
 }
 
-impl<T: Number> Body<T> {
+impl<T: Real> Body<T> {
     /// Air drag and rolling resistance, N, against the motion; both vanish smoothly at standstill.
     #[inline(always)]
     pub fn resistance(&self, vx: T) -> T {

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-use super::real::{Number, Real, number_of_real};
+use super::real::Real;
 
 /// A value and its derivatives by N things.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,16 +34,12 @@ impl<const N: usize> Dual<N> {
     }
 }
 
-impl<const N: usize> Number for Dual<N> {
-    number_of_real!();
-
+impl<const N: usize> Real for Dual<N> {
     #[inline(always)]
     fn constant(value: f64) -> Self {
         Self { value, by: [0.0; N] }
     }
-}
 
-impl<const N: usize> Real for Dual<N> {
     #[inline(always)]
     fn value(self) -> f64 {
         self.value

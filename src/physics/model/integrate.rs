@@ -12,8 +12,8 @@
 //! Brakes keep their direction through a substep and a wheel that crosses zero under its brake is
 //! stopped there: an error of at most one substep of that wheel's own motion.
 
+use super::Real;
 use super::plant::{Conditions, Controls, Plant, State};
-use super::{Lanes, Number};
 
 /// λ h that a substep may reach.
 const RATE_TIMES_STEP: f64 = 1.0;
@@ -45,7 +45,7 @@ pub fn advance(
 
 /// The same in a given number of substeps, for tests of convergence.
 #[inline(always)]
-pub fn advance_in<T: Number>(
+pub fn advance_in<T: Real>(
     plant: &Plant<T>,
     state: &State<T>,
     from: &Controls<T>,
@@ -68,7 +68,7 @@ pub fn advance_in<T: Number>(
 
 /// One step, with the controls at its start, middle and end.
 #[inline(always)]
-fn runge_kutta<T: Number>(
+fn runge_kutta<T: Real>(
     plant: &Plant<T>,
     state: &State<T>,
     [start, middle, end]: [&Controls<T>; 3],
@@ -89,35 +89,4 @@ fn runge_kutta<T: Number>(
         next.wheel_speed[i] = brake.stopped(next.wheel_speed[i], end.brake_torque[i]);
     }
     next
-}
-
-/// Steps that several cars side by side make, each of `h` seconds and of one Runge–Kutta step; the controls
-/// go linearly from each row to the next. `take` sees the states after each step.
-///
-/// Each car's states are those of [`advance_in`] to rounding: the equations and the steps are the same, the
-/// arc tangent, sine and cosine are our own ([`super::elementary`]).
-pub fn drive_abreast<const K: usize>(
-    plant: &Plant<Lanes<K>>,
-    state: &mut State<Lanes<K>>,
-    controls: &[Controls<Lanes<K>>],
-    conditions: &Conditions<Lanes<K>>,
-    h: f64,
-    take: &mut impl FnMut(&State<Lanes<K>>),
-) {
-    steps_abreast(plant, state, controls, conditions, h, take);
-}
-
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
-fn steps_abreast<const K: usize, F: FnMut(&State<Lanes<K>>)>(
-    plant: &Plant<Lanes<K>>,
-    state: &mut State<Lanes<K>>,
-    controls: &[Controls<Lanes<K>>],
-    conditions: &Conditions<Lanes<K>>,
-    h: f64,
-    take: &mut F,
-) {
-    for pair in controls.windows(2) {
-        *state = advance_in(plant, state, &pair[0], &pair[1], conditions, h, 1);
-        take(state);
-    }
 }

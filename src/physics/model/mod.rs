@@ -9,10 +9,8 @@ mod bicycle;
 pub mod body;
 mod dual;
 pub mod effect;
-pub mod elementary;
 pub mod friction;
 pub mod integrate;
-mod lanes;
 mod one_wheel;
 pub mod plant;
 mod real;
@@ -26,10 +24,9 @@ pub mod wheel;
 
 pub use bicycle::Bicycle;
 pub use dual::Dual;
-pub use lanes::{Abreast, Lanes};
 pub use one_wheel::{OneWheel, OneWheelState};
 pub use plant::{Conditions, Controls, Plant, Response, State};
-pub use real::{Mask, Number, Real};
+pub use real::Real;
 #[cfg(feature = "simulation")]
 pub use scenario::{Piece, Scenario, ScenarioError};
 #[cfg(feature = "simulation")]

@@ -4,10 +4,9 @@
 //! acts on the car from outside (surface, loads, wind, bank, toe) comes in through [`Conditions`].
 
 use super::body::{Acceleration, Body, External, Steer, Velocity};
-use super::real::Mask;
 use super::tire::{Contact, Tire};
 use super::wheel::{self, Braking};
-use super::{Number, Vehicle, wheel::reference_speed};
+use super::{Real, Vehicle, wheel::reference_speed};
 use crate::Wheel;
 
 /// What the equations integrate.
@@ -29,7 +28,7 @@ impl State {
     }
 }
 
-impl<T: Number> State<T> {
+impl<T: Real> State<T> {
     /// `self + rate * h`.
     #[inline(always)]
     pub fn advanced(&self, rate: &Self, h: f64) -> Self {
@@ -65,7 +64,7 @@ pub struct Controls<T = f64> {
     pub brake_torque: [T; 4],
 }
 
-impl<T: Number> Controls<T> {
+impl<T: Real> Controls<T> {
     /// At `share` (0–1) of the way from `self` to `other`.
     #[inline(always)]
     pub fn towards(&self, other: &Self, share: f64) -> Self {
@@ -122,7 +121,7 @@ pub(super) trait Between<T = f64> {
 /// Nothing comes between.
 struct Plainly;
 
-impl<T: Number> Between<T> for Plainly {
+impl<T: Real> Between<T> for Plainly {
     #[inline(always)]
     fn answered(&self, slip_angle: [T; 4]) -> [T; 4] {
         slip_angle
@@ -178,7 +177,7 @@ impl Plant {
     }
 }
 
-impl<T: Number> Plant<T> {
+impl<T: Real> Plant<T> {
     /// Slips, forces, accelerations and the derivative of the state. Brakes act against each
     /// wheel's rotation, or hold it.
     pub fn respond(
@@ -260,8 +259,7 @@ impl<T: Number> Plant<T> {
         between: &impl Between<T>,
     ) -> [Braking<T>; 4] {
         let zero = T::constant(0.0);
-        let stands =
-            |i: usize| state.wheel_speed[i].is_zero().and(zero.is_below(controls.brake_torque[i])).any();
+        let stands = |i: usize| state.wheel_speed[i].is_zero() && zero.is_below(controls.brake_torque[i]);
         if !(0..4).any(stands) {
             let mut braking = [Braking::turning(zero); 4];
             for (i, brake) in braking.iter_mut().enumerate() {

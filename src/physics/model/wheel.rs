@@ -1,7 +1,6 @@
 //! One wheel: slip, slip angle, rotation (thesis 4.5, 4.7, 4.9; methods.md §2).
 
-use super::Number;
-use super::real::Mask;
+use super::Real;
 
 /// Below this speed of the contact point slip and slip angle are related to it instead of to the
 /// true speed, m/s: the tire becomes a viscous damper, forces stay bounded and vanish with motion.
@@ -9,7 +8,7 @@ pub const LOW_SPEED_MPS: f64 = 0.5;
 
 /// The speed that slip is relative to, m/s.
 #[inline(always)]
-pub fn reference_speed<T: Number>(along: T) -> T {
+pub fn reference_speed<T: Real>(along: T) -> T {
     along.abs().at_least(T::constant(LOW_SPEED_MPS))
 }
 
@@ -17,7 +16,7 @@ pub fn reference_speed<T: Number>(along: T) -> T {
 ///
 /// Positive when the force points forward, in reverse, too.
 #[inline(always)]
-pub fn slip<T: Number>(rolling: T, along: T) -> T {
+pub fn slip<T: Real>(rolling: T, along: T) -> T {
     (rolling - along) / reference_speed(along)
 }
 
@@ -25,14 +24,14 @@ pub fn slip<T: Number>(rolling: T, along: T) -> T {
 /// plane (to the left). Positive when it gives a force to the left: for a car going forward
 /// δ − atan((v_y + a r)/v_x), the negative of the ISO 8855 slip angle.
 #[inline(always)]
-pub fn slip_angle<T: Number>(along: T, across: T) -> T {
+pub fn slip_angle<T: Real>(along: T, across: T) -> T {
     -(across / reference_speed(along)).atan()
 }
 
 /// What is along and across an axle's wheels, along and across one that is turned to the left by a further
 /// small angle, rad (toe, roll steer): exact to its third power.
 #[inline(always)]
-pub fn turned<T: Number>([along, across]: [T; 2], angle: T) -> [T; 2] {
+pub fn turned<T: Real>([along, across]: [T; 2], angle: T) -> [T; 2] {
     let one = T::constant(1.0);
     let (sin, cos) = (angle * (one - angle * angle / 6.0), one - angle * 0.5 * angle);
     [along * cos + across * sin, across * cos - along * sin]
@@ -43,23 +42,23 @@ pub fn turned<T: Number>([along, across]: [T; 2], angle: T) -> [T; 2] {
 /// Chosen at the step's start and kept through it, so that the step sees smooth equations; a wheel
 /// that would be turned backwards by its brake is stopped at the step's end instead.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Braking<T: Number = f64> {
+pub struct Braking<T: Real = f64> {
     /// It acts against the rotation of this sign (+1 or −1)…
     pub sign: T,
     /// …or holds the wheel still.
-    pub held: T::Mask,
+    pub held: bool,
 }
 
-impl<T: Number> Braking<T> {
+impl<T: Real> Braking<T> {
     /// The state of a brake of torque `brake_nm` on a wheel that turns with `speed`, rad/s, under
     /// all other torques `other_nm`.
     #[inline(always)]
     pub fn of(speed: T, brake_nm: T, other_nm: T) -> Self {
         let (zero, one) = (T::constant(0.0), T::constant(1.0));
         let stands = speed.is_zero();
-        let [sign] = T::pick(stands, || [one.with_sign_of(other_nm)], || [one.with_sign_of(speed)]);
-        let holds = zero.is_below(brake_nm).and(other_nm.abs().is_at_most(brake_nm));
-        Self { sign, held: stands.and(holds) }
+        let sign = one.with_sign_of(if stands { other_nm } else { speed });
+        let holds = zero.is_below(brake_nm) && other_nm.abs().is_at_most(brake_nm);
+        Self { sign, held: stands && holds }
     }
 
     /// Of a wheel that turns, or has no brake.
@@ -72,19 +71,15 @@ impl<T: Number> Braking<T> {
     /// Angular acceleration, rad/s²: J ω̇ = τ − r F_x − brake.
     #[inline(always)]
     pub fn acceleration(self, other_nm: T, brake_nm: T, inertia: T) -> T {
-        let turning = || [(other_nm - self.sign * brake_nm) / inertia];
-        let [rate] = T::pick(self.held, || [T::constant(0.0)], turning);
-        rate
+        if self.held { T::constant(0.0) } else { (other_nm - self.sign * brake_nm) / inertia }
     }
 
     /// The wheel's speed at the end of a step: zero, if the brake has stopped it within the step.
     #[inline(always)]
     pub fn stopped(self, speed: T, brake_nm: T) -> T {
         let zero = T::constant(0.0);
-        let backwards = zero.is_below(brake_nm).and((speed * self.sign).is_below(zero));
-        let [speed] = T::pick(backwards, || [zero], || [speed]);
-        let [speed] = T::pick(self.held, || [zero], || [speed]);
-        speed
+        let backwards = zero.is_below(brake_nm) && (speed * self.sign).is_below(zero);
+        if backwards || self.held { zero } else { speed }
     }
 }
 

@@ -4,7 +4,7 @@
 //! pressure. With ψ = C s / (3 μ), the share of the patch that slides, the force is
 //! μ (3 ψ − 3 ψ² + ψ³): the polynomial of methods.md §4.
 
-use super::{Contact, Curve, Number, Real, Shape};
+use super::{Contact, Curve, Real, Shape};
 
 /// The brush model; it has no parameter of its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,7 +17,7 @@ impl Brush {
     /// part against the sliding velocity, (s, tan α) of the wheel's speed. With friction that
     /// differs in the two directions the sliding friction follows the ellipse.
     #[inline(always)]
-    pub fn combined<T: Number>(&self, contact: &Contact<T>, slip: T, slip_angle: T) -> [T; 2] {
+    pub fn combined<T: Real>(&self, contact: &Contact<T>, slip: T, slip_angle: T) -> [T; 2] {
         let x = contact.stiffness_x * slip;
         let y = contact.stiffness_y * slip_angle;
         let psi = norm(x / contact.friction_x, y / contact.friction_y) / 3.0;
@@ -32,38 +32,36 @@ impl Brush {
         };
         let slides = T::constant(1.0).is_at_most(psi);
         // Slips too small to have a length in floating point do not slide, either.
-        T::pick(
-            psi.at_most(length).is_zero(),
-            || [x, y],
-            || T::pick(slides, || [along / length, across / length], partly),
-        )
+        if psi.at_most(length).is_zero() {
+            [x, y]
+        } else if slides {
+            [along / length, across / length]
+        } else {
+            partly()
+        }
     }
 }
 
 /// √(x² + y²); slips are far from where `hypot` would be needed, and it is slow.
 #[inline(always)]
-fn norm<T: Number>(x: T, y: T) -> T {
+fn norm<T: Real>(x: T, y: T) -> T {
     let square = x * x + y * y;
     // The root has no derivative at zero, and is not needed there.
-    let [root] = T::pick(square.is_zero(), || [square], || [square.sqrt()]);
-    root
+    if square.is_zero() { square } else { square.sqrt() }
 }
 
-impl<T: Number> Curve<T> for Brush {
+impl<T: Real> Curve<T> for Brush {
     #[inline(always)]
     fn force(&self, stiffness: T, friction: T, slip: T) -> T {
         let psi = stiffness * slip.abs() / (friction * 3.0);
         let sticks = psi.is_below(T::constant(1.0));
-        let [force] = T::pick(sticks, || [friction * psi * (psi * (psi - 3.0) + 3.0)], || [friction]);
+        let force = if sticks { friction * psi * (psi * (psi - 3.0) + 3.0) } else { friction };
         force.with_sign_of(slip)
     }
 
     /// F = μ (1 − (1 − ψ)³), solved for ψ.
     #[inline(always)]
-    fn slip(&self, stiffness: T, friction: T, force: T) -> T
-    where
-        T: Real,
-    {
+    fn slip(&self, stiffness: T, friction: T, force: T) -> T {
         let left = (-(force.abs() / friction) + 1.0).at_least(T::constant(1e-9));
         let root = left.value().cbrt();
         let psi = -left.map(root, root / (3.0 * left.value())) + 1.0;

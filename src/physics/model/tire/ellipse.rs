@@ -1,26 +1,23 @@
 //! The friction ellipse (thesis 4.15).
 
-use super::{Contact, Curve, Number};
+use super::{Contact, Curve, Real};
 
 /// Scales a pair of forces / normal load back onto the ellipse (x/μ_x)² + (y/μ_y)² = 1 if it lies
 /// outside; its direction stays.
 #[inline(always)]
-pub fn scaled_back<T: Number>(contact: &Contact<T>, [x, y]: [T; 2]) -> [T; 2] {
+pub fn scaled_back<T: Real>(contact: &Contact<T>, [x, y]: [T; 2]) -> [T; 2] {
     let (ex, ey) = (x / contact.friction_x, y / contact.friction_y);
     let used = ex * ex + ey * ey;
-    T::pick(
-        used.is_at_most(T::constant(1.0)),
-        || [x, y],
-        || {
-            let used = used.sqrt();
-            [x / used, y / used]
-        },
-    )
+    if used.is_at_most(T::constant(1.0)) {
+        return [x, y];
+    }
+    let used = used.sqrt();
+    [x / used, y / used]
 }
 
 /// Both forces of a curve as if each slip were alone, scaled back together.
 #[inline(always)]
-pub(super) fn pair<T: Number>(curve: &impl Curve<T>, contact: &Contact<T>, slip: T, slip_angle: T) -> [T; 2] {
+pub(super) fn pair<T: Real>(curve: &impl Curve<T>, contact: &Contact<T>, slip: T, slip_angle: T) -> [T; 2] {
     let x = curve.force(contact.stiffness_x, contact.friction_x, slip);
     let y = curve.force(contact.stiffness_y, contact.friction_y, slip_angle);
     scaled_back(contact, [x, y])

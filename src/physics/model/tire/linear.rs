@@ -1,22 +1,19 @@
 //! The linear tire.
 
-use super::{Curve, Number, Real, Shape};
+use super::{Curve, Real, Shape};
 
 /// Force proportional to slip, without limit: right for small slip only.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Linear;
 
-impl<T: Number> Curve<T> for Linear {
+impl<T: Real> Curve<T> for Linear {
     #[inline(always)]
     fn force(&self, stiffness: T, _friction: T, slip: T) -> T {
         stiffness * slip
     }
 
     #[inline(always)]
-    fn slip(&self, stiffness: T, _friction: T, force: T) -> T
-    where
-        T: Real,
-    {
+    fn slip(&self, stiffness: T, _friction: T, force: T) -> T {
         force / stiffness
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Curve, Number, Real, Shape};
+use super::{Curve, Real, Shape};
 
 /// D sin(C atan(B x − E (B x − atan B x))), D the friction, B C D the stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub struct MagicFormula<T = f64> {
     pub curvature: T,
 }
 
-impl<T: Number> MagicFormula<T> {
+impl<T: Real> MagicFormula<T> {
     /// The argument of the outer atan, and its derivative by B x.
     #[inline(always)]
     fn bent(&self, bx: T) -> (T, T) {
@@ -28,7 +28,7 @@ impl<T: Number> MagicFormula<T> {
     }
 }
 
-impl<T: Number> Curve<T> for MagicFormula<T> {
+impl<T: Real> Curve<T> for MagicFormula<T> {
     #[inline(always)]
     fn force(&self, stiffness: T, friction: T, slip: T) -> T {
         let (bent, _) = self.bent(stiffness / (self.shape * friction) * slip);
@@ -37,10 +37,7 @@ impl<T: Number> Curve<T> for MagicFormula<T> {
     }
 
     #[inline(always)]
-    fn slip(&self, stiffness: T, friction: T, force: T) -> T
-    where
-        T: Real,
-    {
+    fn slip(&self, stiffness: T, friction: T, force: T) -> T {
         // sin(C atan z) = F/D gives z at once; B x follows from it by Newton's method, whose last step,
         // in T, has the exact derivative.
         let share = (force / friction).at_least(T::constant(-1.0 + 1e-9)).at_most(T::constant(1.0 - 1e-9));

@@ -17,7 +17,7 @@ pub use linear::Linear;
 pub use magic_formula::MagicFormula;
 pub use piecewise_linear::PiecewiseLinear;
 
-use super::{Number, Real, TireKind, Vehicle};
+use super::{Real, TireKind, Vehicle};
 
 /// What tire and surface make of each other at one wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,15 +40,13 @@ impl Contact {
 }
 
 /// One normalized force curve. Odd in the slip; `stiffness` and `friction` are positive.
-pub trait Curve<T: Number = f64> {
+pub trait Curve<T: Real = f64> {
     /// Force / normal load at a slip (or at a slip angle in rad).
     fn force(&self, stiffness: T, friction: T, slip: T) -> T;
 
     /// The slip at which the force has this value, which must be below the friction: the one on the
     /// rising side.
-    fn slip(&self, stiffness: T, friction: T, force: T) -> T
-    where
-        T: Real;
+    fn slip(&self, stiffness: T, friction: T, force: T) -> T;
 }
 
 /// What a plain curve knows of itself beside its force.
@@ -88,7 +86,7 @@ impl Tire {
     }
 }
 
-impl<T: Number> Tire<T> {
+impl<T: Real> Tire<T> {
     /// Longitudinal force / normal load at pure slip.
     #[inline(always)]
     pub fn longitudinal(&self, contact: &Contact<T>, slip: T) -> T {
@@ -128,17 +126,14 @@ macro_rules! of_model {
     };
 }
 
-impl<T: Number> Curve<T> for Tire<T> {
+impl<T: Real> Curve<T> for Tire<T> {
     #[inline(always)]
     fn force(&self, stiffness: T, friction: T, slip: T) -> T {
         of_model!(self, curve => curve.force(stiffness, friction, slip))
     }
 
     #[inline(always)]
-    fn slip(&self, stiffness: T, friction: T, force: T) -> T
-    where
-        T: Real,
-    {
+    fn slip(&self, stiffness: T, friction: T, force: T) -> T {
         of_model!(self, curve => curve.slip(stiffness, friction, force))
     }
 }

@@ -199,7 +199,7 @@ mod tests {
         draw(folder.path(), &done).unwrap();
         let page = fs::read_to_string(folder.path().join("index.html")).unwrap();
         for Done { experiment, .. } in &done {
-            assert!(page.contains(experiment.title), "{}", experiment.title);
+            assert!(page.contains(experiment.figure), "{}", experiment.figure);
         }
         assert!(pictures.iter().all(|name| folder.path().join(format!("{name}.svg")).is_file()));
     }

@@ -1,8 +1,9 @@
 //! Does the zero of the drive torque jump?
 //!
 //! Torque over radius is what pushes the car, and an accelerometer feels the same, hills included. Their difference is an
-//! offset that moves slowly. When it jumps, slips against forces tell nothing for as long as it takes to see whether it
-//! stays; then the forces are corrected by it. Without an accelerometer a hill looks the same, and nothing is said.
+//! offset that moves slowly. When it jumps, nobody knows which of both has a new zero, and slips against forces tell nothing
+//! until the old one is there again. If it stays where it is, slopes are learned anew. Without an accelerometer a hill looks
+//! the same, and nothing is said.
 
 use crate::estimate::cornering::Doubt;
 
@@ -31,17 +32,16 @@ const TUNING: Tuning = Tuning {
     jump: 0.25,
     ends: 0.6,
     calm_s: 3.0,
-    lasts_s: 20.0,
+    lasts_s: 60.0,
     steady: 0.15,
 };
 
 /// Compares torque and accelerometer.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TorqueZero {
-    /// Mean differences, m/s², and the first one.
+    /// Mean differences, m/s².
     usual: f64,
     now: f64,
-    first: Option<f64>,
     /// Variance of the difference around its mean of now, and mean square of what the accelerometer feels, (m/s²)².
     variance: f64,
     square: f64,
@@ -51,20 +51,20 @@ pub struct TorqueZero {
 }
 
 impl TorqueZero {
-    /// Takes what the torque tells more than the accelerometer feels, and that, m/s².
-    pub fn step(&mut self, difference: f64, felt: f64, elapsed_s: f64) {
+    /// Takes what the torque tells more than the accelerometer feels, and that, m/s². Returns whether the difference has moved
+    /// and stayed there for long enough.
+    pub fn step(&mut self, difference: f64, felt: f64, elapsed_s: f64) -> bool {
         self.seen_s += elapsed_s;
         let within = |seconds: f64| (elapsed_s / self.seen_s.min(seconds)).min(1.0);
         self.now += within(TUNING.now_s) * (difference - self.now);
-        self.variance += within(TUNING.lasts_s / 2.0) * ((difference - self.now).powi(2) - self.variance);
+        self.variance += within(TUNING.lasts_s / 6.0) * ((difference - self.now).powi(2) - self.variance);
         self.square += within(TUNING.usual_s) * (felt * felt - self.square);
         if self.doubted_s.is_none() {
             self.usual += within(TUNING.usual_s) * (difference - self.usual);
         }
         if self.seen_s < TUNING.shows_s {
-            return;
+            return false;
         }
-        self.first.get_or_insert(self.usual);
         let off = (self.now - self.usual).abs();
         self.calm_s = if off > TUNING.ends * TUNING.jump { 0.0 } else { self.calm_s + elapsed_s };
         self.doubted_s = match self.doubted_s {
@@ -73,9 +73,11 @@ impl TorqueZero {
             _ => None,
         };
         let lasts = self.doubted_s.is_some_and(|since| since > TUNING.lasts_s);
-        if lasts && self.variance < TUNING.steady * TUNING.steady {
-            (self.usual, self.doubted_s) = (self.now, None);
+        if !lasts || self.variance > TUNING.steady * TUNING.steady {
+            return false;
         }
+        (self.usual, self.doubted_s) = (self.now, None);
+        true
     }
 
     /// The forces cannot be told at the moment.
@@ -89,56 +91,49 @@ impl TorqueZero {
             left_out: None,
         })
     }
-
-    /// By so much the torque tells more now than in the beginning, m/s²; what is less than a jump is the tires' business.
-    pub fn moved(&self) -> f64 {
-        let moved = self.first.map_or(0.0, |first| self.usual - first);
-        if moved.abs() > TUNING.ends * TUNING.jump { moved } else { 0.0 }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Accelerates and coasts with a torque that is 5 % wrong; what is told at each quarter of a second.
-    fn drive(zero: impl Fn(f64) -> f64) -> Vec<TorqueZero> {
-        let mut torque = TorqueZero::default();
+    /// Accelerates and coasts with a torque that is 5 % wrong; for each quarter of a second whether it is doubted, and
+    /// whether its zero has moved.
+    fn drive(zero: impl Fn(f64) -> f64) -> Vec<(bool, bool)> {
+        let (mut torque, mut moved) = (TorqueZero::default(), false);
         let at = |i: u32| {
             let t = 0.25 * f64::from(i);
             let felt = 1.5 * (0.8 * t).sin();
-            torque.step(0.05 * felt + 0.1 + zero(t), felt, 0.25);
-            torque
+            moved |= torque.step(0.05 * felt + 0.1 + zero(t), felt, 0.25);
+            (torque.doubt().is_some(), moved)
         };
         (0..480).map(at).collect()
     }
 
     #[test]
     fn a_wrong_scale_and_a_slow_drift_are_no_jump() {
-        let seen = drive(|t| 0.003 * t);
-        assert!(seen.iter().all(|it| it.doubt().is_none()));
+        assert!(drive(|t| 0.003 * t).iter().all(|is_doubted| *is_doubted == (false, false)));
     }
 
     #[test]
     fn a_jump_is_told_and_what_stays_is_the_new_zero() {
-        let seen = drive(|t| if t > 60.0 { 0.44 } else { 0.0 });
-        let told: Vec<usize> = (0..seen.len()).filter(|i| seen[*i].doubt().is_some()).collect();
+        let seen = drive(|t| if t > 56.0 { 0.44 } else { 0.0 });
+        let told: Vec<usize> = (0..seen.len()).filter(|i| seen[*i].0).collect();
         let (first, last) = (0.25 * told[0] as f64, 0.25 * told[told.len() - 1] as f64);
-        assert!((60.0..64.0).contains(&first) && (78.0..86.0).contains(&last), "{first} to {last}");
-        assert!((seen[479].moved() - 0.44).abs() < 0.05, "{}", seen[479].moved());
+        assert!((56.0..60.0).contains(&first) && (116.0..119.0).contains(&last), "{first} to {last}");
+        assert!(!seen[last as usize * 4].1 && seen[479].1);
     }
 
     #[test]
     fn a_frozen_torque_has_no_zero() {
         let felt = |t: f64| 1.5 * (0.8 * t).sin();
         let seen = drive(|t| if t > 60.0 { -1.05 * felt(t) + 0.3 } else { 0.0 });
-        assert!(seen[260..].iter().all(|it| it.doubt().is_some() && it.moved() == 0.0));
+        assert!(seen[260..].iter().all(|is_doubted| *is_doubted == (true, false)));
     }
 
     #[test]
     fn a_jump_that_ends_leaves_nothing() {
         let seen = drive(|t| if (60.0..70.0).contains(&t) { -0.44 } else { 0.0 });
-        assert!(seen[275].doubt().is_some());
-        assert!(seen[310].doubt().is_none() && seen[479].moved() == 0.0);
+        assert!(seen[275].0 && seen[479] == (false, false));
     }
 }

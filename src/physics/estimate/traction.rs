@@ -28,8 +28,6 @@ pub struct Traction {
     car: Car,
     wheel_noise: f64,
     torque_noise: f64,
-    /// What is taken off the axle torque, N m.
-    torque_zero: f64,
     acceleration_noise: f64,
     minimum_speed: f64,
     max_lateral: f64,
@@ -53,7 +51,6 @@ impl Traction {
         Self {
             wheel_noise: car.radius * sensors.noise_std(Quantity::WheelSpeedFl),
             torque_noise: car.drive_torque_ratio.abs() * sensors.noise_std(Quantity::DriveTorque),
-            torque_zero: 0.0,
             acceleration_noise: sensors.noise_std(Quantity::LongitudinalAcceleration),
             minimum_speed,
             max_lateral: config.max_lateral_acceleration_mps2,
@@ -121,7 +118,7 @@ impl Traction {
         let car = &self.car;
         if let Some(torque) = block.axle_torque {
             let spin = block.wheel_acceleration[wheel as usize] / car.radius;
-            let force = (0.5 * (torque - self.torque_zero) - car.wheel_inertia * spin) / car.radius;
+            let force = (0.5 * torque - car.wheel_inertia * spin) / car.radius;
             let spin_std = self.rate_std(block) / car.radius;
             let torque_std = 0.5 * self.torque_noise / block.samples.sqrt();
             return (force, torque_std.hypot(car.wheel_inertia * spin_std) / car.radius);
@@ -171,7 +168,7 @@ impl Traction {
 
     /// What the torque tells of the acceleration, m/s², where the bus has it.
     fn driving(&self, block: &Block) -> Option<f64> {
-        let torque = block.axle_torque? - self.torque_zero;
+        let torque = block.axle_torque?;
         // A spinning wheel takes a part of the torque for itself.
         let spin: f64 = Wheel::ALL
             .into_iter()
@@ -184,19 +181,13 @@ impl Traction {
         Some((torque - spin) / self.car.radius / self.car.mass - self.resisting(block))
     }
 
-    /// What the torque as it is on the bus tells more than an accelerometer feels, and that, m/s². A car that is braked
-    /// or turns sharply is held back by more than its resistance.
+    /// What the torque tells more than an accelerometer feels, and that, m/s². A car that is braked or turns sharply is held
+    /// back by more than its resistance.
     pub fn torque_and_acceleration(&self, block: &Block) -> Option<(f64, f64)> {
         let felt = block.longitudinal_acceleration?;
-        let of_zero = self.torque_zero / self.car.radius / self.car.mass;
         let is_free = block.speed > self.minimum_speed
             && block.lateral_acceleration.abs() < self.max_lateral
             && !self.is_braking(block);
-        self.driving(block).filter(|_| is_free).map(|driving| (driving + of_zero - felt, felt))
-    }
-
-    /// The torque's zero has moved by this much, in m/s² of the car.
-    pub fn set_torque_zero(&mut self, moved: f64) {
-        self.torque_zero = moved * self.car.mass * self.car.radius;
+        self.driving(block).filter(|_| is_free).map(|driving| (driving - felt, felt))
     }
 }

@@ -7,15 +7,17 @@
 struct Tuning {
     /// Time constant of each smoothing, s.
     smooth_s: f64,
-    /// Seconds that are remembered where nothing else is asked for, and those before which nothing is said.
+    /// Seconds that are remembered where nothing else is asked for, and the share of them before which nothing is said.
     memory_s: f64,
-    shows_s: f64,
+    shows: f64,
     /// So late are good sensors by their gateways, and models by tires and body, s, as far as it shows; more by so many
     /// deviations is a doubt, …
     least_s: f64,
     deviations: f64,
-    /// … that ends at this share of what it begins at.
+    /// … that ends at this share of what it begins at. Tires that were learned with this share of what is forgiven would be
+    /// wrong already.
     ends: f64,
+    crude: f64,
     /// One error lasts this long, s.
     error_lasts_s: f64,
 }
@@ -23,10 +25,11 @@ struct Tuning {
 const TUNING: Tuning = Tuning {
     smooth_s: 0.3,
     memory_s: 12.0,
-    shows_s: 5.0,
+    shows: 0.4,
     least_s: 0.03,
     deviations: 2.2,
     ends: 0.8,
+    crude: 0.6,
     error_lasts_s: 0.6,
 };
 
@@ -44,6 +47,7 @@ pub struct Lateness {
     expected_s: f64,
     seen_s: f64,
     doubted_s: Option<f64>,
+    is_crude: bool,
 }
 
 impl Default for Lateness {
@@ -64,6 +68,7 @@ impl Lateness {
             expected_s: 0.0,
             seen_s: 0.0,
             doubted_s: None,
+            is_crude: false,
         }
     }
 
@@ -83,9 +88,12 @@ impl Lateness {
         self.product += memory * (difference * rate - self.product);
         self.expected_s += memory * (expected_s - self.expected_s);
         let late = self.late_s().abs();
+        let chance = TUNING.deviations * self.std_s();
         let ends = self.doubted_s.map_or(1.0, |_| TUNING.ends);
-        let is_late = late > ends * (TUNING.least_s + tolerance_s + TUNING.deviations * self.std_s());
-        let is_late = is_late && self.seen_s > TUNING.shows_s;
+        let is_late = late > ends * (TUNING.least_s + tolerance_s + chance);
+        let shows = self.seen_s > TUNING.shows * self.memory_s;
+        let is_late = shows && is_late;
+        self.is_crude = shows && late > TUNING.least_s + TUNING.crude * tolerance_s + chance;
         self.doubted_s = is_late.then(|| self.doubted_s.map_or(0.0, |since| since + elapsed_s));
     }
 
@@ -97,6 +105,11 @@ impl Lateness {
     /// For how long it has been too much, s.
     pub fn doubted_s(&self) -> Option<f64> {
         self.doubted_s
+    }
+
+    /// It is no doubt, but tires are not to be learned from these.
+    pub fn is_crude(&self) -> bool {
+        self.is_crude
     }
 
     fn std_s(&self) -> f64 {

@@ -39,7 +39,7 @@ use super::lateral_filter::steering::SteeringActivity;
 use crate::model::DrivenAxle;
 use crate::{Quantity, Sensors};
 
-/// Tuned: steering with the test `sim2_joint`, `borne_s` with `one_channel`, the rest with the tests `long_drives` and `faults`.
+/// Tuned: steering with the test `sim2_joint`, the rest with the tests `long_drives` and `faults`.
 struct Tuning {
     /// Steering may be this much livelier (spectral density) than it seems.
     steering_margin: f64,
@@ -47,14 +47,12 @@ struct Tuning {
     gap_s: f64,
     /// Wheel speeds have no sign. After driving slowly it shows within this time, s, whether the car rolls backwards.
     forward_shows_s: f64,
-    /// A yaw rate that comes so much later than the wheels, s, can be lived with.
-    borne_s: f64,
     /// A car that a single wheel's brake turned has settled again after this time, s.
     braked_settles_s: f64,
 }
 
 const TUNING: Tuning =
-    Tuning { steering_margin: 2.0, gap_s: 0.1, forward_shows_s: 3.0, borne_s: 0.18, braked_settles_s: 0.5 };
+    Tuning { steering_margin: 2.0, gap_s: 0.1, forward_shows_s: 3.0, braked_settles_s: 0.5 };
 
 /// What the filter knows of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,7 +179,6 @@ impl MotionFilter {
     pub fn is_valid(&self, speed: f64) -> bool {
         (self.witnesses.doubt().is_none() || self.is_outvoted)
             && self.scaled().is_none()
-            && self.free_axle.yaw_rate_is_late().is_none_or(|(by_s, _)| by_s < TUNING.borne_s)
             && (self.driving_s > TUNING.forward_shows_s || self.witnesses.show_forward())
             && self.unbraked_s > TUNING.braked_settles_s
             && self.motion.is_some_and(|motion| motion.lateral_velocity_std <= self.valid_std * speed)

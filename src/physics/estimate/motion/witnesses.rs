@@ -48,6 +48,8 @@ struct Tuning {
     /// With so much turning, rad/s, and this share of it as it is steered, the car rolls forwards.
     turning: f64,
     forward: f64,
+    /// What comes so late, s, is of no use.
+    useless_s: f64,
     /// An offset makes at least this share of a mean square.
     level: f64,
     /// A doubt ends at this share of what it begins at.
@@ -71,10 +73,11 @@ const TUNING: Tuning = Tuning {
     factor_least: 1.5,
     factor_least_for_tires: 0.5,
     rest: 0.4,
-    mounting: 0.6,
+    mounting: 0.7,
     error_lasts_s: 0.6,
     turning: 0.05,
     forward: 0.5,
+    useless_s: 0.15,
     level: 0.7,
     ends: 0.6,
     offset_deviations: 2.0,
@@ -150,7 +153,7 @@ impl Body {
     /// rises with v r, so that a_y = v r + v̇_y = v (r + (b/v − v/(g C_R)) ṙ).
     fn lead(&self, speed: f64) -> (f64, f64) {
         let (softness, std) = self.softness;
-        (self.b / speed - softness * speed, (TUNING.mounting / speed).hypot(std * speed))
+        (self.b / speed - softness * speed, TUNING.mounting / speed + std * speed)
     }
 }
 
@@ -248,10 +251,10 @@ impl Witnesses {
         })
     }
 
-    /// No tires are learned from these sensors: yaw rate or acceleration is scaled wrong, if by little. (The steering
-    /// depends on the tires themselves.)
+    /// No tires are learned from these sensors: yaw rate or acceleration is scaled wrong or late, if by little. (The
+    /// steering depends on the tires themselves.)
     pub fn are_crude(&self) -> bool {
-        self.pairs[1].is_crude
+        self.pairs[1].is_crude || self.lateness[1].is_crude()
     }
 
     /// Which comes later than the other of a pair, by how much (s) and for how long (s), where it is too much.
@@ -268,13 +271,13 @@ impl Witnesses {
     pub fn outvote_acceleration(&self) -> bool {
         let [by_steering, by_yaw_rate, by_both] = self.pairs.map(|pair| pair.doubted_s.is_some());
         let [_, late] = &self.lateness;
-        let is_late = late.doubted_s().is_some() && late.late_s() > 0.0;
+        let is_late = late.doubted_s().is_some() && late.late_s() > TUNING.useless_s;
         !by_steering && (is_late || by_yaw_rate && by_both && self.pairs[1].is_level())
     }
 
-    /// The steering angle tells of another turning than the yaw rate, or at another time.
+    /// The steering angle tells of another turning than the yaw rate.
     pub fn doubt_steering(&self) -> bool {
-        self.pairs[0].doubted_s.is_some() || self.lateness[0].doubted_s().is_some()
+        self.pairs[0].doubted_s.is_some()
     }
 
     /// The car turns to where it is steered: it rolls forwards.

@@ -43,7 +43,7 @@ const TUNING: Tuning = Tuning {
     radii_s: 60.0,
     speeds_s: 25.0,
     delays_s: 0.03,
-    wheels_s: 0.02,
+    wheels_s: 0.01,
     smooth_s: 0.3,
     memory_s: 20.0,
     error_lasts_s: 0.6,

@@ -77,7 +77,7 @@ const TUNING: Tuning = Tuning {
     error_lasts_s: 0.6,
     turning: 0.05,
     forward: 0.5,
-    useless_s: 0.15,
+    useless_s: 0.08,
     level: 0.7,
     ends: 0.6,
     offset_deviations: 2.0,

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::explain::ordinary::{FreeTrace, Number, Ordinary};
 use crate::explain::{ByChannel, Parts};
+use crate::pages::explain::words;
 use crate::report::{Color, Page, Plot};
 
 /// What it predicts and what it leaves, a line each.
@@ -151,12 +152,18 @@ pub fn section(page: &mut Page, ordinary: &Ordinary) {
         page.paragraph(&line);
     }
     let row = |number: &Number| {
+        let [value, before] =
+            [number.estimate, number.prior].map(|estimate| words::ordinary(&number.name, estimate));
         vec![
-            number.name.clone(),
+            words::sentence(&value.name),
             number.recording.as_deref().map_or("the car", file).to_owned(),
-            format!("{} ± {}", three(number.estimate.value), three(number.estimate.std)),
-            format!("{} ± {}", three(number.prior.value), three(number.prior.std)),
-            number.untold().unwrap_or_default(),
+            value.value(),
+            before.value(),
+            // The number at the bound stands beside it, in the unit of the page.
+            match number.is_at_bound {
+                true => "the search ends at the bound: the equations do not fit here".to_owned(),
+                false => number.untold().unwrap_or_default(),
+            },
         ]
     };
     let rows: Vec<Vec<String>> = ordinary.numbers.iter().map(row).collect();

@@ -258,8 +258,13 @@ fn plot(page: &mut Page, explanation: &Explanation) {
         (false, false) => channel,
     };
     let chosen = if has_extended { "gains most" } else { "is furthest off" };
+    let inputs = if explanation.is_by_ordinary {
+        "steering wheel and measured speed"
+    } else {
+        "steering wheel, torques and brakes"
+    };
     let caption = format!(
-        "{}, {} to {} s, where it {chosen}. Simulated from the steering wheel, torques and brakes alone, \
+        "{}, {} to {} s, where it {chosen}. Simulated from the {inputs} alone, \
          without feedback of what is shown.",
         stretch.trace.recording,
         number(stretch.t[0], 0),

@@ -15,7 +15,7 @@ mod sure;
 mod tests;
 mod text;
 mod tried;
-mod words;
+pub(in crate::pages) mod words;
 
 use crate::explain::{Explanation, Verdict};
 use crate::report::Page;
@@ -35,6 +35,7 @@ pub fn page(explanation: &Explanation) -> String {
     }
     rest::write(&mut page, explanation);
     page.section("reading", "How to read this", "");
+    page.notes(&[MODELS, if explanation.is_by_ordinary { FREE_FIT } else { FIT }]);
     page.notes(NOTES);
     page.html()
 }
@@ -46,18 +47,29 @@ fn has_extension(explanation: &Explanation) -> bool {
         || fit.baseline != fit.extended && !fit.extended.train.is_empty()
 }
 
+const MODELS: (&str, &str) = (
+    "Plain model, extended model",
+    "A planar car on four tires, its uncertain parameters refitted to this recording; the same with what was found \
+     missing, everything fitted together.",
+);
+
+const FIT: (&str, &str) = (
+    "Fit",
+    "100 (1 − |y − ŷ| / |y − mean y|) per cent of a simulation driven by the recorded steering wheel, torques and \
+     brakes, restarted every 20 s from what was measured. 100 is perfect, 0 no better than the mean; noise alone keeps \
+     it below 100.",
+);
+
+/// The same where free runs decided.
+const FREE_FIT: (&str, &str) = (
+    "Fit",
+    "100 (1 − |y − ŷ| / |y − mean y|) per cent. Yaw rate and lateral acceleration: of a free run from the recording's \
+     beginning, driven by the recorded steering wheel and the measured speed. Other channels: of a simulation driven by \
+     steering wheel, torques and brakes, restarted every 20 s. 100 is perfect, 0 no better than the mean; noise alone \
+     keeps it below 100.",
+);
+
 const NOTES: &[(&str, &str)] = &[
-    (
-        "Plain model, extended model",
-        "A planar car on four tires, its uncertain parameters refitted to this recording; the same with what was \
-         found missing, everything fitted together.",
-    ),
-    (
-        "Fit",
-        "100 (1 − |y − ŷ| / |y − mean y|) per cent of a simulation driven by the recorded steering wheel, torques \
-         and brakes, restarted every 20 s from what was measured. 100 is perfect, 0 no better than the mean; \
-         noise alone keeps it below 100.",
-    ),
     (
         "Held out",
         "Stretches that were set apart before anything was fitted. Only what improves there is believed.",

@@ -187,8 +187,21 @@ fn shown(name: &str, channel: &str, unit: &str, estimate: Estimate) -> Shown {
     Shown { name: parameter_name(name), estimate, unit, is_main: false }
 }
 
-/// One of the ordinary numbers.
+/// One of the ordinary numbers: of the vehicle, of the measurement, or of an effect that every car has (`kind.number`);
+/// of several recordings with the one that it is of behind it.
 pub fn ordinary(name: &str, estimate: Estimate) -> Shown {
+    if let Some((number, recording)) = name.split_once(" of ") {
+        let shown = ordinary(number, estimate);
+        return Shown { name: format!("{} of {recording}", shown.name), ..shown };
+    }
+    let of_an_effect = name.split_once('.').and_then(|(kind, number)| {
+        let kind = effect::named(kind)?;
+        Some((kind, kind.parameters.iter().find(|spec| spec.name == number)?))
+    });
+    if let Some((kind, spec)) = of_an_effect {
+        let name = format!("{}: {}", kind.words, spec.words);
+        return Shown { name, ..shown(spec.name, "", spec.unit, estimate) };
+    }
     let unit = match name {
         "lateral_stiffness" => "1/rad",
         _ => Parameter::named(name).map_or("1", Parameter::unit),
@@ -346,6 +359,16 @@ mod tests {
         );
         let ratio = ordinary("steering_ratio", Estimate { value: 15.5, std: 0.1 });
         assert_eq!((ratio.name.as_str(), ratio.value().as_str()), ("steering ratio", "15.50 ± 0.10"));
+        let length = ordinary("relaxation_length.length_m", Estimate { value: 0.35, std: 0.05 });
+        assert_eq!(
+            (length.name.as_str(), length.value().as_str()),
+            ("tire relaxation length: relaxation length", "0.35 ± 0.05 m")
+        );
+        let of_one = ordinary("speed_delay_s of a/b.log", Estimate { value: 0.01, std: 0.001 });
+        assert_eq!(
+            (of_one.name.as_str(), of_one.value().as_str()),
+            ("speed delay of a/b.log", "10.0 ± 1.0 ms")
+        );
         assert_eq!(
             ordinary("slip_offset_fl", Estimate { value: 0.01, std: 0.0 }).name,
             "slip offset, front left wheel"

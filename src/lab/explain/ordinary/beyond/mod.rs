@@ -7,7 +7,8 @@
 //!
 //! Every trial is scored to first order after all ordinary numbers have taken what they can; the best are fitted together
 //! with these, with the noise's colour learned anew beside each. One is taken if the odds are for it, held-out blocks are
-//! better predicted, and it beats the best that decoys do: the same effects at another time of the drive.
+//! better predicted, and it beats the best that decoys do: the same effects at another time of the drive. What cannot be
+//! told from physics that every car has is not called unusual.
 
 mod climb;
 mod colour;
@@ -123,8 +124,10 @@ pub fn beyond(
         if round == 0 {
             answer.ranking = ranking(&refitted, &scored);
         }
+        let usual_rivals = || refitted.iter().map(|(_, of)| of).filter(|of| of.is_of_every_car());
         let is_sure = |(gain, of): &&(f64, Refitted<'_>)| {
             of.evidence > LEAST_EVIDENCE
+                && (of.is_of_every_car() || usual_rivals().all(|usual| of.is_told_from(usual)))
                 && of.held_gain > LEAST_HELD_GAIN
                 && (of.trial.has_time() || *gain > null)
                 && of.clearest() > LEAST_CLEAR

@@ -6,10 +6,10 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::super::numbers::{Free, Number};
-use super::Search;
 use super::climb::State;
 use super::colour::{CHANNELS, Series};
 use super::refit::Refitted;
+use super::{LEAST_CLEAR, Search};
 use crate::explain::finding::{TOLD_APART, probability_among};
 use crate::explain::model::Place;
 use crate::explain::predict::delay::Delayed;
@@ -50,6 +50,17 @@ impl Refitted<'_> {
             (self.at[place] - self.free[place].prior.0).abs() / std
         };
         main.map(clear).fold(0.0, f64::max)
+    }
+
+    /// Does every car have it?
+    pub fn is_of_every_car(&self) -> bool {
+        self.trial.candidate.kind.search.every_car_has
+    }
+
+    /// Is it clearly likelier than this explanation? One that is at a bound, or that hardly moves, explains nothing.
+    pub fn is_told_from(&self, other: &Self) -> bool {
+        let explains = !other.is_at_bound() && other.clearest() > LEAST_CLEAR;
+        !explains || other.evidence < self.evidence - TOLD_APART
     }
 
     /// The effect's free numbers: their place, and which they are.

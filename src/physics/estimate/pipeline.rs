@@ -309,10 +309,10 @@ impl Pipeline {
 
     /// Slips and forces, where the forces can be told.
     fn points(&mut self, block: &Block) -> [Option<TractionPoint>; 4] {
-        if let Some((difference, felt)) = self.traction.torque_and_acceleration(block) {
-            if self.torque_zero.step(difference, felt, block.duration_s) {
-                self.slope = SlopeEstimator::new(&self.car, &self.sensors, &self.config.slope);
-            }
+        if let Some((difference, felt)) = self.traction.torque_and_acceleration(block)
+            && self.torque_zero.step(difference, felt, block.duration_s)
+        {
+            self.slope = SlopeEstimator::new(&self.car, &self.sensors, &self.config.slope);
         }
         if self.torque_zero.doubt().is_some() { [None; 4] } else { self.traction.points(block) }
     }

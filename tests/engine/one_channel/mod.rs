@@ -144,7 +144,8 @@ mod by_hand {
         outcome: Outcome,
     }
 
-    /// All of them on three drives, minutes; with `GRIPD_CHANNEL` those of one channel. `cargo test --test engine one_channel::by_hand -- --ignored --nocapture`
+    /// All of them on three drives, a minute; with `GRIPD_CHANNEL` those of one channel.
+    /// `cargo test --test engine one_channel::by_hand -- --ignored --nocapture`
     #[test]
     #[ignore = "by hand: six hundred drives"]
     fn every_error_of_every_channel() {

@@ -100,7 +100,7 @@ impl FreeAxle {
         }
     }
 
-    /// Takes a sample: the yaw rate without its offset. A braked wheel slips.
+    /// Takes a sample and the yaw rate as the gyro has it: its offset is slow. A braked wheel slips.
     pub fn step(&mut self, now: &Kinematics, yaw_rate: f64) {
         let (Some(([left, right], track)), Some(wheels)) = (self.wheels, now.wheels) else { return };
         let is_sharp = (0.5 * (wheels[left] + wheels[right]) * yaw_rate).abs() > TUNING.most_lateral;
@@ -108,15 +108,15 @@ impl FreeAxle {
             self.slow = None;
             return;
         }
-        let lean = now.road_angle.filter(|_| left == 0).map_or(1.0, f64::cos);
+        let cosine = now.road_angle.filter(|_| left == 0).map_or(1.0, f64::cos);
         let speed = 0.5 * (wheels[left] + wheels[right]);
-        let by_wheels = (wheels[right] - wheels[left]) / (track * lean);
+        let by_wheels = (wheels[right] - wheels[left]) / (track * cosine);
         let (by_radii, learned_s) = &mut self.radii;
         *learned_s += now.elapsed_s;
         let weight = now.elapsed_s / learned_s.min(TUNING.radii_s);
         *by_radii += weight.min(1.0) * ((by_wheels - yaw_rate) / speed - *by_radii);
         let by_wheels = by_wheels - *by_radii * speed;
-        let turning = 0.5 * track * lean * (yaw_rate + *by_radii * speed);
+        let turning = 0.5 * track * cosine * (yaw_rate + *by_radii * speed);
         let signals = [[yaw_rate, by_wheels], [wheels[left] + turning, wheels[right] - turning]];
         let slow = self.slow.get_or_insert(signals);
         let weight = (now.elapsed_s / TUNING.level_s).min(1.0);

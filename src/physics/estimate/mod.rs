@@ -13,6 +13,7 @@ mod cornering;
 mod expected;
 mod friction;
 mod kinematics;
+mod lasting;
 pub mod lateral_filter;
 mod learned;
 pub mod mapping;

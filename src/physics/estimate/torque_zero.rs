@@ -6,6 +6,7 @@
 //! the same, and nothing is said.
 
 use crate::estimate::cornering::Doubt;
+use crate::estimate::lasting::Lasting;
 
 /// Tuned with the test `one_channel`.
 struct Tuning {
@@ -46,7 +47,7 @@ pub struct TorqueZero {
     variance: f64,
     square: f64,
     seen_s: f64,
-    doubted_s: Option<f64>,
+    doubt: Lasting,
     calm_s: f64,
 }
 
@@ -59,7 +60,7 @@ impl TorqueZero {
         self.now += within(TUNING.now_s) * (difference - self.now);
         self.variance += within(TUNING.lasts_s / 6.0) * ((difference - self.now).powi(2) - self.variance);
         self.square += within(TUNING.usual_s) * (felt * felt - self.square);
-        if self.doubted_s.is_none() {
+        if !self.doubt.is_there() {
             self.usual += within(TUNING.usual_s) * (difference - self.usual);
         }
         if self.seen_s < TUNING.shows_s {
@@ -67,22 +68,19 @@ impl TorqueZero {
         }
         let off = (self.now - self.usual).abs();
         self.calm_s = if off > TUNING.ends * TUNING.jump { 0.0 } else { self.calm_s + elapsed_s };
-        self.doubted_s = match self.doubted_s {
-            Some(since) if self.calm_s < TUNING.calm_s => Some(since + elapsed_s),
-            None if off > TUNING.jump => Some(0.0),
-            _ => None,
-        };
-        let lasts = self.doubted_s.is_some_and(|since| since > TUNING.lasts_s);
+        let is_off = if self.doubt.is_there() { self.calm_s < TUNING.calm_s } else { off > TUNING.jump };
+        self.doubt.step(is_off, elapsed_s);
+        let lasts = self.doubt.lasts_s().is_some_and(|lasts| lasts > TUNING.lasts_s);
         if !lasts || self.variance > TUNING.steady * TUNING.steady {
             return false;
         }
-        (self.usual, self.doubted_s) = (self.now, None);
+        (self.usual, self.doubt) = (self.now, Lasting::default());
         true
     }
 
     /// The forces cannot be told at the moment.
     pub fn doubt(&self) -> Option<Doubt> {
-        let lasts_s = self.doubted_s?;
+        let lasts_s = self.doubt.lasts_s()?;
         Some(Doubt::Disagreement {
             sensors: ["drive_torque", "longitudinal_acceleration", "m/s²"],
             off: (self.now - self.usual).abs(),

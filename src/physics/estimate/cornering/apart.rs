@@ -3,6 +3,7 @@
 //! A road changes under both axles. Where only one axle seems to become stiffer or softer while the car drives, a sensor has
 //! changed, such as the scale of the steering angle, in which a front axle's stiffness shows first.
 
+use crate::estimate::lasting::Lasting;
 use crate::estimates::Estimate;
 
 /// Tuned with the tests `one_channel` (a sound drive's ratio stays within 0.11) and `campaign`.
@@ -27,36 +28,35 @@ pub struct Apart {
     usual: f64,
     now: f64,
     seen_s: f64,
-    unseen_s: f64,
-    doubted_s: Option<f64>,
+    stood_s: f64,
+    doubt: Lasting,
 }
 
 impl Apart {
     /// Takes stiffnesses that are good enough to be given out, if there are any.
     pub fn step(&mut self, stiffness: &[Option<Estimate>; 2], are_good: bool, speed: f64, elapsed_s: f64) {
-        self.unseen_s = if speed > 1.0 { 0.0 } else { self.unseen_s + elapsed_s };
-        if self.unseen_s > TUNING.stands_s {
-            *self = Self { unseen_s: self.unseen_s, ..Self::default() };
+        self.stood_s = if speed > 1.0 { 0.0 } else { self.stood_s + elapsed_s };
+        if self.stood_s > TUNING.stands_s {
+            *self = Self { stood_s: self.stood_s, ..Self::default() };
         }
         let &[Some(front), Some(rear)] = stiffness else { return };
         if !are_good {
             return;
         }
         self.now = (front.value / rear.value).ln();
-        if self.doubted_s.is_none() {
+        if !self.doubt.is_there() {
             self.seen_s += elapsed_s;
             let weight = elapsed_s / self.seen_s.min(TUNING.usual_s);
             self.usual += weight.min(1.0) * (self.now - self.usual);
         }
-        let ends = self.doubted_s.map_or(1.0, |_| TUNING.ends);
-        let is_apart = self.seen_s > TUNING.shows_s && self.by().abs() > ends * TUNING.apart;
-        self.doubted_s = is_apart.then(|| self.doubted_s.map_or(0.0, |since| since + elapsed_s));
+        let limit = self.doubt.limit(TUNING.ends) * TUNING.apart;
+        self.doubt.step(self.seen_s > TUNING.shows_s && self.by().abs() > limit, elapsed_s);
     }
 
     /// How far they have moved apart: logarithm of a factor, positive where the front axle seems stiffer; and for how long
     /// it has been too much, s.
     pub fn doubt(&self) -> Option<(f64, f64)> {
-        Some((self.by(), self.doubted_s?))
+        Some((self.by(), self.doubt.lasts_s()?))
     }
 
     fn by(&self) -> f64 {

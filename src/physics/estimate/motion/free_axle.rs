@@ -4,7 +4,9 @@
 //! does it come later, and is it larger by a factor.
 
 use super::lateness::Lateness;
+use super::proportion::Proportion;
 use crate::estimate::kinematics::{Car, Kinematics};
+use crate::estimate::lasting::Lasting;
 use crate::model::DrivenAxle;
 
 /// Tuned with the tests `one_channel` and `real_cars`.
@@ -69,17 +71,15 @@ pub struct FreeAxle {
     factor: Factor,
 }
 
-/// Is one signal the other times a factor?
+/// Is the gyro's yaw rate that of the wheels times a factor?
 #[derive(Clone, Copy, Debug, Default)]
 struct Factor {
     smooth: [f64; 2],
-    /// Mean squares, and the mean product.
-    squares: [f64; 2],
-    product: f64,
+    proportion: Proportion,
     /// Mean square of the speed, m²/s².
     speed_square: f64,
     seen_s: f64,
-    doubted_s: Option<f64>,
+    doubt: Lasting,
 }
 
 impl FreeAxle {
@@ -135,19 +135,20 @@ impl FreeAxle {
     /// How much later than the wheels the yaw rate comes (s), and for how long it has been too much (s). Wheels that come
     /// late do no harm.
     pub fn yaw_rate_is_late(&self) -> Option<(f64, f64)> {
-        Some((self.yaw_rate.late_s(), self.yaw_rate.doubted_s()?)).filter(|(by_s, _)| *by_s > 0.0)
+        Some((self.yaw_rate.late_s(), self.yaw_rate.doubt().lasts_s()?)).filter(|(by_s, _)| *by_s > 0.0)
     }
 
     /// How much later than the right wheel the left one comes (s), and for how long it has been too much (s).
     pub fn left_wheel_is_late(&self) -> Option<(f64, f64)> {
-        Some((self.speed.late_s(), self.speed.doubted_s()?))
+        Some((self.speed.late_s(), self.speed.doubt().lasts_s()?))
     }
 
     /// By how much the yaw rate differs from that of the wheels (rms, rad/s), of how much (rms), and for how long it has
     /// been too much (s).
     pub fn yaw_rate_is_scaled(&self) -> Option<(f64, f64, f64)> {
-        let of = self.factor.squares[1].sqrt();
-        Some(((self.factor.value() - 1.0).abs() * of, of, self.factor.doubted_s?))
+        let Factor { proportion, doubt, .. } = &self.factor;
+        let of = proportion.square().sqrt();
+        Some(((proportion.factor() - 1.0).abs() * of, of, doubt.lasts_s()?))
     }
 
     /// The car stood, or nothing was measured. Its wheels are the same.
@@ -163,32 +164,19 @@ impl Factor {
         for (smooth, signal) in self.smooth.iter_mut().zip(signals) {
             *smooth += weight * (signal - *smooth);
         }
-        let [one, other] = self.smooth;
         self.seen_s += elapsed_s;
         let memory = (elapsed_s / self.seen_s.min(TUNING.memory_s)).min(1.0);
-        self.product += memory * (one * other - self.product);
+        self.proportion.step(self.smooth, memory);
         self.speed_square += memory * (speed * speed - self.speed_square);
-        for (square, signal) in self.squares.iter_mut().zip(self.smooth) {
-            *square += memory * (signal * signal - *square);
-        }
-        let ends = self.doubted_s.map_or(1.0, |_| TUNING.ends);
-        let of_load = TUNING.factor_of_load[usize::from(self.value() < 1.0)];
+        let (factor, square) = (self.proportion.factor(), self.proportion.square());
+        let of_load = TUNING.factor_of_load[usize::from(factor < 1.0)];
         let allowed = TUNING.factor + of_load * self.speed_square;
-        let is_off = self.seen_s > TUNING.memory_s / 4.0
-            && self.squares[1] > TUNING.least * TUNING.least
-            && (self.value() - 1.0).abs() > ends * (allowed + TUNING.deviations * self.std());
-        self.doubted_s = is_off.then(|| self.doubted_s.map_or(0.0, |since| since + elapsed_s));
-    }
-
-    /// The first signal over the second.
-    fn value(&self) -> f64 {
-        self.product / self.squares[1]
-    }
-
-    fn std(&self) -> f64 {
-        let left = (self.squares[0] - self.product * self.value()).max(0.0);
         let worth = self.seen_s.min(TUNING.memory_s) / TUNING.error_lasts_s;
-        (left / self.squares[1] / worth).sqrt()
+        let chance = TUNING.deviations * self.proportion.std(worth);
+        let is_off = self.seen_s > TUNING.memory_s / 4.0
+            && square > TUNING.least * TUNING.least
+            && (factor - 1.0).abs() > self.doubt.limit(TUNING.ends) * (allowed + chance);
+        self.doubt.step(is_off, elapsed_s);
     }
 }
 

@@ -3,6 +3,8 @@
 //! What comes τ later differs by −τ times its rate of change: the difference of both is regressed on that rate. It is
 //! asked of signals that were smoothed twice, whose rate the second filter has for nothing.
 
+use crate::estimate::lasting::Lasting;
+
 /// Tuned with the tests `one_channel` and `motion`.
 struct Tuning {
     /// Time constant of each smoothing, s.
@@ -46,7 +48,7 @@ pub struct Lateness {
     /// The mean of what is expected.
     expected_s: f64,
     seen_s: f64,
-    doubted_s: Option<f64>,
+    doubt: Lasting,
     is_crude: bool,
 }
 
@@ -67,7 +69,7 @@ impl Lateness {
             product: 0.0,
             expected_s: 0.0,
             seen_s: 0.0,
-            doubted_s: None,
+            doubt: Lasting::default(),
             is_crude: false,
         }
     }
@@ -89,12 +91,11 @@ impl Lateness {
         self.expected_s += memory * (expected_s - self.expected_s);
         let late = self.late_s().abs();
         let chance = TUNING.deviations * self.std_s();
-        let ends = self.doubted_s.map_or(1.0, |_| TUNING.ends);
+        let ends = self.doubt.limit(TUNING.ends);
         let is_late = late > ends * (TUNING.least_s + tolerance_s + chance);
         let shows = self.seen_s > TUNING.shows * self.memory_s;
-        let is_late = shows && is_late;
         self.is_crude = shows && late > TUNING.least_s + TUNING.crude * tolerance_s + chance;
-        self.doubted_s = is_late.then(|| self.doubted_s.map_or(0.0, |since| since + elapsed_s));
+        self.doubt.step(shows && is_late, elapsed_s);
     }
 
     /// How much later than expected the first signal comes at least, s: a filter that has got used to it hides a part.
@@ -102,9 +103,9 @@ impl Lateness {
         -self.product / self.rate_square - self.expected_s
     }
 
-    /// For how long it has been too much, s.
-    pub fn doubted_s(&self) -> Option<f64> {
-        self.doubted_s
+    /// That it is too much.
+    pub fn doubt(&self) -> Lasting {
+        self.doubt
     }
 
     /// It is no doubt, but tires are not to be learned from these.
@@ -140,14 +141,14 @@ mod tests {
             for error in [0.0, 0.3] {
                 let lateness = late(by_s, error);
                 assert!((lateness.late_s() - by_s).abs() < 0.05, "{lateness:?}");
-                assert_eq!(lateness.doubted_s(), None, "{by_s} {error}");
+                assert_eq!(lateness.doubt().lasts_s(), None, "{by_s} {error}");
             }
         }
         for by_s in [0.3, -0.3] {
             let lateness = late(by_s, 0.1);
             assert!((lateness.late_s() - by_s).abs() < 0.1, "{lateness:?}");
-            assert!(lateness.doubted_s().is_some_and(|lasts| lasts > 10.0), "{by_s}");
-            assert!(late(0.1 * by_s.signum(), 0.1).doubted_s().is_some(), "{by_s}");
+            assert!(lateness.doubt().lasts_s().is_some_and(|lasts| lasts > 10.0), "{by_s}");
+            assert!(late(0.1 * by_s.signum(), 0.1).doubt().is_there(), "{by_s}");
         }
     }
 }

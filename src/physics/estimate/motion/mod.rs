@@ -20,6 +20,7 @@
 mod bank;
 mod free_axle;
 mod lateness;
+mod proportion;
 #[cfg(all(test, feature = "simulation"))]
 #[cfg(test)]
 mod tests;

@@ -8,12 +8,14 @@
 use nalgebra::{Matrix2, Vector2};
 
 use crate::estimate::kinematics::Car;
+use crate::estimate::lasting::Lasting;
 use crate::estimate::lateral_filter::hypothesis::Readings;
 use crate::estimate::lateral_filter::model::{
     ANGLE_OFFSET, AY_OFFSET, Inputs, Model, STATES, VY, YAW, YAW_OFFSET,
 };
 use crate::estimate::motion::earlier_last;
 use crate::estimate::motion::lateness::Lateness;
+use crate::estimate::motion::proportion::Proportion;
 use crate::filter::Gaussian;
 use crate::model::GRAVITY;
 
@@ -106,10 +108,10 @@ struct Comparison {
     noise: f64,
     /// The mean difference.
     level: f64,
-    /// Over a longer time: mean squares of both signals, and the mean product.
-    long: [f64; 3],
-    /// Since when they disagree, s.
-    doubted_s: Option<f64>,
+    /// Over a longer time.
+    long: Proportion,
+    /// That they disagree.
+    doubt: Lasting,
     /// They are proportional enough to be right for the motion, not for the tires.
     is_crude: bool,
 }
@@ -228,7 +230,7 @@ impl Witnesses {
             pair.step(signals, noise, elapsed_s, memory);
             pair.remember(elapsed_s, self.seen_s);
             let limit = TUNING.anyhow[i] + forgiven[i] + TUNING.share[i] * pair.of.sqrt();
-            let ends = pair.doubted_s.map_or(1.0, |_| TUNING.ends);
+            let ends = pair.doubt.limit(TUNING.ends);
             let is_off = pair.off() > ends * limit
                 || pair.factor_is_off(TUNING.factor_least * TUNING.anyhow[i], self.seen_s, ends);
             let is_off = is_off && self.seen_s > TUNING.shows_s;
@@ -239,7 +241,7 @@ impl Witnesses {
             pair.is_crude = self.seen_s > TUNING.shows_s
                 && pair.factor_is_off(least, self.seen_s, ends)
                 && pair.is_factor();
-            pair.doubted_s = is_off.then(|| pair.doubted_s.map_or(0.0, |since| since + elapsed_s));
+            pair.doubt.step(is_off, elapsed_s);
         }
     }
 
@@ -247,7 +249,12 @@ impl Witnesses {
     /// that these two disagree is no doubt of its own.
     pub fn doubt(&self) -> Option<Witness> {
         self.pairs.iter().zip(Self::NAMES).take(2).find_map(|(pair, sensors)| {
-            pair.doubted_s.map(|lasts_s| Witness { sensors, off: pair.off(), of: pair.of.sqrt(), lasts_s })
+            pair.doubt.lasts_s().map(|lasts_s| Witness {
+                sensors,
+                off: pair.off(),
+                of: pair.of.sqrt(),
+                lasts_s,
+            })
         })
     }
 
@@ -262,28 +269,28 @@ impl Witnesses {
         let names = [["yaw_rate", "steering_wheel_angle"], ["lateral_acceleration", "yaw_rate"]];
         self.lateness.iter().zip(names).rev().find_map(|(lateness, [one, other])| {
             let names = earlier_last([one, other], lateness.late_s());
-            lateness.doubted_s().map(|lasts_s| (names, lateness.late_s().abs(), lasts_s))
+            lateness.doubt().lasts_s().map(|lasts_s| (names, lateness.late_s().abs(), lasts_s))
         })
     }
 
     /// Yaw rate and steering agree, and the accelerometer comes later, or both speak against it by an offset. (By a factor is not enough: a
     /// car that turns less than it is steered may have soft tires.)
     pub fn outvote_acceleration(&self) -> bool {
-        let [by_steering, by_yaw_rate, by_both] = self.pairs.map(|pair| pair.doubted_s.is_some());
+        let [by_steering, by_yaw_rate, by_both] = self.pairs.map(|pair| pair.doubt.is_there());
         let [_, late] = &self.lateness;
-        let is_late = late.doubted_s().is_some() && late.late_s() > TUNING.useless_s;
+        let is_late = late.doubt().is_there() && late.late_s() > TUNING.useless_s;
         !by_steering && (is_late || by_yaw_rate && by_both && self.pairs[1].is_level())
     }
 
     /// The steering angle tells of another turning than the yaw rate.
     pub fn doubt_steering(&self) -> bool {
-        self.pairs[0].doubted_s.is_some()
+        self.pairs[0].doubt.is_there()
     }
 
     /// The car turns to where it is steered: it rolls forwards.
     pub fn show_forward(&self) -> bool {
-        let [_, square, product] = self.pairs[0].long;
-        square > TUNING.turning.powi(2) && product > TUNING.forward * square
+        let long = &self.pairs[0].long;
+        long.square() > TUNING.turning.powi(2) && long.product() > TUNING.forward * long.square()
     }
 
     /// The drive is interrupted. What disagreed before has to show again.
@@ -308,31 +315,23 @@ impl Comparison {
 
     fn remember(&mut self, elapsed_s: f64, seen_s: f64) {
         let memory = (elapsed_s / seen_s.min(TUNING.factor_memory_s)).min(1.0);
-        let [one, other] = self.smooth;
-        for (mean, now) in self.long.iter_mut().zip([one * one, other * other, one * other]) {
-            *mean += memory * (now - *mean);
-        }
+        self.long.step(self.smooth, memory);
     }
 
     /// The signals are proportional, but not equal: the scale of one is wrong.
     fn factor_is_off(&self, least: f64, seen_s: f64, ends: f64) -> bool {
-        let [square_of_one, square, product] = self.long;
-        let factor = product / square;
-        if (factor - 1.0).abs() * square.sqrt() < ends * least {
+        let off = (self.long.factor() - 1.0).abs();
+        if off * self.long.square().sqrt() < ends * least {
             return false;
         }
-        let off = (square_of_one - factor * product).max(0.0);
         let worth = seen_s.min(TUNING.factor_memory_s) / TUNING.error_lasts_s;
-        let std = (off / square / worth).sqrt();
-        (factor - 1.0).abs() > ends * TUNING.factor + TUNING.factor_deviations * std
+        off > ends * TUNING.factor + TUNING.factor_deviations * self.long.std(worth)
     }
 
     /// What the signals differ by is a factor and little else.
     fn is_factor(&self) -> bool {
-        let [square_of_one, square, product] = self.long;
-        let factor = product / square;
-        let rest = (square_of_one - factor * product - 2.0 * self.noise).max(0.0);
-        rest < (TUNING.rest * (factor - 1.0)).powi(2) * square
+        let rest = (self.long.rest() - 2.0 * self.noise).max(0.0);
+        rest < (TUNING.rest * (self.long.factor() - 1.0)).powi(2) * self.long.square()
     }
 
     /// The signals differ by an offset more than by anything else.

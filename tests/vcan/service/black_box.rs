@@ -41,6 +41,7 @@ fn drive_without(gap_s: std::ops::Range<f64>) -> Vec<Frame> {
 
 /// A message that is left out for a second.
 #[test]
+#[ignore = "long: 20 to 30 s"]
 fn a_gap_is_recorded_and_replayed() {
     let Some(interface) = Interface::new("gs_rec0") else { return };
     let folder = tempfile::tempdir_in("/dev/shm").unwrap();
@@ -87,6 +88,7 @@ fn an_input_that_is_sent_twice_is_recorded_and_replayed() {
 
 /// A full disk: it is said once, nothing half-written is left, and once there is room the next fault is recorded.
 #[test]
+#[ignore = "long: 35 s"]
 fn on_a_full_disk_it_is_said_once() {
     let Some(interface) = Interface::new("gs_rec3") else { return };
     let folder = tempfile::tempdir().unwrap();

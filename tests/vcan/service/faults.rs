@@ -230,6 +230,7 @@ fn sensors_that_contradict_each_other() {
 
 /// GIVEN it writes all the time WHEN it is killed at any moment THEN the file is whole, and the next start goes on.
 #[test]
+#[ignore = "long: 21 s"]
 fn killed_and_ended_while_it_writes() {
     let Some(interface) = Interface::new("gs_fkill") else { return };
     let folder = tempfile::tempdir().unwrap();

@@ -139,6 +139,7 @@ fn as_cantools_sees_them(published: &[&Frame]) {
 }
 
 #[test]
+#[ignore = "long: 30 s"]
 fn a_simulated_drive() {
     let Some(interface) = Interface::new("gs_demo") else { return };
     show("demo", &interface, &demo_car(), &frames(simulated_drive()));

@@ -7,7 +7,7 @@ use physics::model::effect::{EffectConfig, Kind};
 use physics::model::{TireKind, Uncertain, Vehicle};
 
 use super::beyond::{Beyond, beyond, rows};
-use super::fit::{FreeFit, fit};
+use super::fit::{FreeFit, fit, fit_unless_refused};
 use super::inputs::{FreeDrive, Held};
 use super::numbers::{free, on_time, with_ordinary};
 use super::remaining::{Remaining, remaining};
@@ -150,9 +150,12 @@ impl Ordinary {
         // Delays are searched for, not supposed.
         model.delays = Default::default();
         let plain = Model { vehicle, values: Values::of(vehicle), ..model.clone() };
-        let model = with_ordinary(&model);
+        let ordinary = with_ordinary(&model).map(|model| {
+            let free = free(&model, &own, &drives);
+            (model, free)
+        });
         let (found, plain) = rayon::join(
-            || fit(&model, free(&model, &own, &drives), &drives),
+            || fit_unless_refused(ordinary, &drives),
             || fit(&plain, on_time(free(&plain, vehicle, &drives)), &drives),
         );
         let predicted = &found.predicted;

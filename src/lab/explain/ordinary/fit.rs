@@ -50,13 +50,29 @@ const ROUNDS: usize = 2;
 const LEAST_GAIN: f64 = 1e-4;
 
 /// How far apart the starts are: factor of the stiffnesses, friction, delay of the steering, s. They are the yardstick's.
-const STARTS: [(f64, f64, f64); 4] = [(1.0, 1.0, 0.0), (2.0, 1.0, 0.1), (1.0, 0.5, 0.0), (1.5, 0.8, -0.1)];
+const STARTS: [(f64, f64, f64); 5] =
+    [(1.0, 1.0, 0.0), (2.0, 1.0, 0.1), (1.0, 0.5, 0.0), (1.5, 0.8, -0.1), (1.0, 1.5, 0.0)];
+
+/// Statistical: odds of 20 to 1, in 2 ln.
+const REFUSED: f64 = 6.0;
 
 /// What a residual is divided by: size of a channel, and the memory of its residuals in points.
 #[derive(Clone, Copy, Debug)]
 struct Scale {
     noise: [f64; 2],
     memory: [f64; 2],
+}
+
+impl Scale {
+    /// 1 + 2 Σ ρ of a first-order noise is twice its time constant over the rows' distance.
+    fn time_constant(memory: f64) -> f64 {
+        0.5 * memory * EVERY as f64 * STEP_S
+    }
+
+    /// The other way round.
+    fn memory_of(time_constant_s: f64) -> f64 {
+        2.0 * time_constant_s / (EVERY as f64 * STEP_S)
+    }
 }
 
 /// A problem.
@@ -93,6 +109,22 @@ pub fn fit<'a>(model: &Model<'a>, free: Vec<Free>, drives: &[FreeDrive]) -> Free
     FreeFit { starts: paths, ..problem.refined(best, first) }
 }
 
+/// Fits two models, and takes the second where the data refuse the first.
+///
+/// Every error counts in full for that: a run that spins where the car did not is no outlier.
+pub fn fit_unless_refused<'a>(models: [(Model<'a>, Vec<Free>); 2], drives: &[FreeDrive]) -> FreeFit<'a> {
+    let [usual, simpler] = models;
+    let (usual, simpler) =
+        rayon::join(|| fit(&usual.0, usual.1, drives), || fit(&simpler.0, simpler.1, drives));
+    let [of_usual, of_simpler] = [&usual, &simpler].map(|fit| {
+        let problem = Problem { model: &fit.model, free: &fit.free, drives };
+        problem.prior_cost(&fit.at)
+            + problem.misfit(&fit.predicted, simpler.time_constants_s.map(Scale::memory_of))
+    });
+    tracing::debug!(of_usual, of_simpler, "the ordinary car with what the data may refuse, and without");
+    if of_usual > of_simpler + REFUSED { simpler } else { usual }
+}
+
 impl<'p, 'a> Problem<'p, 'a> {
     /// Learns the residuals' size and memory, and fits again.
     fn refined(&self, from: Vec<f64>, first: Scale) -> FreeFit<'a> {
@@ -116,9 +148,8 @@ impl<'p, 'a> Problem<'p, 'a> {
             covariance,
             predicted,
             noise: scale.noise,
-            // 1 + 2 Σ ρ of a first-order noise is twice its time constant over the rows' distance.
             starts: Vec::new(),
-            time_constants_s: scale.memory.map(|points| 0.5 * points * EVERY as f64 * STEP_S),
+            time_constants_s: scale.memory.map(Scale::time_constant),
         }
     }
 
@@ -207,6 +238,23 @@ impl<'p, 'a> Problem<'p, 'a> {
             }
         }
         cost
+    }
+
+    /// −2 ln likelihood of the residuals for noise of the size that they have.
+    fn misfit(&self, predicted: &[Predicted], memory: [f64; 2]) -> f64 {
+        let (mut squares, mut count) = ([0.0; 2], [0.0; 2]);
+        let all = self.drives.iter().zip(predicted);
+        for row in all.flat_map(|(drive, predicted)| self.residuals(drive, predicted)) {
+            for (channel, error) in row.into_iter().enumerate().filter(|(_, error)| error.is_finite()) {
+                squares[channel] += error * error;
+                count[channel] += 1.0;
+            }
+        }
+        let of = |channel: usize| match count[channel] {
+            0.0 => 0.0,
+            count => count / memory[channel] * (squares[channel] / count).max(1e-12).ln(),
+        };
+        of(0) + of(1)
     }
 
     fn prior_cost(&self, at: &[f64]) -> f64 {

@@ -39,31 +39,46 @@ pub struct Free {
 /// A number of an effect: name, mean and standard deviation of the class of car.
 type OfTheClass = (&'static str, f64, f64);
 
+/// A kind of effect, and its numbers.
+type OrdinaryKind = (&'static str, &'static [OfTheClass]);
+
 /// Physics that every car has: kind, its number, and what cars of the class have, mean and standard deviation. What is
 /// not listed of a kind stays at the library's usual value.
 ///
 /// Relaxation lengths of passenger car tires are 0.3 to 0.7 m (Pacejka, Tire and Vehicle Dynamics, ch. 5.4 and app. 3).
 /// A body leans by 2 to 6° per g (Gillespie, Fundamentals of Vehicle Dynamics, ch. 7; Reimpell, The Automotive Chassis,
 /// ch. 5.4.3). A steering gives way by 0.2 to 1° per 1000 N of front lateral force, that is 7e-5 to 3.5e-4 rad per N m of
-/// a trail of 0.05 m.
-const ORDINARY: &[(&str, &[OfTheClass])] = &[
+/// a trail of 0.05 m. The centre of gravity of a passenger car is at 0.5 to 0.65 m (Gillespie, ch. 1; Reimpell, ch. 6.1).
+const ORDINARY: &[OrdinaryKind] = &[
     ("relaxation_length", &[("length_m", 0.45, 0.2)]),
     ("steering_compliance", &[("compliance_rad_per_nm", 1e-4, 7e-5)]),
     ("body_roll", &[("roll_gain_rad_per_mps2", 0.006, 0.003)]),
+    // How stiffness goes with load, and the axles' shares, say the same again of what the height says.
+    (LOAD_TRANSFER, &[("cg_height_m", 0.55, 0.08)]),
 ];
 
-/// The model with the physics that every car has, unless the configuration has switched it on.
-pub fn with_ordinary<'a>(model: &Model<'a>) -> Model<'a> {
+/// Physics that every car has, and that the data may refuse: at the limit, where the wheels that are unloaded decide
+/// where a car goes, what the equations lack about differentials, brakes and tires is more than what they gain.
+const LOAD_TRANSFER: &str = "load_transfer";
+
+/// The model with the physics that every car has, unless the configuration has switched it on; and the same without what
+/// the data may refuse.
+pub fn with_ordinary<'a>(model: &Model<'a>) -> [Model<'a>; 2] {
+    let simpler = ORDINARY.iter().filter(|(name, _)| *name != LOAD_TRANSFER);
+    [with_all(model, ORDINARY.iter()), with_all(model, simpler)]
+}
+
+fn with_all<'a>(model: &Model<'a>, all: impl Iterator<Item = &'static OrdinaryKind>) -> Model<'a> {
     let mut model = model.clone();
-    for (name, numbers) in ORDINARY {
+    for (name, numbers) in all {
         if model.effects.iter().any(|chosen| chosen.kind.name == *name) {
             continue;
         }
         let Some(kind) = KINDS.iter().copied().find(|kind| kind.name == *name) else { continue };
         let mut chosen = Chosen::usual(kind, None, Course::None);
         chosen.free.clear();
-        for (name, mean, _) in *numbers {
-            if let Some(place) = kind.place_of(name) {
+        for (number, mean, _) in *numbers {
+            if let Some(place) = kind.place_of(number) {
                 chosen.numbers[place] = *mean;
                 chosen.free.push(place);
             }

@@ -2,7 +2,7 @@
 
 use super::checks::{Checksum, Counter};
 use crate::can::CanId;
-use crate::dbc::{Codec, Mux};
+use crate::dbc::{Codec, Mux, ValueKind};
 use physics::{Micros, Quantity};
 
 /// A message that carries configured quantities.
@@ -137,6 +137,13 @@ impl Mapping {
             }
             return sayable;
         };
+        self.put(data, value);
+        sayable
+    }
+
+    /// Writes the quantity and nothing else: selectors and quality stay as they are. What the bits cannot carry becomes
+    /// the nearest that they can.
+    pub(super) fn put(&self, data: &mut [u8], value: f64) {
         let mut rest = (value - self.offset) / self.gain;
         if let Some(sign) = self.sign {
             put(sign, data, u64::from(rest < 0.0));
@@ -148,7 +155,12 @@ impl Mapping {
             put(part.codec, data, bits);
             rest -= part.to_si * part.codec.physical(bits);
         }
-        sayable
+    }
+
+    /// The least by which its value can change, SI; 0 of floating point.
+    pub(super) fn step(&self) -> f64 {
+        let is_float = |part: &Part| matches!(part.codec.kind, ValueKind::Float32 | ValueKind::Float64);
+        if self.parts.iter().any(is_float) { 0.0 } else { self.resolution() }
     }
 
     /// The step of the finest part, SI.

@@ -8,6 +8,7 @@
 //! [`Sampler`] makes samples of frames with it; [`Outputs`] makes frames of values, for the simulator.
 //! The way back, from estimates to protected frames, is in [`publish`] and [`e2e`].
 
+mod alter;
 mod checks;
 mod compile;
 mod config;
@@ -27,6 +28,7 @@ mod rate_watch;
 mod sampler;
 mod units;
 
+pub use alter::{Altered, Alterer, Change};
 pub use config::{CrcConfig, CrcKind, QuantityConfig, SamplerConfig, SignalsConfig};
 pub use counts::FaultCounts;
 pub use describe::Description;

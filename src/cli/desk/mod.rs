@@ -3,6 +3,7 @@
 mod calibrate;
 mod check;
 mod completions;
+mod conceal;
 mod convert;
 mod demo;
 mod demo_car;
@@ -44,6 +45,8 @@ pub enum Command {
     Identify(identify::Identify),
     /// Where simulation and recording differ: locate it, name the missing physics, prove it on held-out data.
     Explain(explain::Explain),
+    /// Put effects into a recording of a real car: what `explain` should find.
+    Conceal(conceal::Conceal),
     /// Carry out the thesis's experiments again and tell which claims hold.
     Reproduce(reproduce::Reproduce),
     /// Find ABS brakings in recordings and map the slip slope to friction.
@@ -77,6 +80,7 @@ impl Command {
             Self::Simulate(command) => command.run(),
             Self::Identify(command) => command.run(),
             Self::Explain(command) => command.run(),
+            Self::Conceal(command) => command.run(),
             Self::Reproduce(command) => command.run(),
             Self::Calibrate(command) => command.run(),
             Self::Check(command) => command.run(),

@@ -16,6 +16,8 @@ use physics::{Micros, Quantity};
 pub struct Read {
     /// The recordings.
     pub recordings: Vec<Recording>,
+    /// When each begins: its seconds are counted from there.
+    pub starts: Vec<Micros>,
     /// The audit of each.
     pub chain: Vec<ChainReport>,
     /// Why some could not be read to their end.
@@ -25,7 +27,7 @@ pub struct Read {
 /// Reads all recordings.
 pub fn read(logs: &[PathBuf], config: &Config) -> Result<Read, Failure> {
     let inputs = samples::inputs(config)?;
-    let mut read = Read { recordings: Vec::new(), chain: Vec::new(), broken: Vec::new() };
+    let mut read = Read { recordings: Vec::new(), starts: Vec::new(), chain: Vec::new(), broken: Vec::new() };
     let progress = Progress::of_files(logs);
     for path in logs {
         // What is implausible is what there is to explain: nothing is taken out.
@@ -40,6 +42,7 @@ pub fn read(logs: &[PathBuf], config: &Config) -> Result<Read, Failure> {
         }
         let there = samples::there(&inputs, &samples, path)?;
         read.chain.push(chain::audit(&samples, &config.vehicle, &there));
+        read.starts.push(tracks.start.unwrap_or_default());
         read.recordings.push(tracks.recording);
     }
     progress.finish();

@@ -122,13 +122,7 @@ impl Ordinary {
         (library, searches): Asked<'_>,
         seed: u64,
     ) -> Option<Self> {
-        // Every tire bends before its limit; with a shape of its own the curve is between a line and a brush.
-        let mut own = vehicle.clone();
-        if own.tire != TireKind::MagicFormula {
-            own.tire = TireKind::MagicFormula;
-            own.magic_formula_shape = SHAPE;
-            own.magic_formula_curvature = Uncertain::known(0.0);
-        }
+        let own = with_bend(vehicle);
         let first_held = recordings.len() - held_out.min(recordings.len());
         let (mut drives, mut left_out) = (Vec::new(), Vec::new());
         let most_s = (MOST_S / recordings.len().max(1) as f64).max(LEAST_OF_EACH_S);
@@ -225,6 +219,17 @@ impl Ordinary {
     }
 }
 
+/// Every tire bends before its limit; with a shape of its own the curve is between a line and a brush.
+pub(super) fn with_bend(vehicle: &Vehicle) -> Vehicle {
+    let mut own = vehicle.clone();
+    if own.tire != TireKind::MagicFormula {
+        own.tire = TireKind::MagicFormula;
+        own.magic_formula_shape = SHAPE;
+        own.magic_formula_curvature = Uncertain::known(0.0);
+    }
+    own
+}
+
 /// What is compared.
 const CHANNELS: [Quantity; 2] = [Quantity::YawRate, Quantity::LateralAcceleration];
 
@@ -289,7 +294,7 @@ fn fits(drives: &[FreeDrive], predicted: &[Predicted]) -> Parts<ByChannel> {
     Parts { train: of(false), holdout: of(true) }
 }
 
-fn numbers(found: &FreeFit<'_>, drives: &[FreeDrive]) -> Vec<Number> {
+pub(super) fn numbers(found: &FreeFit<'_>, drives: &[FreeDrive]) -> Vec<Number> {
     let of = |(i, free): (usize, &super::numbers::Free)| {
         let (name, value, slope) = free.named(&found.model, found.at[i]);
         let (_, mean, slope_there) = free.named(&found.model, free.prior.0);

@@ -227,7 +227,7 @@ fn at(grid: &[f64], t: f64) -> f64 {
 }
 
 /// A track on a grid from a time on; not a number in gaps.
-fn resampled(track: &[(f64, f64)], from_s: f64, points: usize) -> Vec<f64> {
+pub fn resampled(track: &[(f64, f64)], from_s: f64, points: usize) -> Vec<f64> {
     let mut cursor = 1;
     let value = |i: usize| {
         let (value, gap) = interpolated(track, &mut cursor, from_s + i as f64 * STEP_S);

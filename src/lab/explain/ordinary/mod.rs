@@ -10,6 +10,7 @@
 
 mod answer;
 mod beyond;
+pub mod conceal;
 mod fit;
 mod inputs;
 mod numbers;

@@ -5,7 +5,7 @@ use physics::model::effect::Recorded;
 
 use super::inputs::{FreeDrive, STEP_S, compared_mean};
 use crate::explain::predict::ExtendedCar;
-use crate::explain::predict::car::{Before, Compute, Inputs};
+use crate::explain::predict::car::{Before, Compute, Inputs, Instant, State};
 
 /// What a free run says at the grid points.
 #[derive(Clone, Debug, Default)]
@@ -38,20 +38,63 @@ const MOST_SUBSTEPS: f64 = 8.0;
 /// Runs a car freely along a drive, its wheels' speeds included if `ask` says so.
 pub fn run(drive: &FreeDrive, car: &ExtendedCar, speed: SpeedSensing, ask: Compute) -> Predicted {
     let points = drive.points();
-    let steered = drive.steered(car.steering_delay());
-    let recorded = |i: usize| Recorded { steering_wheel: steered[i], ..Recorded::default() };
     let mut predicted = Predicted {
         yaw_rate: Vec::with_capacity(points),
         lateral: Vec::with_capacity(points),
         sideslip: Vec::with_capacity(points),
         wheels: Default::default(),
     };
+    along(drive, car, speed, ask, |point| {
+        let now = point.now;
+        predicted.yaw_rate.push(now.readings[Quantity::YawRate as usize]);
+        predicted.lateral.push(now.readings[Quantity::LateralAcceleration as usize]);
+        predicted.sideslip.push(point.state.body[1].atan2(point.state.body[0]));
+        if ask == Compute::Readings {
+            for (wheel, all) in predicted.wheels.iter_mut().enumerate() {
+                all.push(now.readings[wheel] / speed.scale);
+            }
+        }
+    });
+    predicted.yaw_rate = later(predicted.yaw_rate, car.delay(Quantity::YawRate as usize));
+    let lateral = later(predicted.lateral, car.delay(Quantity::LateralAcceleration as usize));
+    predicted.lateral = compared_mean(&lateral);
+    // They are what the speed was measured by.
+    predicted.wheels = predicted.wheels.map(|wheel| later(wheel, speed.delay_s));
+    predicted
+}
+
+/// A grid point of a free run.
+pub struct Point<'r> {
+    /// Time, s from the recording's start.
+    pub t: f64,
+    /// Where the car is.
+    pub state: &'r State,
+    /// What was steered, as it truly was.
+    pub input: &'r Recorded,
+    /// How fast that changes, rad/s.
+    pub steering_rate: f64,
+    /// What was a moment ago.
+    pub before: &'r Before,
+    /// Forces, accelerations and readings.
+    pub now: &'r Instant,
+}
+
+/// The free run itself; `visit` sees each grid point.
+pub fn along(
+    drive: &FreeDrive,
+    car: &ExtendedCar,
+    speed: SpeedSensing,
+    ask: Compute,
+    mut visit: impl FnMut(&Point<'_>),
+) {
+    let steered = drive.steered(car.steering_delay());
+    let recorded = |i: usize| Recorded { steering_wheel: steered[i], ..Recorded::default() };
     let start = drive.time(0);
     let yaw_rate = drive.yaw_rate.iter().copied().find(|yaw_rate| yaw_rate.is_finite()).unwrap_or(0.0);
     let (first_speed, _) = drive.driven(start, speed.delay_s, speed.scale);
     let mut state = car.rolling(start, first_speed, yaw_rate, &car.undo(start, recorded(0)));
     let mut before = Before::default();
-    for i in 0..points {
+    for i in 0..drive.points() {
         let t = drive.time(i);
         let at = [0, 1, 2].map(|part| {
             let t = t + 0.5 * STEP_S * part as f64;
@@ -61,14 +104,8 @@ pub fn run(drive: &FreeDrive, car: &ExtendedCar, speed: SpeedSensing, ask: Compu
         let (vx, ax) = drive.driven(t, speed.delay_s, speed.scale);
         (state.body[0], state.live[0]) = (vx, ax);
         let now = car.instant(t, &state, &at[0], inputs.steering_rate, &before, ask);
-        predicted.yaw_rate.push(now.readings[Quantity::YawRate as usize]);
-        predicted.lateral.push(now.readings[Quantity::LateralAcceleration as usize]);
-        predicted.sideslip.push(state.body[1].atan2(vx));
-        if ask == Compute::Readings {
-            for (wheel, all) in predicted.wheels.iter_mut().enumerate() {
-                all.push(now.readings[wheel] / speed.scale);
-            }
-        }
+        let steering_rate = inputs.steering_rate;
+        visit(&Point { t, state: &state, input: &at[0], steering_rate, before: &before, now: &now });
         let substeps = (car.fastest_rate(vx) * STEP_S / LARGEST_STEP).ceil().clamp(1.0, MOST_SUBSTEPS);
         let h = STEP_S / substeps;
         for part in 0..substeps as usize {
@@ -84,16 +121,10 @@ pub fn run(drive: &FreeDrive, car: &ExtendedCar, speed: SpeedSensing, ask: Compu
         }
         before = now.before();
     }
-    predicted.yaw_rate = later(predicted.yaw_rate, car.delay(Quantity::YawRate as usize));
-    let lateral = later(predicted.lateral, car.delay(Quantity::LateralAcceleration as usize));
-    predicted.lateral = compared_mean(&lateral);
-    // They are what the speed was measured by.
-    predicted.wheels = predicted.wheels.map(|wheel| later(wheel, speed.delay_s));
-    predicted
 }
 
 /// What a sensor that is so late says, s.
-fn later(values: Vec<f64>, delay_s: f64) -> Vec<f64> {
+pub fn later(values: Vec<f64>, delay_s: f64) -> Vec<f64> {
     let by = delay_s / STEP_S;
     if by == 0.0 || values.is_empty() {
         return values;

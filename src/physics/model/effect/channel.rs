@@ -44,6 +44,15 @@ impl Channel {
         }
     }
 
+    /// All that it is of.
+    pub fn quantities(self) -> impl Iterator<Item = Quantity> {
+        let (first, second) = match self {
+            Self::One(quantity) => (quantity, None),
+            Self::Pair(first, second) => (first, Some(second)),
+        };
+        [Some(first), second].into_iter().flatten()
+    }
+
     /// The unit, and a slowly varying error that such a sensor of series production may have.
     ///
     /// Drive torque is in the bus's unit, which may be of the engine or of the axle: the size suits both

@@ -10,10 +10,12 @@
 
 mod line;
 mod reader;
+mod rewrite;
 mod usual;
 mod writer;
 
 pub use super::{Compression, Damage, LogError, LogStats, SkippedLine};
 pub use crate::can::write_line;
 pub use reader::Reader;
+pub use rewrite::rewrite;
 pub use writer::Writer;

@@ -18,6 +18,12 @@ pub struct Instant {
     pub felt: Felt,
     /// Lateral force of the front axle, N.
     pub front_force: f64,
+    /// What drive and brakes give along the wheels, all together, N.
+    pub drive_force: f64,
+    /// The car's mass, kg.
+    pub mass: f64,
+    /// What the turning of the wheels adds to it, kg.
+    pub turning_mass: f64,
 }
 
 /// What an instant shall say.
@@ -167,7 +173,8 @@ impl ExtendedCar {
             *reading += offset;
         }
         let front_force = fy[0] + fy[1];
-        Instant { rate, readings, felt, front_force }
+        let drive_force = (0..4).map(|i| torque[i] / on.radius[i]).sum();
+        Instant { rate, readings, felt, front_force, drive_force, mass: body.mass, turning_mass: all }
     }
 
     /// Torque at each wheel, N m.

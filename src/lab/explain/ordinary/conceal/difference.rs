@@ -1,7 +1,7 @@
 //! The difference that effects make to the ordinary car on its drive.
 
 use physics::model::Vehicle;
-use physics::model::effect::{EffectConfig, Setting};
+use physics::model::effect::{Channel, EffectConfig, Setting};
 use physics::{Quantity, Wheel};
 
 use super::super::answer::{Number, numbers, with_bend};
@@ -65,6 +65,12 @@ const SPINNING: f64 = 0.35;
 
 /// With a change by more than this share of the yaw rate's deviation the same steering leads off the road.
 const ELSEWHERE: f64 = 0.4;
+
+/// The same of any so many seconds.
+const ELSEWHERE_FOR_A_WHILE: (f64, f64) = (0.75, 3.0);
+
+/// What changes by less than this share of a sensor's usual error is not seen.
+const VISIBLE: f64 = 0.01;
 
 /// This share of the friction is more than a wheel transmits along.
 const MOST_FORCE: f64 = 0.98;
@@ -262,12 +268,17 @@ fn check(
         return Err(Refusal::Spins { effect, at: drive.time(i), degrees: with.sideslip[i].to_degrees() });
     }
     let of = |courses: &Courses, i: usize| courses.of[Quantity::YawRate as usize][i];
-    let change = average(counts().map(|i| (of(with, i) - of(without, i)).powi(2))).sqrt();
+    let squares: Vec<f64> = counts().map(|i| (of(with, i) - of(without, i)).powi(2)).collect();
     let yaw_rates = || counts().map(|i| drive.yaw_rate[i]).filter(|yaw_rate| yaw_rate.is_finite());
     let mean = average(yaw_rates());
     let all = average(yaw_rates().map(|yaw_rate| (yaw_rate - mean).powi(2))).sqrt();
-    if change > (ELSEWHERE * all).max(SMALL_YAW_RATE) {
-        return Err(Refusal::Elsewhere { effect, change, all });
+    let (most, seconds) = ELSEWHERE_FOR_A_WHILE;
+    let whiles = squares.chunks((seconds / STEP_S) as usize).map(|part| (part, most));
+    for (part, most) in whiles.chain([(&squares[..], ELSEWHERE)]) {
+        let change = average(part.iter().copied()).sqrt();
+        if change > (most * all).max(SMALL_YAW_RATE) {
+            return Err(Refusal::Elsewhere { effect, change, all });
+        }
     }
     let friction = placed(&found.model, &found.free, &found.at, 0).0.values.get(Parameter::Friction);
     let most =
@@ -318,7 +329,8 @@ impl Difference {
             Quantity::DriveTorque if self.torque_per_force.is_some() => &self.more_force,
             _ => &self.added[quantity as usize],
         };
-        course.iter().any(|change| change.abs() > 1e-6)
+        let usual = Channel::from(quantity).usual_error().map_or(1.0, |(_, size)| size);
+        course.iter().any(|change| change.abs() > VISIBLE * usual)
     }
 
     /// A quantity with the difference; `recorded` says what else was recorded at a time.

@@ -297,3 +297,6 @@ fn wheels_of(effect: &EffectConfig) -> Vec<Quantity> {
     });
     named.collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -6,6 +6,7 @@
 mod bad_files;
 mod calibrate;
 mod check;
+mod conceal;
 mod demo;
 mod errors;
 mod identify_cli;

@@ -1,5 +1,6 @@
 //! The mapping: from configured names to values in SI ([`sending`]: and back into frames).
 
+mod altering;
 mod cars;
 mod sending;
 

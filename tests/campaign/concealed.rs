@@ -90,7 +90,7 @@ mod by_hand {
         let is_it = |one: &&Found| {
             truth["effect"] == one.effect && truth["channel"].as_str() == one.channel.as_deref()
         };
-        let place = new.iter().position(|one| is_it(&one));
+        let place = new.iter().position(is_it);
         let yes = |is: bool| if is { "yes" } else { "no" };
         let words = |all: &mut dyn Iterator<Item = &Found>| all.map(told).collect::<Vec<_>>().join("; ");
         let own = known.iter().filter(|one| one.effect == truth["effect"].as_str().unwrap_or_default());

@@ -122,7 +122,7 @@ pub(super) fn fitted(
         return Ok((car, None));
     }
     let left = car.unexplained[Quantity::YawRate as usize].unwrap_or(f64::INFINITY);
-    if !(car.fit >= LEAST_FIT) && left > SMALL_YAW_RATE {
+    if (car.fit.is_nan() || car.fit < LEAST_FIT) && left > SMALL_YAW_RATE {
         return Err(Refusal::NotThisCar { fit: car.fit, left });
     }
     let changed = with(&model, effects)?;
@@ -369,7 +369,7 @@ impl Difference {
     /// On a straight line between grid points; zero outside.
     fn at(&self, course: &[f64], t: f64) -> f64 {
         let place = (t - self.from_s) / STEP_S;
-        if !(place >= 0.0) {
+        if place < 0.0 || place.is_nan() {
             return 0.0;
         }
         let before = place as usize;

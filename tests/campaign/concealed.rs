@@ -24,7 +24,7 @@ mod by_hand {
         "kind = 'sensor_delay', channel = 'yaw_rate', delay_s = 0.08",
         "kind = 'relaxation_length', length_m = 1.5",
         "kind = 'friction_change', friction = 0.65, intervals = [[25, 40]]",
-        "kind = 'steering_ratio', curvature_per_rad2 = 0.01",
+        "kind = 'steering_ratio', curvature_per_rad2 = 0.05",
         "kind = 'accelerometer_position', forward_of_cg_m = 1.0",
         "kind = 'payload', mass_kg = 350, position_behind_cg_m = 1.2",
         "kind = 'steering_compliance', compliance_rad_per_nm = 4e-4",

@@ -281,10 +281,11 @@ fn check(
         }
     }
     let friction = placed(&found.model, &found.free, &found.at, 0).0.values.get(Parameter::Friction);
-    let most =
-        |courses: &Courses, i: usize| MOST_FORCE * friction * courses.mass[i] * physics::model::GRAVITY;
-    let slides =
-        |i: &usize| with.force[*i].abs() > most(with, *i) && without.force[*i].abs() < most(without, *i);
+    let used = |courses: &Courses, i: usize| {
+        courses.force[i].abs() / (friction * courses.mass[i] * physics::model::GRAVITY)
+    };
+    // Who brakes at the limit anyway may go on doing so.
+    let slides = |i: &usize| used(with, *i) > MOST_FORCE.max(1.1 * used(without, *i));
     match counts().find(slides) {
         Some(i) => Err(Refusal::TooStrong { effect, needed: with.force[i], at: drive.time(i), friction }),
         None => Ok(()),

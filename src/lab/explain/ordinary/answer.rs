@@ -7,9 +7,9 @@ use physics::model::effect::{EffectConfig, Kind};
 use physics::model::{TireKind, Uncertain, Vehicle};
 
 use super::beyond::{Beyond, beyond, rows};
-use super::fit::{FreeFit, fit, fit_unless_refused};
+use super::fit::{FreeFit, fit, fit_ordinary};
 use super::inputs::{FreeDrive, Held};
-use super::numbers::{free, on_time, with_ordinary};
+use super::numbers::{free, on_time};
 use super::remaining::{Remaining, remaining};
 use super::robust::deviation;
 use super::run::Predicted;
@@ -144,12 +144,8 @@ impl Ordinary {
         // Delays are searched for, not supposed.
         model.delays = Default::default();
         let plain = Model { vehicle, values: Values::of(vehicle), ..model.clone() };
-        let ordinary = with_ordinary(&model).map(|model| {
-            let free = free(&model, &own, &drives);
-            (model, free)
-        });
         let (found, plain) = rayon::join(
-            || fit_unless_refused(ordinary, &drives),
+            || fit_ordinary(&model, &own, &drives),
             || fit(&plain, on_time(free(&plain, vehicle, &drives)), &drives),
         );
         let predicted = &found.predicted;

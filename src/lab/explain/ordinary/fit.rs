@@ -5,13 +5,14 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::inputs::{FreeDrive, STEP_S};
-use super::numbers::{Free, Number, placed};
+use super::numbers::{Free, Number, free, placed, with_ordinary};
 use super::robust::{deviation, loss, memory, weight};
 use super::run::{Predicted, run};
 use crate::explain::model::{Model, Place};
 use crate::explain::predict::car::Compute;
 use crate::explain::predict::delay::Delayed;
 use crate::identify::Parameter;
+use physics::model::Vehicle;
 
 /// A fitted model.
 #[derive(Clone, Debug)]
@@ -109,13 +110,13 @@ pub fn fit<'a>(model: &Model<'a>, free: Vec<Free>, drives: &[FreeDrive]) -> Free
     FreeFit { starts: paths, ..problem.refined(best, first) }
 }
 
-/// Fits two models, and takes the second where the data refuse the first.
+/// Fits the model with the physics that every car has, and without what of that the data refuse.
 ///
-/// Every error counts in full for that: a run that spins where the car did not is no outlier.
-pub fn fit_unless_refused<'a>(models: [(Model<'a>, Vec<Free>); 2], drives: &[FreeDrive]) -> FreeFit<'a> {
-    let [usual, simpler] = models;
-    let (usual, simpler) =
-        rayon::join(|| fit(&usual.0, usual.1, drives), || fit(&simpler.0, simpler.1, drives));
+/// Every error counts in full for the refusal: a run that spins where the car did not is no outlier.
+pub fn fit_ordinary<'a>(model: &Model<'a>, vehicle: &Vehicle, drives: &[FreeDrive]) -> FreeFit<'a> {
+    let [usual, simpler] = with_ordinary(model);
+    let fitted = |model: &Model<'a>| fit(model, free(model, vehicle, drives), drives);
+    let (usual, simpler) = rayon::join(|| fitted(&usual), || fitted(&simpler));
     let [of_usual, of_simpler] = [&usual, &simpler].map(|fit| {
         let problem = Problem { model: &fit.model, free: &fit.free, drives };
         problem.prior_cost(&fit.at)

@@ -5,9 +5,9 @@ use physics::model::effect::{Channel, EffectConfig, Setting};
 use physics::{Quantity, Wheel};
 
 use super::super::answer::{Number, numbers, with_bend};
-use super::super::fit::{FreeFit, fit};
+use super::super::fit::{FreeFit, fit_ordinary};
 use super::super::inputs::{FreeDrive, Held, STEP_S, compared_mean, resampled};
-use super::super::numbers::{free, placed, with_ordinary};
+use super::super::numbers::placed;
 use super::super::run::{SpeedSensing, along, later};
 use super::{Asked, Refusal, titles};
 use crate::explain::Recording;
@@ -108,8 +108,7 @@ pub(super) fn fitted(
     let mut model = Model::plain(&own, false).with_configured(asked.configured);
     // Delays are searched for, not supposed.
     model.delays = Default::default();
-    let model = with_ordinary(&model);
-    let found = fit(&model, free(&model, &own, &drives), &drives);
+    let found = fit_ordinary(&model, &own, &drives);
     let (model, sensing) = placed(&found.model, &found.free, &found.at, 0);
     let whole = drive(f64::INFINITY)?;
     let without = courses(&whole, &model.car(), sensing);

@@ -22,6 +22,9 @@ use physics::model::effect::{Channel, Kind, named};
 /// A moment is searched in steps of an eighth of a second, on errors of which ten say as much as three.
 const ONSET_STD_S: f64 = 0.5;
 
+/// One car in a hundred has an unusual effect, before anything is seen: 2 ln of that.
+const RARER: f64 = 9.2;
+
 /// So many deviations from what was thought before are more than such sensors have.
 const UNUSUAL: f64 = 3.0;
 
@@ -57,10 +60,10 @@ impl Refitted<'_> {
         self.trial.candidate.kind.search.every_car_has
     }
 
-    /// Is it clearly likelier than this explanation? One that is at a bound, or that hardly moves, explains nothing.
+    /// Is it, which few cars have, clearly likelier than this explanation, which every car has? One that is at a bound, or that hardly moves, explains nothing.
     pub fn is_told_from(&self, other: &Self) -> bool {
         let explains = !other.is_at_bound() && other.clearest() > LEAST_CLEAR;
-        !explains || other.evidence < self.evidence - TOLD_APART
+        !explains || other.evidence < self.evidence - TOLD_APART - RARER
     }
 
     /// The effect's free numbers: their place, and which they are.
@@ -195,7 +198,9 @@ impl Search<'_> {
         finding.probability = 1.0 / (1.0 + (-0.5 * evidence).exp());
         finding.evidence = evidence;
         let (value, slope) = told.value(free, at);
-        finding.parameters.insert(told.number.into(), Estimate { value, std: std * slope.abs() });
+        // What of the effect its number alone does not tell.
+        let by_model = told.model_error(free) * value;
+        finding.parameters.insert(told.number.into(), Estimate { value, std: (std * slope).hypot(by_model) });
         finding.explained_share = self.share(&climbed.errors, &state.errors);
         // On driving that was not fitted to.
         if finding.explained_share.values().all(|share| *share < LEAST_SHARE) {
@@ -204,7 +209,8 @@ impl Search<'_> {
         if let Some(drive) = free.drive {
             finding.place.recording.clone_from(&self.drives[drive].name);
         }
-        Some((finding, prior.abs() > UNUSUAL))
+        let from_usual = slope * (at - free.prior.0) / (slope * free.prior.1).hypot(by_model);
+        Some((finding, from_usual.abs() > UNUSUAL))
     }
 }
 
@@ -247,6 +253,16 @@ impl Told {
                 })
             }
             Number::Of(_) => None,
+        }
+    }
+
+    /// Share by which the number is uncertain because the equation is simple; of what a sensor does, nothing.
+    fn model_error(&self, free: &Free) -> f64 {
+        match free.number {
+            Number::Of(Place::Effect(_, number)) => {
+                self.kind.spec(number, self.channel).map_or(0.0, |spec| spec.model_error)
+            }
+            _ => 0.0,
         }
     }
 

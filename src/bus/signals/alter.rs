@@ -129,7 +129,8 @@ impl Alterer {
         }
     }
 
-    /// All frames were seen; `seed` is of what has to be drawn. What is to be said of messages that are guarded by what nobody knows.
+    /// All frames were seen; `seed` is of what has to be drawn. Returns what is to be said of messages that are guarded by
+    /// what nobody knows.
     pub fn looked(&mut self, seed: u64) -> Vec<(CanId, String)> {
         for quantity in &mut self.quantities {
             quantity.is_fine = quantity.wanted_rms() < FINE_UNITS * quantity.step;

@@ -71,7 +71,7 @@ pub fn with_courses<'a>(
 
 /// Sums for a fit.
 #[derive(Clone, Copy, Debug, Default)]
-struct ErrorSums {
+pub struct ErrorSums {
     count: f64,
     value: f64,
     square: f64,
@@ -79,11 +79,12 @@ struct ErrorSums {
 }
 
 impl ErrorSums {
-    fn add(&mut self, compared: &Comparison) {
+    /// Adds a value, and what was said of it.
+    pub fn add(&mut self, measured: f64, simulated: f64) {
         self.count += 1.0;
-        self.value += compared.measured;
-        self.square += compared.measured * compared.measured;
-        self.error += (compared.measured - compared.simulated).powi(2);
+        self.value += measured;
+        self.square += measured * measured;
+        self.error += (measured - simulated).powi(2);
     }
 
     fn plus(self, other: &Self) -> Self {
@@ -95,8 +96,8 @@ impl ErrorSums {
         }
     }
 
-    /// 100 (1 − |y − ŷ|/|y − mean y|).
-    fn fit(&self) -> Option<f64> {
+    /// 100 (1 − |y − ŷ|/|y − mean y|), if there is enough to say.
+    pub fn fit(&self) -> Option<f64> {
         let spread = self.square - self.value * self.value / self.count.max(1.0);
         (self.count > 20.0 && spread > 0.0).then(|| 100.0 * (1.0 - (self.error / spread).sqrt()))
     }
@@ -109,7 +110,8 @@ pub fn fits(comparisons: &Comparisons, split: &Split) -> Parts<ByChannel> {
         let (mut train, mut holdout) = (ErrorSums::default(), ErrorSums::default());
         for (drive, comparisons) in comparisons.iter().enumerate() {
             for compared in comparisons.iter().filter(|compared| compared.channel == channel as u8) {
-                if split.is_held_out(drive, compared.t) { holdout.add(compared) } else { train.add(compared) }
+                let part = if split.is_held_out(drive, compared.t) { &mut holdout } else { &mut train };
+                part.add(compared.measured, compared.simulated);
             }
         }
         let name = channel.name().to_owned();
@@ -151,7 +153,8 @@ pub fn improvement(
                     .iter()
                     .filter(|s| s.channel == channel as u8 && split.is_held_out(drive, s.t));
                 for compared in held {
-                    blocks.entry((drive, (compared.t / BOOTSTRAP_S) as i64)).or_default().add(compared);
+                    let block = blocks.entry((drive, (compared.t / BOOTSTRAP_S) as i64)).or_default();
+                    block.add(compared.measured, compared.simulated);
                 }
             }
             blocks
@@ -200,7 +203,7 @@ pub fn unexplained(
                 for compared in
                     comparisons.iter().filter(|s| s.channel == channel as u8 && split.is_held_out(drive, s.t))
                 {
-                    sums.add(compared);
+                    sums.add(compared.measured, compared.simulated);
                 }
             }
             let variance = noise[channel as usize].powi(2);

@@ -15,6 +15,7 @@ use super::robust::deviation;
 use super::run::Predicted;
 use crate::explain::model::Model;
 use crate::explain::predict::Recording;
+use crate::explain::proof::ErrorSums;
 use crate::explain::result::{ByChannel, Disturbance, Estimate, Parts, Verdict};
 use crate::identify::Values;
 
@@ -84,7 +85,7 @@ const SHAPE: Uncertain = Uncertain { value: 1.3, std: 0.15 };
 
 /// Below this share of the held-out yaw rate the car is not the one that drove, or its steering is not the one that
 /// steered: then nothing can be said of what is left. A drive that hardly turns is not better.
-const LEAST_FIT: f64 = 60.0;
+pub(super) const LEAST_FIT: f64 = 60.0;
 
 /// Of all recordings together so many seconds are run, of each at least so many: a fit takes some seconds of computing
 /// for a minute of driving, and tires do not change.
@@ -140,9 +141,7 @@ impl Ordinary {
         if drives.is_empty() {
             return None;
         }
-        let mut model = Model::plain(&own, false).with_configured(effects);
-        // Delays are searched for, not supposed.
-        model.delays = Default::default();
+        let model = as_configured(&own, effects);
         let plain = Model { vehicle, values: Values::of(vehicle), ..model.clone() };
         let (found, plain) = rayon::join(
             || fit_ordinary(&model, &own, &drives),
@@ -226,6 +225,11 @@ pub(super) fn with_bend(vehicle: &Vehicle) -> Vehicle {
     own
 }
 
+/// The model of this vehicle with these effects. Delays are searched for, not supposed.
+pub(super) fn as_configured<'a>(own: &'a Vehicle, effects: &[EffectConfig]) -> Model<'a> {
+    Model { delays: Default::default(), ..Model::plain(own, false).with_configured(effects) }
+}
+
 /// What is compared.
 const CHANNELS: [Quantity; 2] = [Quantity::YawRate, Quantity::LateralAcceleration];
 
@@ -263,7 +267,7 @@ fn held_square(drives: &[FreeDrive], predicted: &[Predicted], channel: Quantity)
     drives.iter().zip(predicted).map(of).sum()
 }
 
-/// 100 (1 − |y − ŷ|/|y − mean y|) over all drives, by channel.
+/// Fit over all drives, %, by channel.
 fn fits(drives: &[FreeDrive], predicted: &[Predicted]) -> Parts<ByChannel> {
     let fit = |channel: Quantity, held: bool| {
         let rows = drives.iter().zip(predicted).flat_map(|(drive, own)| {
@@ -272,15 +276,9 @@ fn fits(drives: &[FreeDrive], predicted: &[Predicted]) -> Parts<ByChannel> {
             all.filter(move |(i, (y, _))| drive.counts[*i] && drive.held[*i] == held && y.is_finite())
                 .map(|(_, (y, z))| (*y, *z))
         });
-        let (mut n, mut sum, mut square, mut error) = (0.0, 0.0, 0.0, 0.0);
-        for (y, z) in rows {
-            n += 1.0;
-            sum += y;
-            square += y * y;
-            error += (y - z) * (y - z);
-        }
-        let spread = square - sum * sum / f64::max(n, 1.0);
-        (n > 20.0 && spread > 0.0).then(|| 100.0 * (1.0 - (error / spread).sqrt()))
+        let mut sums = ErrorSums::default();
+        rows.for_each(|(y, z)| sums.add(y, z));
+        sums.fit()
     };
     let of = |held: bool| {
         let all =

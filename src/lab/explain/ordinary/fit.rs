@@ -50,7 +50,8 @@ const ROUNDS: usize = 2;
 /// The search stops where a step gains less than this share.
 const LEAST_GAIN: f64 = 1e-4;
 
-/// How far apart the starts are: factor of the stiffnesses, friction, delay of the steering, s. They are the yardstick's.
+/// How far apart the starts are: factor of the stiffnesses, friction, delay of the steering, s. The first four are
+/// the yardstick's; from the last one a car with passengers finds its friction (`free_runs`).
 const STARTS: [(f64, f64, f64); 5] =
     [(1.0, 1.0, 0.0), (2.0, 1.0, 0.1), (1.0, 0.5, 0.0), (1.5, 0.8, -0.1), (1.0, 1.5, 0.0)];
 

@@ -60,7 +60,8 @@ impl Refitted<'_> {
         self.trial.candidate.kind.search.every_car_has
     }
 
-    /// Is it, which few cars have, clearly likelier than this explanation, which every car has? One that is at a bound, or that hardly moves, explains nothing.
+    /// Is it, which few cars have, clearly likelier than this explanation, which every car has? One that is at a bound, or
+    /// that hardly moves, explains nothing.
     pub fn is_told_from(&self, other: &Self) -> bool {
         let explains = !other.is_at_bound() && other.clearest() > LEAST_CLEAR;
         !explains || other.evidence < self.evidence - TOLD_APART - RARER

@@ -4,7 +4,7 @@ use physics::model::Vehicle;
 use physics::model::effect::{Channel, EffectConfig, Setting};
 use physics::{Quantity, Wheel};
 
-use super::super::answer::{Number, numbers, with_bend};
+use super::super::answer::{LEAST_FIT, Number, as_configured, numbers, with_bend};
 use super::super::fit::{FreeFit, fit_ordinary};
 use super::super::inputs::{FreeDrive, Held, STEP_S, compared_mean, resampled};
 use super::super::numbers::placed;
@@ -14,6 +14,7 @@ use crate::explain::Recording;
 use crate::explain::model::{Chosen, Model};
 use crate::explain::predict::ExtendedCar;
 use crate::explain::predict::car::{Compute, EFFECT_STATES};
+use crate::explain::proof::ErrorSums;
 use crate::identify::Parameter;
 
 /// The ordinary car as this recording has it.
@@ -52,9 +53,6 @@ const FADE_S: f64 = 1.0;
 
 /// Below the first speed a free run means nothing, from the second one on it does, m/s.
 const SPEEDS: (f64, f64) = (2.0, 4.0);
-
-/// Below this share of the yaw rate, %, the fitted car is not the one that drove: as in an explanation.
-const LEAST_FIT: f64 = 60.0;
 
 /// Where less than this is left of the yaw rate, rad/s, the car only hardly turned: what a gyroscope of series production
 /// is off by.
@@ -105,10 +103,7 @@ pub(super) fn fitted(
     };
     let drive = |most_s| FreeDrive::new(asked.recording, &own, Held::Nothing, most_s).map_err(no_run);
     let drives = [drive(FITTED_S)?];
-    let mut model = Model::plain(&own, false).with_configured(asked.configured);
-    // Delays are searched for, not supposed.
-    model.delays = Default::default();
-    let found = fit_ordinary(&model, &own, &drives);
+    let found = fit_ordinary(&as_configured(&own, asked.configured), &own, &drives);
     let (model, sensing) = placed(&found.model, &found.free, &found.at, 0);
     let whole = drive(f64::INFINITY)?;
     let without = courses(&whole, &model.car(), sensing);
@@ -210,14 +205,13 @@ fn courses(drive: &FreeDrive, car: &ExtendedCar, sensing: SpeedSensing) -> Cours
     all
 }
 
-/// How much of the yaw rate a free run gives, %.
+/// How much of the yaw rate a free run gives, %; not a number where there is too little of it.
 fn yaw_fit(drive: &FreeDrive, courses: &Courses) -> f64 {
     let said = &courses.of[Quantity::YawRate as usize];
     let counts = (0..drive.points()).filter(|i| drive.counts[*i] && drive.yaw_rate[*i].is_finite());
-    let mean = average(counts.clone().map(|i| drive.yaw_rate[i]));
-    let error = average(counts.clone().map(|i| (drive.yaw_rate[i] - said[i]).powi(2)));
-    let spread = average(counts.map(|i| (drive.yaw_rate[i] - mean).powi(2)));
-    100.0 * (1.0 - (error / spread).sqrt())
+    let mut sums = ErrorSums::default();
+    counts.for_each(|i| sums.add(drive.yaw_rate[i], said[i]));
+    sums.fit().unwrap_or(f64::NAN)
 }
 
 /// Not-a-number of nothing.

@@ -63,6 +63,7 @@ fn explained(effect: &str) -> Explanation {
         vehicle: &vehicle,
         effects: &[],
         recordings: &recordings,
+        references: 0,
         held_out: 0,
         chain: &[],
         library: &library(),

@@ -27,7 +27,7 @@ impl<'a> Conclusion<'_, 'a> {
         let differing = match self.verdict {
             Verdict::MissingPhysics => &self.selection.extended,
             Verdict::UnknownPhysics => self.corrected,
-            Verdict::Adequate | Verdict::InsufficientExcitation => baseline,
+            Verdict::Adequate | Verdict::Unchanged | Verdict::InsufficientExcitation => baseline,
         };
         let differs = matches!(self.verdict, Verdict::MissingPhysics | Verdict::UnknownPhysics);
         let split = &self.data.split;
@@ -267,7 +267,7 @@ fn compared(steps: &Innovations) -> Comparisons {
 }
 
 /// What an audit found, a line each.
-fn chain_words(report: &ChainReport) -> Vec<String> {
+pub fn chain_words(report: &ChainReport) -> Vec<String> {
     let line = |finding: &chain::AuditFinding| {
         let confidence = format!("{:?}", finding.confidence).to_lowercase();
         let value = finding.amount().map_or(String::new(), |amount| format!(" {amount}"));

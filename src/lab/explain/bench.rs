@@ -13,7 +13,13 @@ const DRIVE: &str = include_str!("../../../tests/data/steered.toml");
 
 /// The recording of that drive with effects (TOML), and what a user knows of the car.
 pub fn recorded(effects: &str) -> (Vehicle, Recording) {
-    let scenario = Scenario::parse(&format!("{DRIVE}\n{effects}")).unwrap();
+    recorded_as(effects, |_| {})
+}
+
+/// The same with something else about the scenario.
+pub fn recorded_as(effects: &str, change: impl FnOnce(&mut Scenario)) -> (Vehicle, Recording) {
+    let mut scenario = Scenario::parse(&format!("{DRIVE}\n{effects}")).unwrap();
+    change(&mut scenario);
     let recording = Recording::simulated("bench", &scenario).unwrap();
     let mut vehicle = scenario.vehicle.clone();
     vehicle.mass_kg = Uncertain { value: 1560.0, std: 60.0 };

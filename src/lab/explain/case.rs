@@ -14,8 +14,10 @@ pub struct Case<'a> {
     pub vehicle: &'a Vehicle,
     /// Effects that the configuration switches on: they belong to the plain model here.
     pub effects: &'a [EffectConfig],
-    /// Recordings, the held-out ones last.
+    /// Recordings, references first and the held-out ones last.
     pub recordings: &'a [Recording],
+    /// How many of them are healthy drives of the car. With any the question is what the others have that they have not.
+    pub references: usize,
     /// How many of them the user has set apart.
     pub held_out: usize,
     /// What the audit of the measurement chain says of each.

@@ -8,7 +8,7 @@ use super::excerpt::Excerpt;
 use super::fit::Data;
 use super::long_recording::LongSearch;
 use super::model::Model;
-use super::ordinary::Ordinary;
+use super::ordinary::{Asked, Ordinary};
 use super::predict::noise::{Live, Noise};
 use super::predict::{GriddedDrive, grid::STEP_S};
 use super::result::{Explanation, Verdict};
@@ -29,6 +29,9 @@ const CORRECTION_AGAIN: usize = 1;
 impl<'a> Case<'a> {
     /// Explains. `progress` is told the stage and how far it is.
     pub fn explain(&self, progress: &(dyn Fn(&str, f64) + Sync)) -> Answer<'a> {
+        if self.references > 0 {
+            return self.changed(progress);
+        }
         let drives: Vec<GriddedDrive> =
             self.recordings.iter().map(|recording| GriddedDrive::new(recording, self.vehicle)).collect();
         let has = |quantity: Quantity| self.recordings.iter().any(|recording| recording.has(quantity));
@@ -45,8 +48,9 @@ impl<'a> Case<'a> {
         }
         progress("the ordinary car", 0.0);
         let ordinary_if = |searches: &dyn Fn(&Ordinary) -> bool| {
-            let recordings = (self.recordings, self.held_out);
-            Ordinary::of(self.vehicle, self.effects, recordings, (self.library, searches), self.seed)
+            let (held_out, seed) = (self.held_out, self.seed);
+            let asked = Asked { library: self.library, searches, references: 0, held_out, seed };
+            Ordinary::of(self.vehicle, self.effects, self.recordings, asked)
         };
         let mut ordinary = ordinary_if(&Ordinary::shakes);
         // A filter that takes noise for white learns nothing of physics there.

@@ -19,6 +19,7 @@ mod answer;
 mod bench;
 mod candidates;
 mod case;
+mod changed;
 pub mod chain;
 mod conclusion;
 mod correction;

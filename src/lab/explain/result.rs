@@ -19,6 +19,8 @@ pub enum Verdict {
     UnknownPhysics,
     /// The drive says too little.
     InsufficientExcitation,
+    /// The car is as it was in the references.
+    Unchanged,
 }
 
 /// A number with its standard deviation.
@@ -104,6 +106,9 @@ pub struct Finding {
     pub equation: String,
     /// Twice the logarithm of the odds for it.
     pub evidence: f64,
+    /// Of a number of the car that has changed: what the references have.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference_value: Option<Estimate>,
 }
 
 impl Finding {
@@ -223,6 +228,9 @@ pub struct Explanation {
     pub equations: Models<Vec<Missing>>,
     /// What the measurement chain's audit found, in words.
     pub measurement_chain: Vec<String>,
+    /// Recordings that the others are compared with.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub references: Vec<String>,
     /// Which stretches were held out.
     pub split: Vec<Block>,
     /// Seconds that were used.
@@ -261,6 +269,7 @@ impl Explanation {
             to_drive: Vec::new(),
             equations: Models::default(),
             measurement_chain: Vec::new(),
+            references: Vec::new(),
             split: Vec::new(),
             seconds: 0.0,
             traces: Vec::new(),

@@ -32,6 +32,9 @@ pub struct Explain {
     /// Keep these recordings for the proof instead.
     #[arg(long, value_name = "LOG", num_args = 1..)]
     holdout: Vec<PathBuf>,
+    /// A healthy drive of the same car (repeatable). Then the answer is what the recordings have that these have not.
+    #[arg(long, value_name = "LOG")]
+    reference: Vec<PathBuf>,
     /// Write the answer as JSON (`-`: to the standard output, instead of the text).
     #[arg(long, value_name = "JSON")]
     json: Option<PathBuf>,
@@ -51,15 +54,17 @@ impl Explain {
     pub fn run(self) -> Result<(), Failure> {
         let config = configuration::load(&self.config)?;
         check_outputs(
-            self.logs.iter().chain(&self.holdout).chain([&self.config]).chain(config.files()),
+            self.logs.iter().chain(&self.holdout).chain(&self.reference).chain([&self.config]).chain(config.files()),
             self.json.iter().chain(&self.html).chain(&self.apply),
         )?;
-        let logs: Vec<PathBuf> = self.logs.iter().chain(&self.holdout).cloned().collect();
+        let logs: Vec<PathBuf> =
+            self.reference.iter().chain(&self.logs).chain(&self.holdout).cloned().collect();
         let read = recordings::read(&logs, &config)?;
         let case = Case {
             vehicle: &config.vehicle,
             effects: &config.effect,
             recordings: &read.recordings,
+            references: self.reference.len(),
             held_out: self.holdout.len(),
             chain: &read.chain,
             library: KINDS,

@@ -13,7 +13,7 @@ use serde::de::{DeserializeOwned, IntoDeserializer};
 use super::output::{check_outputs, write_json, write_text};
 use super::progress::Progress;
 use super::{Failure, configuration, explain};
-use lab::explain::ordinary::Ordinary;
+use lab::explain::ordinary::{Asked, Ordinary};
 use lab::identify::{Identifier, IdentifyConfig, IdentifyError, LongitudinalInput, Method};
 use lab::pages;
 use lab::pages::identify::{self as page, Story};
@@ -90,7 +90,7 @@ impl Identify {
     fn ordinary(&self, config: &bus::Config) -> Result<(), Failure> {
         let read = explain::read(&self.logs, config)?;
         let ordinary =
-            Ordinary::of(&config.vehicle, &config.effect, (&read.recordings, 0), (&[], &|_| false), 1)
+            Ordinary::of(&config.vehicle, &config.effect, &read.recordings, Asked::CAR)
                 .ok_or_else(|| {
                     Failure::work("no recording has steering, yaw rate and 12 s of driving above 4 m/s")
                 })?;

@@ -6,10 +6,10 @@ use physics::Quantity;
 use physics::model::effect::{EffectConfig, Kind};
 use physics::model::{TireKind, Uncertain, Vehicle};
 
-use super::beyond::{Beyond, beyond, rows};
+use super::beyond::{Beyond, Question, beyond, rows};
 use super::fit::{FreeFit, fit, fit_ordinary};
-use super::inputs::{FreeDrive, Held};
-use super::numbers::{free, on_time};
+use super::inputs::{FreeDrive, Held, STEP_S};
+use super::numbers::{Free, Scope, free, on_time};
 use super::remaining::{Remaining, remaining};
 use super::robust::deviation;
 use super::run::Predicted;
@@ -74,10 +74,31 @@ pub struct Ordinary {
     pub shaking_mps2: f64,
     /// Sideslip that the free run gives: recording; time, s, and rad.
     pub sideslip: Vec<(String, Vec<[f64; 2]>)>,
+    /// Seconds that were run.
+    pub seconds: f64,
 }
 
-/// What could be beyond the ordinary car, and whether that is to be searched for beside the one that was fitted.
-pub type Asked<'s> = (&'s [&'static Kind], &'s dyn Fn(&Ordinary) -> bool);
+/// What is asked of recordings.
+#[derive(Clone, Copy)]
+pub struct Asked<'s> {
+    /// What could be beyond the ordinary car …
+    pub library: &'s [&'static Kind],
+    /// … and whether that is to be searched for beside the one that was fitted.
+    pub searches: &'s dyn Fn(&Ordinary) -> bool,
+    /// The first so many recordings are healthy drives of the car: all of them is fitted to, and the search is for what the
+    /// others have that they have not.
+    pub references: usize,
+    /// The last so many are only predicted; without any, every third block of 6 s of each.
+    pub held_out: usize,
+    /// Of what is drawn at random.
+    pub seed: u64,
+}
+
+impl Asked<'_> {
+    /// Nothing but the car itself.
+    pub const CAR: Asked<'static> =
+        Asked { library: &[], searches: &|_| false, references: 0, held_out: 0, seed: 1 };
+}
 
 /// The magic formula's shape for lateral force where no table has it: 1.3 (Bakker, Nyborg & Pacejka 1987), and what cars
 /// differ by.
@@ -113,32 +134,34 @@ impl Number {
 const LEAST_TOLD: f64 = 0.7;
 
 impl Ordinary {
-    /// Of recordings of one car, the last `held_out` of which are only predicted; without any, every third block of
-    /// 6 s of each. What is beyond it is searched among the library if `searches` says so. None where no recording can be
-    /// used.
+    /// Of recordings of one car. None where no recording can be used, or none beside its references.
     pub fn of(
         vehicle: &Vehicle,
         effects: &[EffectConfig],
-        (recordings, held_out): (&[Recording], usize),
-        (library, searches): Asked<'_>,
-        seed: u64,
+        recordings: &[Recording],
+        asked: Asked<'_>,
     ) -> Option<Self> {
+        let Asked { library, searches, references, held_out, seed } = asked;
         let own = with_bend(vehicle);
         let first_held = recordings.len() - held_out.min(recordings.len());
-        let (mut drives, mut left_out) = (Vec::new(), Vec::new());
+        let (mut drives, mut left_out, mut usable_references) = (Vec::new(), Vec::new(), 0);
         let most_s = (MOST_S / recordings.len().max(1) as f64).max(LEAST_OF_EACH_S);
         for (number, recording) in recordings.iter().enumerate() {
             let held = match held_out {
+                _ if number < references => Held::Nothing,
                 0 => Held::EveryThird,
                 _ if number >= first_held => Held::Everything,
                 _ => Held::Nothing,
             };
             match FreeDrive::new(recording, &own, held, most_s) {
-                Ok(drive) => drives.push(drive),
+                Ok(drive) => {
+                    usable_references += usize::from(number < references);
+                    drives.push(drive);
+                }
                 Err(why) => left_out.push(format!("{}: {why}", recording.name)),
             }
         }
-        if drives.is_empty() {
+        if drives.len() == usable_references || (references > 0 && usable_references == 0) {
             return None;
         }
         let model = as_configured(&own, effects);
@@ -162,9 +185,11 @@ impl Ordinary {
             beyond: Beyond::default(),
             shaking_mps2: shaking(&drives, predicted),
             sideslip: drives.iter().zip(predicted).map(|(drive, own)| sideslip(drive, own)).collect(),
+            seconds: drives.iter().map(|drive| drive.points() as f64 * STEP_S).sum(),
         };
         if answer.is_the_car() && searches(&answer) {
-            answer.beyond = beyond(&found, &own, &drives, library, plain_squares, seed);
+            let question = Question { kinds: library, references: usable_references, plain: plain_squares, seed };
+            answer.beyond = beyond(&found, &own, &drives, question);
         }
         let with_found = answer.beyond.predicted.clone();
         let with_found = with_found.as_deref().unwrap_or(predicted);
@@ -209,7 +234,7 @@ impl Ordinary {
     }
 
     /// Does it predict the held-out yaw rate at all?
-    fn is_the_car(&self) -> bool {
+    pub fn is_the_car(&self) -> bool {
         self.fit.holdout.get(Quantity::YawRate.name()).is_some_and(|fit| *fit >= LEAST_FIT)
     }
 }
@@ -289,12 +314,15 @@ fn fits(drives: &[FreeDrive], predicted: &[Predicted]) -> Parts<ByChannel> {
 }
 
 pub(super) fn numbers(found: &FreeFit<'_>, drives: &[FreeDrive]) -> Vec<Number> {
-    let of = |(i, free): (usize, &super::numbers::Free)| {
+    let of = |(i, free): (usize, &Free)| {
         let (name, value, slope) = free.named(&found.model, found.at[i]);
         let (_, mean, slope_there) = free.named(&found.model, free.prior.0);
         Number {
             name,
-            recording: free.drive.map(|drive| drives[drive].name.clone()),
+            recording: match free.of {
+                Scope::Recording(drive) => drives.get(drive).map(|drive| drive.name.clone()),
+                Scope::Car | Scope::Since(_) => None,
+            },
             estimate: Estimate { value, std: found.covariance[(i, i)].max(0.0).sqrt() * slope.abs() },
             prior: Estimate { value: mean, std: free.prior.1 * slope_there.abs() },
             is_at_bound: free.is_at_bound(found.at[i]),
@@ -336,7 +364,7 @@ mod tests {
                       [[effect]]\nkind = \"sensor_bias\"\nchannel = \"yaw_rate\"\nbias = 0.02\n\
                       [[effect]]\nkind = \"relaxation_length\"\nlength_m = 0.6\n";
         let (vehicle, recording) = recorded(hidden);
-        let found = Ordinary::of(&vehicle, &[], (&[recording], 0), (&[], &|_| false), 1).unwrap();
+        let found = Ordinary::of(&vehicle, &[], &[recording], Asked::CAR).unwrap();
         let number = |name: &str| found.numbers.iter().find(|number| number.name == name).unwrap();
         let is_near = |name: &str, truth: f64, most: f64| {
             let estimate = number(name).estimate;
@@ -355,6 +383,6 @@ mod tests {
     fn a_recording_without_yaw_rate_or_driving_is_left_out() {
         let (vehicle, mut recording) = recorded("");
         recording.tracks[Quantity::YawRate as usize].clear();
-        assert!(Ordinary::of(&vehicle, &[], (&[recording], 0), (&[], &|_| false), 1).is_none());
+        assert!(Ordinary::of(&vehicle, &[], &[recording], Asked::CAR).is_none());
     }
 }

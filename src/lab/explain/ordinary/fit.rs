@@ -50,6 +50,9 @@ const ROUNDS: usize = 2;
 /// The search stops where a step gains less than this share.
 const LEAST_GAIN: f64 = 1e-4;
 
+/// Slopes are kept as long as a step gains this share of what the steps before it have gained with them. Numerical.
+const STILL_SERVES: f64 = 0.1;
+
 /// How far apart the starts are: factor of the stiffnesses, friction, delay of the steering, s. The first four are
 /// the yardstick's; from the last one a car with passengers finds its friction (`free_runs`).
 const STARTS: [(f64, f64, f64); 5] =
@@ -85,6 +88,9 @@ struct Problem<'p, 'a> {
     drives: &'p [FreeDrive],
 }
 
+/// By drive: for each number that it has, how the residuals of both channels change with it.
+type Slopes = Vec<Vec<(usize, Vec<[f64; 2]>)>>;
+
 /// Normal equations at a point.
 struct Normal {
     information: DMatrix<f64>,
@@ -95,20 +101,38 @@ struct Normal {
 
 /// Fits to the training part.
 pub fn fit<'a>(model: &Model<'a>, free: Vec<Free>, drives: &[FreeDrive]) -> FreeFit<'a> {
+    let pilot = liveliest(drives);
+    let of_pilot: Vec<usize> = (0..free.len()).filter(|place| free[*place].of.has(pilot)).collect();
+    let own: Vec<Free> = of_pilot.iter().map(|place| free[*place].alone()).collect();
+    let (mut starts, best) =
+        Problem { model, free: &own, drives: &drives[pilot..=pilot] }.search_from_all_starts();
+    // The other recordings' own numbers are where they were thought to be.
+    let everywhere = |from_pilot: &[f64]| {
+        let mut all: Vec<f64> = free.iter().map(|free| free.prior.0).collect();
+        for (place, coordinate) in of_pilot.iter().zip(from_pilot) {
+            all[*place] = *coordinate;
+        }
+        all
+    };
+    for (from, to, _) in &mut starts {
+        (*from, *to) = (everywhere(from), everywhere(to));
+    }
     let problem = Problem { model, free: &free, drives };
     let first = problem.first_scale();
-    let starts: Vec<Vec<f64>> = STARTS.iter().map(|start| problem.start(*start)).collect();
-    let mut paths: Vec<FreeStart> = starts
-        .into_iter()
-        .map(|start| {
-            let (cost, end) = problem.search(start.clone(), &first, STEPS[0]);
-            (start, end, cost)
-        })
-        .collect();
-    paths.sort_by(|a, b| a.2.total_cmp(&b.2));
-    let ends = paths.iter().take(2).map(|(_, end, _)| problem.search(end.clone(), &first, STEPS[1]));
-    let best = ends.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, end)| end).unwrap_or_default();
-    FreeFit { starts: paths, ..problem.refined(best, first) }
+    let mut best = everywhere(&best);
+    if drives.len() > 1 {
+        (_, best) = problem.search(best, &first, STEPS[1]);
+    }
+    FreeFit { starts, ..problem.refined(best, first) }
+}
+
+/// The drive that tells most of a car: in which it turns most. Far from the answer the others would add computing only.
+fn liveliest(drives: &[FreeDrive]) -> usize {
+    let turning = |drive: &FreeDrive| -> f64 {
+        let fitted = drive.yaw_rate.iter().zip(&drive.held).filter(|(rate, held)| !**held && rate.is_finite());
+        fitted.map(|(rate, _)| rate * rate).sum()
+    };
+    (0..drives.len()).max_by(|a, b| turning(&drives[*a]).total_cmp(&turning(&drives[*b]))).unwrap_or(0)
 }
 
 /// Fits the model with the physics that every car has, and without what of that the data refuse.
@@ -128,6 +152,21 @@ pub fn fit_ordinary<'a>(model: &Model<'a>, vehicle: &Vehicle, drives: &[FreeDriv
 }
 
 impl<'p, 'a> Problem<'p, 'a> {
+    /// Where the searches begin and come to in their first steps, and the best of their ends.
+    fn search_from_all_starts(&self) -> (Vec<FreeStart>, Vec<f64>) {
+        let first = self.first_scale();
+        let path = |start: &(f64, f64, f64)| {
+            let start = self.start(*start);
+            let (cost, end) = self.search(start.clone(), &first, STEPS[0]);
+            (start, end, cost)
+        };
+        let mut paths: Vec<FreeStart> = STARTS.iter().map(path).collect();
+        paths.sort_by(|a, b| a.2.total_cmp(&b.2));
+        let ends = paths.iter().take(2).map(|(_, end, _)| self.search(end.clone(), &first, STEPS[1]));
+        let best = ends.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, end)| end).unwrap_or_default();
+        (paths, best)
+    }
+
     /// Learns the residuals' size and memory, and fits again.
     fn refined(&self, from: Vec<f64>, first: Scale) -> FreeFit<'a> {
         let (mut at, mut scale) = (from, first);
@@ -136,7 +175,8 @@ impl<'p, 'a> Problem<'p, 'a> {
             (_, at) = self.search(at, &scale, STEPS[1]);
         }
         let predicted = self.predict(&at);
-        let Normal { information, scatter, .. } = self.normal(&at, &predicted, &scale);
+        let slopes = self.slopes(&at, &predicted);
+        let Normal { information, scatter, .. } = self.normal(&at, &predicted, &slopes, &scale);
         let inverse = information.clone().try_inverse().unwrap_or_else(|| DMatrix::zeros(at.len(), at.len()));
         // The curvature, or the scatter from block to block where that is more (White 1982).
         let robust = &inverse * scatter * &inverse;
@@ -264,12 +304,12 @@ impl<'p, 'a> Problem<'p, 'a> {
         self.free.iter().zip(at).map(off).sum()
     }
 
-    /// Gauss–Newton's normal equations by differences.
-    fn normal(&self, at: &[f64], predicted: &[Predicted], scale: &Scale) -> Normal {
+    /// How the residuals of each drive change with the numbers that it has, by differences.
+    fn slopes(&self, at: &[f64], predicted: &[Predicted]) -> Slopes {
         let count = self.free.len();
         let tasks: Vec<(usize, usize)> = (0..self.drives.len())
             .flat_map(|drive| (0..count).map(move |place| (drive, place)))
-            .filter(|(drive, place)| self.free[*place].drive.is_none_or(|own| own == *drive))
+            .filter(|(drive, place)| self.free[*place].of.has(*drive))
             .collect();
         let moved = |(drive, place): (usize, usize)| {
             let mut there = at.to_vec();
@@ -283,16 +323,22 @@ impl<'p, 'a> Problem<'p, 'a> {
                 here.iter().zip(by).map(|(here, by)| [(here[0] - by[0]) / step, (here[1] - by[1]) / step]);
             (drive, place, slopes.collect::<Vec<_>>())
         };
-        let mut columns: Vec<Vec<(usize, Vec<[f64; 2]>)>> = vec![Vec::new(); self.drives.len()];
-        for (drive, place, slopes) in tasks.into_par_iter().map(moved).collect::<Vec<_>>() {
-            columns[drive].push((place, slopes));
+        let mut slopes: Slopes = vec![Vec::new(); self.drives.len()];
+        for (drive, place, column) in tasks.into_par_iter().map(moved).collect::<Vec<_>>() {
+            slopes[drive].push((place, column));
         }
+        slopes
+    }
+
+    /// Gauss–Newton's normal equations.
+    fn normal(&self, at: &[f64], predicted: &[Predicted], slopes: &Slopes, scale: &Scale) -> Normal {
+        let count = self.free.len();
         let mut normal = Normal {
             information: DMatrix::zeros(count, count),
             gradient: DVector::zeros(count),
             scatter: DMatrix::zeros(count, count),
         };
-        for ((drive, predicted), columns) in self.drives.iter().zip(predicted).zip(&columns) {
+        for ((drive, predicted), columns) in self.drives.iter().zip(predicted).zip(slopes) {
             self.add(&mut normal, drive, predicted, columns, scale);
         }
         for (i, free) in self.free.iter().enumerate() {
@@ -352,27 +398,37 @@ impl<'p, 'a> Problem<'p, 'a> {
         }
     }
 
-    /// Levenberg's and Marquardt's search within the bounds. Returns the cost and the end.
+    /// Levenberg's and Marquardt's search within the bounds, with slopes that are kept as long as they serve: they are nearly
+    /// all of the computing. Returns the cost and the end.
     fn search(&self, from: Vec<f64>, scale: &Scale, steps: usize) -> (f64, Vec<f64>) {
         let mut at = from;
         let mut predicted = self.predict(&at);
         let mut cost = self.cost(&at, &predicted, scale);
         let mut damping = 1e-2;
         for _ in 0..steps {
-            let normal = self.normal(&at, &predicted, scale);
-            let before = cost;
-            for _ in 0..5 {
-                let next = self.stepped(&at, &normal, damping);
-                let there = self.predict(&next);
-                let cost_there = self.cost(&next, &there, scale);
-                if cost_there < cost {
-                    (at, predicted, cost) = (next, there, cost_there);
-                    damping = (0.2 * damping).max(1e-8);
+            let slopes = self.slopes(&at, &predicted);
+            let (start, mut tries) = (cost, 5);
+            loop {
+                let normal = self.normal(&at, &predicted, &slopes, scale);
+                let before = cost;
+                for _ in 0..tries {
+                    let next = self.stepped(&at, &normal, damping);
+                    let there = self.predict(&next);
+                    let cost_there = self.cost(&next, &there, scale);
+                    if cost_there < cost {
+                        (at, predicted, cost) = (next, there, cost_there);
+                        damping = (0.2 * damping).max(1e-8);
+                        break;
+                    }
+                    damping *= 8.0;
+                }
+                if before - cost <= STILL_SERVES * (start - before).max(LEAST_GAIN * start) {
                     break;
                 }
-                damping *= 8.0;
+                // Where they do not serve, it is not for want of damping.
+                tries = 1;
             }
-            if before - cost < LEAST_GAIN * before {
+            if start - cost < LEAST_GAIN * start {
                 break;
             }
         }

@@ -18,6 +18,6 @@ mod remaining;
 mod robust;
 mod run;
 
-pub use answer::{FreeTrace, Number, Ordinary};
+pub use answer::{Asked, FreeTrace, Number, Ordinary};
 pub use beyond::Beyond;
 pub use remaining::Remaining;

@@ -19,6 +19,30 @@ pub enum Number {
     SpeedScale,
     /// How late the speed is, s.
     SpeedDelay,
+    /// By how much a number of the model is another one in some recordings than in the others.
+    Change(Place),
+}
+
+/// Which recordings a number is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scope {
+    /// All of them: it is the car's.
+    Car,
+    /// One: it is of how that was measured, or of what was different there.
+    Recording(usize),
+    /// All from one on.
+    Since(usize),
+}
+
+impl Scope {
+    /// Is it of this recording?
+    pub fn has(self, drive: usize) -> bool {
+        match self {
+            Self::Car => true,
+            Self::Recording(own) => own == drive,
+            Self::Since(first) => first <= drive,
+        }
+    }
 }
 
 /// A free number in the coordinate that is searched.
@@ -26,8 +50,8 @@ pub enum Number {
 pub struct Free {
     /// What it is.
     pub number: Number,
-    /// The recording that it is of; none: the car's.
-    pub drive: Option<usize>,
+    /// Which recordings it is of.
+    pub of: Scope,
     /// Mean and standard deviation of what is thought of it.
     pub prior: (f64, f64),
     /// What it can be.
@@ -140,7 +164,7 @@ pub fn free(model: &Model<'_>, vehicle: &Vehicle, drives: &[FreeDrive]) -> Vec<F
         for (number, spec) in chosen.specs().enumerate().filter(|(number, _)| chosen.free.contains(number)) {
             let prior = class_of(chosen.kind.name, spec.name).unwrap_or((spec.mean, spec.std));
             let (number, bounds) = (Number::Of(Place::Effect(place, number)), spec.bounds);
-            all.push(Free { number, drive: None, prior, bounds, step: spec.step.min(0.1 * prior.1) });
+            all.push(Free { number, of: Scope::Car, prior, bounds, step: spec.step.min(0.1 * prior.1) });
         }
     }
     for (number, drive) in drives.iter().enumerate() {
@@ -168,7 +192,7 @@ fn of_vehicle(vehicle: &Vehicle, parameter: Parameter) -> Option<Free> {
     let std = prior.std / prior.value;
     Some(Free {
         number,
-        drive: None,
+        of: Scope::Car,
         prior: (prior.value.ln(), std),
         bounds: (low.max(1e-6).ln(), high.ln()),
         step: (0.05 * std).clamp(2e-4, 5e-3),
@@ -179,7 +203,7 @@ fn of_vehicle(vehicle: &Vehicle, parameter: Parameter) -> Option<Free> {
 fn of_drive(number: usize, drive: &FreeDrive) -> Vec<Free> {
     let own = |number_of, prior: (f64, f64), most: f64, step| Free {
         number: number_of,
-        drive: Some(number),
+        of: Scope::Recording(number),
         prior,
         bounds: (prior.0 - most, prior.0 + most),
         step,
@@ -209,25 +233,33 @@ pub fn placed<'a>(
     let mut model = model.clone();
     let mut sensing = SpeedSensing { delay_s: 0.0, scale: 1.0 };
     for (free, coordinate) in free.iter().zip(coordinates) {
-        if free.drive.is_some_and(|own| own != drive) {
+        if !free.of.has(drive) {
             continue;
         }
         match free.number {
             Number::Of(place) => model.put(place, *coordinate),
             Number::SpeedScale => sensing.scale = *coordinate,
             Number::SpeedDelay => sensing.delay_s = *coordinate,
+            // The car's own number stands before it.
+            Number::Change(place) => model.put(place, model.get(place) + coordinate),
         }
     }
     (model, sensing)
 }
 
 impl Free {
+    /// The same where its recording is the only one.
+    pub fn alone(&self) -> Self {
+        let of = if self.of == Scope::Car { Scope::Car } else { Scope::Recording(0) };
+        Self { of, ..*self }
+    }
+
     /// Its name, value in its unit, and how the value changes with the coordinate.
     pub fn named(&self, model: &Model<'_>, coordinate: f64) -> (String, f64, f64) {
         match self.number {
             Number::SpeedScale => ("speed_scale".into(), coordinate, 1.0),
             Number::SpeedDelay => ("speed_delay_s".into(), coordinate, 1.0),
-            Number::Of(Place::Effect(effect, number)) => {
+            Number::Of(Place::Effect(effect, number)) | Number::Change(Place::Effect(effect, number)) => {
                 let chosen = &model.effects[effect];
                 match chosen.kind.spec(number, chosen.channel) {
                     Some(spec) => {
@@ -238,7 +270,7 @@ impl Free {
                     None => (chosen.kind.name.into(), coordinate, 1.0),
                 }
             }
-            Number::Of(place) => {
+            Number::Of(place) | Number::Change(place) => {
                 let mut model = model.clone();
                 model.put(place, coordinate);
                 model.ordinary_number(place).unwrap_or_default()

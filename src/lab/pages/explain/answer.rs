@@ -19,7 +19,7 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
     let class = match explanation.verdict {
         Verdict::MissingPhysics => "missing",
         Verdict::UnknownPhysics => "unknown",
-        Verdict::Adequate => "adequate",
+        Verdict::Adequate | Verdict::Unchanged => "adequate",
         Verdict::InsufficientExcitation => "little",
     };
     page.raw(&format!(
@@ -86,6 +86,10 @@ fn lead(explanation: &Explanation) -> Vec<String> {
             "With its ordinary parameters refitted, it says what there is to say: none of {tried} adds anything \
              that data held out of the fit confirm. {}",
             follows(explanation)
+        )],
+        Verdict::Unchanged => vec![format!(
+            "One car with its own sensors for each drive predicts them all; none of {tried} is there now beyond what the \
+             references have and differ by."
         )],
         Verdict::UnknownPhysics => {
             let gains = stretch::gains(explanation);

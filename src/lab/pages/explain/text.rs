@@ -67,6 +67,9 @@ fn one(text: &mut String, finding: &Finding, has_others: bool) {
     for row in words::parameters(finding) {
         wrapped(text, "  ", &format!("{} {}", row.name, row.value()));
     }
+    if let Some(was) = words::reference(finding) {
+        wrapped(text, "  in the references: ", &was);
+    }
     let explained = words::explained(finding);
     if !explained.is_empty() {
         wrapped(text, "  explains, held out: ", &explained);

@@ -242,6 +242,7 @@ pub fn verdict(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::MissingPhysics => "Missing physics",
         Verdict::Adequate => "Adequate",
+        Verdict::Unchanged => "Unchanged",
         Verdict::UnknownPhysics => "Unknown physics",
         Verdict::InsufficientExcitation => "Too little excitation",
     }
@@ -250,11 +251,15 @@ pub fn verdict(verdict: Verdict) -> &'static str {
 /// What it came to, in a sentence without full stop.
 pub fn headline(explanation: &Explanation) -> String {
     match explanation.verdict {
+        Verdict::MissingPhysics if !explanation.references.is_empty() => {
+            format!("Changed since the references: {}", names(explanation.findings.iter()))
+        }
         Verdict::MissingPhysics => found(&explanation.findings),
         Verdict::Adequate if explanation.needs_ordinary => {
             "What every car has explains it; what is left does not repeat".into()
         }
         Verdict::Adequate => "The plain model is adequate".into(),
+        Verdict::Unchanged => "Nothing has changed since the references".into(),
         Verdict::UnknownPhysics => "Something is missing that no known effect explains".into(),
         Verdict::InsufficientExcitation => "This drive says too little to judge the model".into(),
     }
@@ -267,25 +272,34 @@ fn found(findings: &[Finding]) -> String {
     // Beside what is unusual, what every car has is no news.
     let has_news = findings.iter().any(|finding| finding.kind != Nature::Ordinary);
     let told = || findings.iter().filter(move |finding| !has_news || finding.kind != Nature::Ordinary);
-    let names = |of_sensors: bool| {
-        let all: Vec<String> = told()
-            .filter(|finding| is_of_sensors(&finding.effect) == of_sensors)
-            .map(|finding| effect(&finding.effect, finding.channel.as_deref()))
-            .collect();
-        let mut names = all.clone();
-        if all.len() > MOST_NAMES {
-            names.truncate(MOST_NAMES - 1);
-            names.push(format!("{} more", all.len() + 1 - MOST_NAMES));
-        }
-        list(&names)
-    };
-    let (physics, sensors) = (names(false), names(true));
+    let of = |of_sensors: bool| names(told().filter(|it| is_of_sensors(&it.effect) == of_sensors));
+    let (physics, sensors) = (of(false), of(true));
     match (physics.as_str(), sensors.as_str()) {
         ("", "") => "Something is missing in the model".into(),
         (physics, "") => format!("Missing in the model: {physics}"),
         ("", sensors) => format!("Wrong in the measurement: {sensors}"),
         (physics, sensors) => format!("Missing in the model: {physics}; wrong in the measurement: {sensors}"),
     }
+}
+
+/// The first names, and how many more there are.
+fn names<'f>(findings: impl Iterator<Item = &'f Finding>) -> String {
+    let all: Vec<String> =
+        findings.map(|finding| effect(&finding.effect, finding.channel.as_deref())).collect();
+    let mut names = all.clone();
+    if all.len() > MOST_NAMES {
+        names.truncate(MOST_NAMES - 1);
+        names.push(format!("{} more", all.len() + 1 - MOST_NAMES));
+    }
+    list(&names)
+}
+
+/// What the references have of a number that has changed; nothing of other findings.
+pub fn reference(finding: &Finding) -> Option<String> {
+    let was = finding.reference_value?;
+    let name = finding.parameters.keys().next()?;
+    let before = Finding { parameters: [(name.clone(), was)].into(), ..finding.clone() };
+    Some(parameters(&before).first()?.value())
 }
 
 /// How much of the plain model's error on held-out driving a finding explains, by channel; nothing where it was not

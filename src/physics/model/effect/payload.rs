@@ -40,8 +40,9 @@ pub static KIND: Kind = Kind {
             words: "position behind the centre of gravity",
             unit: "m",
             scale: Scale::Linear,
-            mean: 0.0,
-            std: 0.5,
+            // Rear seats are some decimetres behind it, a boot more than a metre.
+            mean: 0.7,
+            std: 0.6,
             bounds: (-3.0, 3.0),
             step: 0.1,
             model_error: Spec::MODEL_ERROR,

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::super::fit::FreeFit;
-use super::super::numbers::{Free, Number};
+use super::super::numbers::{Free, Number, Scope};
 use super::Search;
 use super::colour::{Colour, Series};
 use super::rows::normal;
@@ -98,7 +98,7 @@ impl Search<'_> {
         let (mut model, mut free, mut at) = (found.model.clone(), found.free.clone(), found.at.clone());
         let mut add = |number: Number, prior: (f64, f64), most: f64| {
             let bounds = (prior.0 - most, prior.0 + most);
-            free.push(Free { number, drive: None, prior, bounds, step: 0.05 * prior.1 });
+            free.push(Free { number, of: Scope::Car, prior, bounds, step: 0.05 * prior.1 });
             at.push(prior.0);
         };
         let radii = named("tire_radius").filter(|kind| model.effects.iter().all(|of| of.kind != *kind));

@@ -9,9 +9,13 @@
 //! with these, with the noise's colour learned anew beside each. One is taken if the odds are for it, held-out blocks are
 //! better predicted, and it beats the best that decoys do: the same effects at another time of the drive. What cannot be
 //! told from physics that every car has is not called unusual.
+//!
+//! Beside references, drives of the same car that count as healthy, a trial is of the other recordings only, and a number
+//! of the car may be another one there. Then all that counts is what the references have not.
 
 mod climb;
 mod colour;
+mod references;
 mod refit;
 mod rows;
 mod scan;
@@ -24,8 +28,8 @@ use rayon::prelude::*;
 
 use super::fit::FreeFit;
 use super::inputs::FreeDrive;
+use super::numbers::Scope;
 use super::run::Predicted;
-use crate::explain::candidates::Candidate;
 use crate::explain::result::{Finding, Nature, Ranked};
 use crate::explain::select::LEAST_EVIDENCE;
 use physics::model::Vehicle;
@@ -33,6 +37,7 @@ use physics::model::effect::Kind;
 
 use refit::Refitted;
 use scan::Scored;
+use trial::Trial;
 
 pub use rows::rows;
 
@@ -72,47 +77,68 @@ struct Search<'s> {
     tried: BTreeMap<String, usize>,
     /// Squared errors of yaw rate and lateral acceleration of the plain model, on held-out rows.
     plain: [f64; 2],
+    /// So many recordings, the first ones, are references.
+    references: usize,
 }
 
-/// Searches `kinds` beside a fitted ordinary car; `plain` is what the plain model's squared errors of yaw rate and lateral
-/// acceleration are on held-out rows.
+/// What is asked of a search.
+#[derive(Clone, Copy)]
+pub struct Question<'q> {
+    /// What could be there.
+    pub kinds: &'q [&'static Kind],
+    /// So many recordings, the first ones, are healthy, and the question is what the others have that they have not.
+    pub references: usize,
+    /// Squared errors of yaw rate and lateral acceleration of the plain model, on held-out rows.
+    pub plain: [f64; 2],
+    /// Of what is drawn at random.
+    pub seed: u64,
+}
+
+/// Searches beside a fitted ordinary car.
 pub fn beyond(
     found: &FreeFit<'_>,
     vehicle: &Vehicle,
     drives: &[FreeDrive],
-    kinds: &[&'static Kind],
-    plain: [f64; 2],
-    seed: u64,
+    question: Question<'_>,
 ) -> Beyond {
+    let Question { kinds, references, plain, seed } = question;
     let mut answer = Beyond::default();
-    let trials = trial::trials(found, drives, kinds);
+    let of = if references > 0 { Scope::Since(references) } else { Scope::Car };
+    let trials = trial::trials(found, drives, kinds, of);
     if trials.is_empty() {
         return answer;
     }
     let mut tried = BTreeMap::new();
     for trial in &trials {
-        *tried.entry(trial.candidate.name()).or_insert(0) += 1;
+        *tried.entry(trial.name()).or_insert(0) += 1;
     }
-    let search = Search { drives, vehicle, tried, plain };
+    let search = Search { drives, vehicle, tried, plain, references };
     let mut state = search.begin(found);
-    let usual = search.usual(&state);
+    // Of a car's numbers and sensors the references have the same.
+    let usual = if references > 0 { Vec::new() } else { search.usual(&state) };
     let mut taken = BTreeSet::new();
     for round in 0..MOST {
         let (scored, null) = search.scan(&state, &trials, seed);
         let some: Vec<&Scored> = scored
             .iter()
-            .filter(|scored| !taken.contains(&scored.trial.candidate.name()))
+            .filter(|scored| !taken.contains(&scored.trial.name()))
             .filter(|scored| scored.gain > LEAST_OF_FIRST_ORDER * LEAST_EVIDENCE)
             .take(MOST_REFITTED)
             .collect();
         let refitted = some.into_par_iter().map(|scored| (scored.gain, search.refit(&state, scored)));
         let mut refitted: Vec<(f64, Refitted<'_>)> = refitted.collect();
+        let names = refitted.iter().map(|(_, of)| of.trial.name()).collect();
+        let healthy = search.healthy(&state, &trials, &names, seed);
+        for (_, of) in &mut refitted {
+            of.evidence = of.evidence_beyond(&healthy);
+        }
         refitted.sort_by(|a, b| b.1.evidence.total_cmp(&a.1.evidence));
         for (gain, refitted) in &refitted {
             tracing::debug!(
-                name = refitted.trial.candidate.name(),
-                fixed = ?refitted.trial.candidate.fixed,
-                stretches = ?refitted.trial.candidate.stretches,
+                name = refitted.trial.name(),
+                onset = ?refitted.trial.onset(),
+                stretches = ?refitted.trial.stretches(),
+                distance = ?refitted.distance(&healthy),
                 gain,
                 null,
                 evidence = refitted.evidence,
@@ -124,10 +150,13 @@ pub fn beyond(
         if round == 0 {
             answer.ranking = ranking(&refitted, &scored);
         }
-        let usual_rivals = || refitted.iter().map(|(_, of)| of).filter(|of| of.is_of_every_car());
+        let usual_rivals = || refitted.iter().map(|(_, of)| of).filter(|of| of.trial.is_of_every_car());
         let is_sure = |(gain, of): &&(f64, Refitted<'_>)| {
             of.evidence > LEAST_EVIDENCE
-                && (of.is_of_every_car() || usual_rivals().all(|usual| of.is_told_from(usual)))
+                && (references > 0
+                    || of.trial.is_of_every_car()
+                    || usual_rivals().all(|usual| of.is_told_from(usual)))
+                && of.is_beyond(&healthy)
                 && of.held_gain > LEAST_HELD_GAIN
                 && (of.trial.has_time() || *gain > null)
                 && of.clearest() > LEAST_CLEAR
@@ -135,10 +164,10 @@ pub fn beyond(
         };
         let Some((_, best)) = refitted.iter().find(is_sure) else { break };
         let all: Vec<(String, f64)> =
-            refitted.iter().map(|(_, of)| (of.trial.candidate.name(), of.evidence)).collect();
-        taken.insert(best.trial.candidate.name());
+            refitted.iter().map(|(_, of)| (of.trial.name(), of.evidence)).collect();
+        taken.insert(best.trial.name());
         let finding = search.finding(&state, best, &all);
-        answer.is_unusual |= finding.kind != Nature::Ordinary;
+        answer.is_unusual |= references > 0 || finding.kind != Nature::Ordinary;
         answer.findings.push(finding);
         state = search.with(best);
         answer.predicted = Some(search.predicted(&state.model, &state.free, &state.at));
@@ -151,32 +180,33 @@ pub fn beyond(
 }
 
 fn ranking(refitted: &[(f64, Refitted<'_>)], scored: &[Scored]) -> Vec<Ranked> {
-    let ranked = |candidate: &Candidate, score: f64, refitted: bool| Ranked {
-        effect: candidate.kind.name.into(),
-        channel: candidate.channel.map(|channel| channel.to_string()),
+    let ranked = |trial: &Trial, score: f64, refitted: bool| Ranked {
+        effect: trial.candidate().map_or_else(|| trial.name(), |candidate| candidate.kind.name.into()),
+        channel: trial.candidate().and_then(|candidate| Some(candidate.channel?.to_string())),
         score,
         refitted,
     };
     let mut all: Vec<Ranked> =
-        refitted.iter().map(|(_, of)| ranked(&of.trial.candidate, of.evidence, true)).collect();
+        refitted.iter().map(|(_, of)| ranked(&of.trial, of.evidence, true)).collect();
     let least = all.last().map_or(f64::INFINITY, |last| last.score);
-    let names: BTreeSet<String> = refitted.iter().map(|(_, of)| of.trial.candidate.name()).collect();
-    let others = scored.iter().filter(|scored| !names.contains(&scored.trial.candidate.name()));
-    all.extend(others.map(|scored| ranked(&scored.trial.candidate, scored.gain.min(least), false)));
+    let names: BTreeSet<String> = refitted.iter().map(|(_, of)| of.trial.name()).collect();
+    let others = scored.iter().filter(|scored| !names.contains(&scored.trial.name()));
+    all.extend(others.map(|scored| ranked(&scored.trial, scored.gain.min(least), false)));
     all
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::super::bench::recorded;
-    use super::super::Ordinary;
+    use super::super::{Asked, Ordinary};
     use super::*;
     use physics::model::effect::KINDS;
 
     /// What is found in a drive with these effects.
     fn found(effects: &str) -> Beyond {
         let (vehicle, recording) = recorded(effects);
-        Ordinary::of(&vehicle, &[], (&[recording], 0), (KINDS, &|_| true), 1).unwrap().beyond
+        let asked = Asked { library: KINDS, searches: &|_| true, references: 0, held_out: 0, seed: 1 };
+        Ordinary::of(&vehicle, &[], &[recording], asked).unwrap().beyond
     }
 
     /// GIVEN a yaw rate whose zero jumps THEN that is named first, with its size and moment.

@@ -3,13 +3,13 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::super::numbers::{Free, Number};
+use super::super::numbers::Free;
 use super::Search;
 use super::climb::{Climbed, State};
 use super::colour::{CHANNELS, Series};
 use super::scan::Scored;
 use super::trial::Trial;
-use crate::explain::model::{Model, Place};
+use crate::explain::model::Model;
 
 /// Steps by which beginnings and ends are moved, s.
 const LARGEST_MOVE_S: f64 = 4.0;
@@ -24,9 +24,11 @@ pub struct Refitted<'a> {
     pub trial: Trial,
     /// The car with it.
     pub model: Model<'a>,
-    /// What is free …
+    /// What is free, the candidate's own numbers last …
     pub free: Vec<Free>,
-    /// … and where that is.
+    /// … how many those are …
+    pub own: usize,
+    /// … and where all are.
     pub at: Vec<f64>,
     /// What is not predicted.
     pub errors: Vec<Series>,
@@ -46,23 +48,22 @@ impl Search<'_> {
     /// Fits a candidate together with all that is free, with the noise's colour learned beside it.
     pub(super) fn refit<'a>(&self, state: &State<'a>, scored: &Scored) -> Refitted<'a> {
         let trial = scored.trial.clone();
-        let free = trial.free(state.model.effects.len(), &trial.chosen());
+        let free = trial.free(&trial.put_into(&state.model));
         let start = |share: f64| {
-            let of = |free: &Free| {
-                let Number::Of(Place::Effect(_, number)) = free.number else { return free.prior.0 };
+            let of = |(number, free): (usize, &Free)| {
                 let told = scored.numbers.iter().find(|(place, _)| *place == number);
                 let by = told.map_or(0.0, |(_, to)| share * (to - free.prior.0));
                 let by = by.clamp(-3.0 * free.prior.1, 3.0 * free.prior.1);
                 (free.prior.0 + by).clamp(free.bounds.0, free.bounds.1)
             };
-            state.at.iter().copied().chain(free.iter().map(of)).collect()
+            state.at.iter().copied().chain(free.iter().enumerate().map(of)).collect()
         };
         let mut best = self.refit_from(state, trial, vec![start(1.0), start(0.4)]);
         // Where it begins and ends was on a grid.
         let mut step = LARGEST_MOVE_S;
         while step >= LEAST_MOVE_S {
             let moved = best.trial.moved(step).into_par_iter().map(|trial| {
-                let model = state.model.with(trial.chosen());
+                let model = trial.put_into(&state.model);
                 let errors = self.errors(&model, &best.free, &best.at);
                 (self.own_cost(state, &errors), trial)
             });
@@ -86,11 +87,10 @@ impl Search<'_> {
     }
 
     fn refit_from<'a>(&self, state: &State<'a>, trial: Trial, starts: Vec<Vec<f64>>) -> Refitted<'a> {
-        let chosen = trial.chosen();
-        let model = state.model.with(chosen.clone());
+        let model = trial.put_into(&state.model);
         let mut free = state.free.clone();
         let first = free.len();
-        free.extend(trial.free(model.effects.len() - 1, &chosen));
+        free.extend(trial.free(&model));
         let short = self.short_colour(&state.errors);
         let climbed = starts.into_iter().map(|start| self.climb(state, &short, &model, &free, start));
         let best = climbed.min_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -107,11 +107,12 @@ impl Search<'_> {
         let freedom: f64 = (first..free.len())
             .map(|place| (free[place].prior.1.powi(2) / covariance[(place, place)].max(1e-300)).ln().max(0.0))
             .sum();
-        let tried = self.tried.get(&trial.candidate.name()).copied().unwrap_or(1);
+        let tried = self.tried.get(&trial.name()).copied().unwrap_or(1);
         let evidence = before - cost - freedom - 2.0 * (tried as f64).ln();
         Refitted {
             trial,
             model,
+            own: free.len() - first,
             free,
             at,
             errors,

@@ -120,7 +120,7 @@ impl Search<'_> {
         let step = if at[place] + step > free[place].bounds.1 { -step } else { step };
         there[place] += step;
         let of = |(drive, errors): (usize, &Series)| -> Series {
-            if free[place].drive.is_some_and(|own| own != drive) {
+            if !free[place].of.has(drive) {
                 return std::array::from_fn(|channel| vec![0.0; errors[channel].len()]);
             }
             let moved = self.errors_of(model, free, &there, drive);

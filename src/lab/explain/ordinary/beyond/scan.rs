@@ -7,13 +7,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::super::numbers::Number;
 use super::Search;
 use super::climb::State;
 use super::rows::{EVERY, normal, weights};
 use super::trial::Trial;
-use crate::explain::model::Place;
-use crate::explain::naming::ways;
 
 /// Decoys. Statistical: the largest of twenty, of all candidates together.
 const DECOYS: usize = 20;
@@ -27,7 +24,7 @@ pub struct Scored {
     pub trial: Trial,
     /// By how much −2 ln likelihood falls.
     pub gain: f64,
-    /// Its numbers: place and coordinate.
+    /// Its numbers: which of those that are free, and coordinate.
     pub numbers: Vec<(usize, f64)>,
 }
 
@@ -61,22 +58,19 @@ impl Search<'_> {
         let scored: Vec<(Scored, f64)> = trials
             .par_iter()
             .filter_map(|trial| {
-                let chosen = trial.chosen();
-                let model = state.model.with(chosen.clone());
-                let effect = model.effects.len() - 1;
+                let model = trial.put_into(&state.model);
                 let mut free = state.free.clone();
                 let mut at = state.at.clone();
                 let first = free.len();
-                free.extend(trial.free(effect, &chosen));
+                free.extend(trial.free(&model));
                 at.extend(free[first..].iter().map(|free| free.prior.0));
                 let mut best: Option<(f64, usize, f64)> = None;
                 let mut decoy = 0.0_f64;
                 for place in first..free.len() {
-                    let Number::Of(Place::Effect(_, number)) = free[place].number else { continue };
-                    if !trial.candidate.kind.parameters[number].is_main {
+                    if !trial.is_main(&free[place]) {
                         continue;
                     }
-                    for share in ways(&trial.candidate) {
+                    for share in trial.ways() {
                         let step = share.map_or(free[place].step, |share| share * free[place].prior.1);
                         let (low, high) = free[place].bounds;
                         if !(low..=high).contains(&(at[place] + step)) {
@@ -86,7 +80,7 @@ impl Search<'_> {
                         let column = self.white(colour, &rows, &slope, 0);
                         let Some((gain, by)) = score(&column, free[place].prior.1) else { continue };
                         if best.is_none_or(|(most, ..)| gain > most) {
-                            best = Some((gain, number, free[place].prior.0 + by));
+                            best = Some((gain, place - first, free[place].prior.0 + by));
                         }
                         if !trial.has_time() {
                             for shift in &shifts {
@@ -104,7 +98,7 @@ impl Search<'_> {
         let null = scored.iter().map(|(_, decoy)| *decoy).fold(0.0, f64::max);
         let mut best: BTreeMap<String, Scored> = BTreeMap::new();
         for (scored, _) in scored {
-            let name = scored.trial.candidate.name();
+            let name = scored.trial.name();
             if best.get(&name).is_none_or(|other| other.gain < scored.gain) {
                 best.insert(name, scored);
             }

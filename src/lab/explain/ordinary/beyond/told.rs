@@ -5,15 +5,16 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::super::numbers::{Free, Number};
+use super::super::numbers::{Free, Number, Scope};
 use super::climb::State;
 use super::colour::{CHANNELS, Series};
 use super::refit::Refitted;
+use super::trial::What;
 use super::{LEAST_CLEAR, Search};
 use crate::explain::finding::{TOLD_APART, probability_among};
 use crate::explain::model::Place;
 use crate::explain::predict::delay::Delayed;
-use crate::explain::result::{ByChannel, Estimate, Finding};
+use crate::explain::result::{ByChannel, Estimate, Finding, Nature, Where};
 use crate::explain::select::LEAST_EVIDENCE;
 use crate::identify::Parameter;
 use physics::Quantity;
@@ -41,23 +42,37 @@ const SHOWN_IN: [Quantity; CHANNELS] =
 impl Refitted<'_> {
     /// Is a number of the effect at what it can be at most or least?
     pub fn is_at_bound(&self) -> bool {
-        self.own().any(|(place, ..)| self.free[place].is_at_bound(self.at[place]))
+        self.own().any(|place| self.free[place].is_at_bound(self.at[place]))
     }
 
     /// How many deviations the clearest of its main numbers is from where it makes no difference: a search that found a
     /// better place for all other numbers has evidence, too.
     pub fn clearest(&self) -> f64 {
-        let main = self.own().filter(|(_, number)| self.trial.candidate.kind.parameters[*number].is_main);
-        let clear = |(place, _): (usize, usize)| {
-            let std = self.covariance[(place, place)].max(1e-300).sqrt();
-            (self.at[place] - self.free[place].prior.0).abs() / std
-        };
-        main.map(clear).fold(0.0, f64::max)
+        self.clearest_place().map_or(0.0, |place| self.clear(place))
     }
 
-    /// Does every car have it?
-    pub fn is_of_every_car(&self) -> bool {
-        self.trial.candidate.kind.search.every_car_has
+    /// Coordinate and deviation of that number.
+    pub fn clearest_main(&self) -> Estimate {
+        let of = |place: usize| Estimate { value: self.at[place], std: self.std(place) };
+        self.clearest_place().map_or(Estimate { value: 0.0, std: 0.0 }, of)
+    }
+
+    /// What was thought of that number: where it makes no difference, and its deviation.
+    pub fn thought_of_clearest(&self) -> (f64, f64) {
+        self.clearest_place().map_or((0.0, 0.0), |place| self.free[place].prior)
+    }
+
+    fn clearest_place(&self) -> Option<usize> {
+        let main = self.own().filter(|place| self.trial.is_main(&self.free[*place]));
+        main.max_by(|a, b| self.clear(*a).total_cmp(&self.clear(*b)))
+    }
+
+    fn clear(&self, place: usize) -> f64 {
+        (self.at[place] - self.free[place].prior.0).abs() / self.std(place)
+    }
+
+    fn std(&self, place: usize) -> f64 {
+        self.covariance[(place, place)].max(1e-300).sqrt()
     }
 
     /// Is it, which few cars have, clearly likelier than this explanation, which every car has? One that is at a bound, or
@@ -67,24 +82,26 @@ impl Refitted<'_> {
         !explains || other.evidence < self.evidence - TOLD_APART - RARER
     }
 
-    /// The effect's free numbers: their place, and which they are.
-    fn own(&self) -> impl Iterator<Item = (usize, usize)> {
-        let effect = self.model.effects.len() - 1;
-        self.free.iter().enumerate().filter_map(move |(place, free)| match free.number {
-            Number::Of(Place::Effect(of, number)) if of == effect => Some((place, number)),
-            _ => None,
-        })
+    /// The places of its own numbers.
+    fn own(&self) -> std::ops::Range<usize> {
+        self.free.len() - self.own..self.free.len()
     }
 
     /// Numbers of the effect, in their units.
     pub fn parameters(&self) -> BTreeMap<String, Estimate> {
-        let candidate = &self.trial.candidate;
         let mut all = BTreeMap::new();
-        for (place, number) in self.own() {
+        for place in self.own() {
+            let (candidate, number) = match (&self.trial.what, self.free[place].number) {
+                (What::Effect(candidate), Number::Of(Place::Effect(_, number))) => (candidate, number),
+                (What::Number { name, .. }, Number::Change(of)) => {
+                    all.insert(last_of(name).to_owned(), self.changed(of, place));
+                    continue;
+                }
+                _ => continue,
+            };
             let Some(spec) = candidate.kind.spec(number, candidate.channel) else { continue };
             let value = spec.value(self.at[place]);
-            let std =
-                self.covariance[(place, place)].max(0.0).sqrt() * spec.scale.slope(self.at[place]).abs();
+            let std = self.std(place) * spec.scale.slope(self.at[place]).abs();
             all.insert(spec.name.to_owned(), Estimate { value, std: std.hypot(spec.model_error * value) });
         }
         if let Some((at, name)) = self.trial.onset() {
@@ -92,25 +109,56 @@ impl Refitted<'_> {
         }
         all
     }
+
+    /// A number of the car as it is with its change, which stands at this place of the free ones.
+    fn changed(&self, of: Place, change: usize) -> Estimate {
+        let Some((common, free)) = self.common(of) else { return Estimate { value: 0.0, std: 0.0 } };
+        let (_, value, slope) = free.named(&self.model, self.at[common] + self.at[change]);
+        let both = [(common, common), (change, change), (common, change), (change, common)];
+        let variance: f64 = both.iter().map(|entry| self.covariance[*entry]).sum();
+        Estimate { value, std: variance.max(0.0).sqrt() * slope.abs() }
+    }
+
+    /// The same number as the other recordings have it.
+    pub fn unchanged(&self) -> Option<Estimate> {
+        let What::Number { change, .. } = &self.trial.what else { return None };
+        let Number::Change(of) = change.number else { return None };
+        let (common, free) = self.common(of)?;
+        let (_, value, slope) = free.named(&self.model, self.at[common]);
+        Some(Estimate { value, std: self.std(common) * slope.abs() })
+    }
+
+    /// The car's number of a place.
+    fn common(&self, of: Place) -> Option<(usize, &Free)> {
+        self.free.iter().enumerate().find(|(_, free)| free.number == Number::Of(of) && free.of == Scope::Car)
+    }
+}
+
+/// `kind.number` is called by its number.
+fn last_of(name: &str) -> &str {
+    name.rsplit('.').next().unwrap_or(name)
 }
 
 impl Search<'_> {
     /// What is told of an effect that was taken, of all that were fitted in its round.
     pub(super) fn finding(&self, state: &State<'_>, best: &Refitted<'_>, all: &[(String, f64)]) -> Finding {
-        let candidate = &best.trial.candidate;
-        let own = candidate.name();
+        let own = best.trial.name();
         let others = || all.iter().filter(|(name, _)| *name != own);
         let rivals = others().filter(|(_, evidence)| *evidence > best.evidence - TOLD_APART);
         let end = self.drives.iter().map(|drive| drive.time(drive.points())).fold(0.0, f64::max);
         let intervals = match best.trial.onset() {
             Some((at, _)) => vec![[at, end]],
-            None => candidate.stretches.iter().map(|[from, to]| [*from, to.min(end)]).collect(),
+            None => best.trial.stretches().iter().map(|[from, to]| [from.max(0.0), to.min(end)]).collect(),
         };
         let mut gains: Vec<(Quantity, f64)> = SHOWN_IN.into_iter().zip(best.gains).collect();
         gains.retain(|(_, gain)| *gain > 1.0);
         gains.sort_by(|a, b| b.1.total_cmp(&a.1));
         let channels = gains.into_iter().map(|(channel, _)| channel.name().to_owned()).collect();
-        let mut finding = Finding::of(candidate.kind, candidate.channel);
+        let mut finding = match &best.trial.what {
+            What::Effect(candidate) => Finding::of(candidate.kind, candidate.channel),
+            What::Number { name, .. } => number_changed(name),
+        };
+        finding.reference_value = best.unchanged();
         finding.probability = probability_among(best.evidence, others().map(|(_, evidence)| *evidence));
         finding.evidence = best.evidence;
         finding.indistinguishable_from = rivals.map(|(name, _)| name.clone()).collect();
@@ -118,7 +166,7 @@ impl Search<'_> {
         finding.explained_share = self.share(&state.errors, &best.errors);
         finding.place.channels = channels;
         finding.place.intervals = intervals;
-        if let Some(drive) = self.drives.first().filter(|_| !finding.place.intervals.is_empty()) {
+        if let Some(drive) = self.drives.get(self.references).filter(|_| !finding.place.intervals.is_empty()) {
             finding.place.recording.clone_from(&drive.name);
         }
         finding
@@ -207,12 +255,26 @@ impl Search<'_> {
         if finding.explained_share.values().all(|share| *share < LEAST_SHARE) {
             return None;
         }
-        if let Some(drive) = free.drive {
+        if let Scope::Recording(drive) = free.of {
             finding.place.recording.clone_from(&self.drives[drive].name);
         }
         let from_usual = slope * (at - free.prior.0) / (slope * free.prior.1).hypot(by_model);
         Some((finding, from_usual.abs() > UNUSUAL))
     }
+}
+
+/// A number of the ordinary car that is another one than in the references.
+fn number_changed(name: &str) -> Finding {
+    if let Some(kind) = name.split_once('.').and_then(|(kind, _)| named(kind)) {
+        return Finding { about: format!("{}; now it is another one", kind.about), ..Finding::of(kind, None) };
+    }
+    let (about, equation) = match name {
+        "lateral_stiffness_front" => ("the cornering stiffness of the front axle has changed", "front slip angle"),
+        "lateral_stiffness_rear" => ("the cornering stiffness of the rear axle has changed", "rear slip angle"),
+        _ => ("the ratio of the steering has changed", "front slip angle"),
+    };
+    let place = Where { equation: equation.into(), ..Where::default() };
+    Finding { effect: name.into(), kind: Nature::Ordinary, about: about.into(), place, ..Finding::default() }
 }
 
 /// A number of the ordinary car as an effect of the library.
@@ -253,7 +315,7 @@ impl Told {
                     neutral: spec.mean,
                 })
             }
-            Number::Of(_) => None,
+            Number::Of(_) | Number::Change(_) => None,
         }
     }
 

@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 
 use super::super::fit::FreeFit;
 use super::super::inputs::FreeDrive;
-use super::super::numbers::{Free, Number, placed};
+use super::super::numbers::{Free, Number, Scope, placed};
 use crate::explain::candidates::{Candidate, library, onsets};
-use crate::explain::model::{Chosen, Place};
+use crate::explain::model::{Chosen, Model, Place};
+use crate::explain::naming::ways;
 use crate::identify::Parameter;
 use physics::Quantity;
 use physics::model::effect::{Kind, Scale, Spec};
@@ -17,29 +18,53 @@ const PATCH_EVERY_S: f64 = 3.0;
 /// … of these lengths, s, and to the end.
 const PATCHES_S: [f64; 4] = [3.0, 6.0, 12.0, 24.0];
 
+/// What begins earlier is there from the start: little has been driven before. Tuned: `a_load_is_named`.
+const EARLIEST_S: f64 = 2.5;
+
 /// A patch's friction is thought to be off by this share.
 const PATCH_FRICTION: f64 = 0.5;
 
-/// A candidate, and what is free of it.
+/// Numbers of a car that wear, load and repair change, and by what share they may. Its mass is the payload's, its centre of
+/// gravity moves with that, and a changed friction is the road's.
+const CHANGING: [(Parameter, f64); 3] =
+    [(Parameter::LateralFront, 0.2), (Parameter::LateralRear, 0.2), (Parameter::SteeringRatio, 0.1)];
+
+/// Something that could be, and of which recordings.
 #[derive(Clone)]
 pub struct Trial {
-    /// What, of what, and when.
-    pub candidate: Candidate,
+    /// What.
+    pub what: What,
+    /// Of which recordings.
+    pub of: Scope,
     /// Of a patch, one over the friction beside it.
     inverse_friction: f64,
 }
 
-/// All that could be there of a fitted car.
-pub fn trials(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind]) -> Vec<Trial> {
+/// What could be.
+#[derive(Clone)]
+pub enum What {
+    /// An effect: of what, and when.
+    Effect(Candidate),
+    /// A number of the ordinary car is another one than in the other recordings.
+    Number {
+        /// Its key.
+        name: String,
+        /// By how much.
+        change: Free,
+    },
+}
+
+/// All that could be there of a fitted car in these recordings.
+pub fn trials(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind], of: Scope) -> Vec<Trial> {
     let (model, _) = placed(&found.model, &found.free, &found.at, 0);
+    let own = || drives.iter().enumerate().filter(|(number, _)| of.has(*number)).map(|(_, drive)| drive);
     let has = |quantity: Quantity| match quantity {
-        Quantity::LateralAcceleration => drives.iter().any(|drive| drive.lateral.is_some()),
+        Quantity::LateralAcceleration => own().any(|drive| drive.lateral.is_some()),
         Quantity::YawRate | Quantity::SteeringWheelAngle => true,
-        wheel if (wheel as usize) < 4 => drives.iter().any(|drive| drive.axles[wheel as usize / 2].is_some()),
+        wheel if (wheel as usize) < 4 => own().any(|drive| drive.axles[wheel as usize / 2].is_some()),
         _ => false,
     };
-    let end = |drive: &FreeDrive| drive.time(drive.points());
-    let seconds = drives.iter().map(end).fold(0.0, f64::max);
+    let seconds = own().map(|drive| drive.time(drive.points())).fold(0.0, f64::max);
     let is_new = |kind: &&'static Kind| model.effects.iter().all(|chosen| chosen.kind != *kind);
     let kinds: Vec<&'static Kind> = kinds.iter().copied().filter(is_new).collect();
     let inverse_friction = model.values.get(Parameter::Friction).recip();
@@ -47,7 +72,7 @@ pub fn trials(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind]
     let mut patches = BTreeSet::new();
     for candidate in library(&kinds, &model, has, &onsets(seconds)) {
         let Some(course) = candidate.kind.course else {
-            all.push(Trial { candidate, inverse_friction });
+            all.push(Trial { what: What::Effect(candidate), of, inverse_friction });
             continue;
         };
         // A course that may be anything looks like the road does. Left and right apart take the wheels' torques; without
@@ -57,7 +82,9 @@ pub fn trials(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind]
             continue;
         }
         let free: Vec<usize> = (0..candidate.kind.parameters.len()).collect();
-        for stretch in stretches(seconds) {
+        // What is there from the beginning is the ordinary road, where there is no other to compare it with.
+        let whole = (of != Scope::Car).then_some([f64::NEG_INFINITY, f64::INFINITY]);
+        for stretch in stretches(seconds).into_iter().chain(whole) {
             let candidate = Candidate {
                 free: free.clone(),
                 fixed: Vec::new(),
@@ -65,15 +92,40 @@ pub fn trials(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind]
                 stretches: vec![stretch],
                 ..candidate.clone()
             };
-            all.push(Trial { candidate, inverse_friction });
+            all.push(Trial { what: What::Effect(candidate), of, inverse_friction });
         }
+    }
+    if of != Scope::Car {
+        let changes = found.free.iter().filter_map(|free| changed(found, free, of));
+        all.extend(changes.map(|what| Trial { what, of, inverse_friction }));
     }
     all
 }
 
+/// A number of the car as one that could have changed.
+fn changed(found: &FreeFit<'_>, free: &Free, of: Scope) -> Option<What> {
+    let Number::Of(place) = free.number else { return None };
+    if free.of != Scope::Car {
+        return None;
+    }
+    let std = match place {
+        // The search is for its logarithm.
+        Place::Ordinary(parameter) => CHANGING.iter().find(|(of, _)| *of == parameter)?.1,
+        // As much as cars differ by.
+        Place::Effect(..) => free.prior.1,
+        Place::Delay(_) | Place::BendAlong => return None,
+    };
+    let (name, ..) = free.named(&found.model, free.prior.0);
+    let bounds = (-MOST_CHANGE * std, MOST_CHANGE * std);
+    let change = Free { number: Number::Change(place), of, prior: (0.0, std), bounds, step: free.step };
+    Some(What::Number { name, change })
+}
+
+/// No number changes by more of its deviations. Numerical.
+const MOST_CHANGE: f64 = 5.0;
+
 /// Where a patch could be, s.
 fn stretches(seconds: f64) -> Vec<[f64; 2]> {
-    // What is there from the beginning is the ordinary road.
     let begins = (1..).map(|i| f64::from(i) * PATCH_EVERY_S).take_while(|begin| begin + 3.0 < seconds);
     let of = |begin: f64| {
         let ends = PATCHES_S.into_iter().map(move |length| begin + length).filter(|end| *end < seconds);
@@ -83,25 +135,72 @@ fn stretches(seconds: f64) -> Vec<[f64; 2]> {
 }
 
 impl Trial {
-    /// The effect where it makes no difference.
-    pub fn chosen(&self) -> Chosen {
-        let mut chosen = self.candidate.chosen(0);
+    /// Its name, with its channel.
+    pub fn name(&self) -> String {
+        match &self.what {
+            What::Effect(candidate) => candidate.name(),
+            What::Number { name, .. } => name.clone(),
+        }
+    }
+
+    /// The car with it where it makes no difference.
+    pub fn put_into<'a>(&self, model: &Model<'a>) -> Model<'a> {
+        match &self.what {
+            What::Effect(candidate) => model.with(self.chosen(candidate)),
+            What::Number { .. } => model.clone(),
+        }
+    }
+
+    fn chosen(&self, candidate: &Candidate) -> Chosen {
+        let mut chosen = candidate.chosen(0);
         if self.is_patch() {
-            for (place, spec) in self.candidate.kind.parameters.iter().enumerate() {
+            for (place, spec) in candidate.kind.parameters.iter().enumerate() {
                 chosen.numbers[place] = self.neutral(spec);
             }
         }
         chosen
     }
 
+    /// The same of other recordings.
+    pub fn within(&self, of: Scope) -> Self {
+        let mut trial = Self { of, ..self.clone() };
+        if let What::Number { change, .. } = &mut trial.what {
+            change.of = of;
+        }
+        trial
+    }
+
+    /// The effect.
+    pub fn candidate(&self) -> Option<&Candidate> {
+        match &self.what {
+            What::Effect(candidate) => Some(candidate),
+            What::Number { .. } => None,
+        }
+    }
+
     /// Is it there within some stretches only?
     pub fn is_patch(&self) -> bool {
-        !self.candidate.stretches.is_empty()
+        self.candidate().is_some_and(|candidate| !candidate.stretches.is_empty())
     }
 
     /// Is it there from a moment on, or within stretches? Then decoys at other times are no decoys.
     pub fn has_time(&self) -> bool {
-        self.is_patch() || self.candidate.kind.onset().is_some()
+        self.is_patch() || self.candidate().is_some_and(|candidate| candidate.kind.onset().is_some())
+    }
+
+    /// Is it there from the first to the last moment?
+    pub fn is_always_there(&self) -> bool {
+        self.onset().is_none() && self.stretches().iter().all(|[from, _]| *from == f64::NEG_INFINITY)
+    }
+
+    /// When it is there; nothing: always, or from its onset on.
+    pub fn stretches(&self) -> &[[f64; 2]] {
+        self.candidate().map_or(&[], |candidate| &candidate.stretches)
+    }
+
+    /// Does every car have it?
+    pub fn is_of_every_car(&self) -> bool {
+        self.candidate().is_some_and(|candidate| candidate.kind.search.every_car_has)
     }
 
     /// The road beside the patch, of a number of a patch.
@@ -109,8 +208,13 @@ impl Trial {
         if spec.scale == Scale::Inverse { self.inverse_friction } else { spec.mean }
     }
 
-    /// What is free, as the effect of this place in a model.
-    pub fn free(&self, effect: usize, chosen: &Chosen) -> Vec<Free> {
+    /// What is free of it in the car that it was put into.
+    pub fn free(&self, model: &Model<'_>) -> Vec<Free> {
+        let candidate = match &self.what {
+            What::Effect(candidate) => candidate,
+            What::Number { change, .. } => return vec![*change],
+        };
+        let effect = model.effects.len() - 1;
         let of = |(place, spec): (usize, Spec)| {
             let is_friction = self.is_patch() && spec.scale == Scale::Inverse;
             let (mean, std, step) = if is_friction {
@@ -124,42 +228,60 @@ impl Trial {
             let most = if is_factor { spec.mean } else { spec.bounds.1 };
             Free {
                 number: Number::Of(Place::Effect(effect, place)),
-                drive: None,
+                of: self.of,
                 prior: (mean, std),
                 bounds: (spec.bounds.0, most),
                 step: if is_factor { -step } else { step },
             }
         };
-        let is_free = |(place, _): &(usize, Spec)| self.candidate.free.contains(place);
-        chosen.specs().enumerate().filter(is_free).map(of).collect()
+        let is_free = |(place, _): &(usize, Spec)| candidate.free.contains(place);
+        model.effects[effect].specs().enumerate().filter(is_free).map(of).collect()
+    }
+
+    /// Does it vanish with this number of it?
+    pub fn is_main(&self, free: &Free) -> bool {
+        match (&self.what, free.number) {
+            (What::Effect(candidate), Number::Of(Place::Effect(_, number))) => {
+                candidate.kind.parameters[number].is_main
+            }
+            _ => true,
+        }
+    }
+
+    /// The steps, in deviations of the prior, that tell how it acts; nothing: the number's own step.
+    pub fn ways(&self) -> &'static [Option<f64>] {
+        self.candidate().map_or(&[None], ways)
     }
 
     /// When it begins, s, and the key of that.
     pub fn onset(&self) -> Option<(f64, &'static str)> {
-        let place = self.candidate.kind.onset()?;
-        let (_, at) = self.candidate.fixed.iter().find(|(fixed, _)| *fixed == place)?;
+        let candidate = self.candidate()?;
+        let place = candidate.kind.onset()?;
+        let (_, at) = candidate.fixed.iter().find(|(fixed, _)| *fixed == place)?;
         (*at > 0.0).then_some((*at, Spec::AT_S.name))
     }
 
     /// The same with its beginning or end moved by so many seconds either way.
     pub fn moved(&self, by: f64) -> Vec<Self> {
+        let Some(candidate) = self.candidate() else { return Vec::new() };
+        let with = |candidate: Candidate| Self { what: What::Effect(candidate), ..self.clone() };
         let mut all = Vec::new();
-        if let Some(place) = self.candidate.kind.onset() {
+        if let Some(place) = candidate.kind.onset() {
             for by in [-by, by] {
-                let mut trial = self.clone();
-                let fixed = trial.candidate.fixed.iter_mut().find(|(fixed, at)| *fixed == place && *at > 0.0);
-                if let Some((_, at)) = fixed {
+                let mut moved = candidate.clone();
+                let fixed = moved.fixed.iter_mut().find(|(fixed, at)| *fixed == place && *at > 0.0);
+                if let Some((_, at)) = fixed.filter(|(_, at)| *at + by > EARLIEST_S) {
                     *at += by;
-                    all.push(trial);
+                    all.push(with(moved));
                 }
             }
         }
-        for (number, [from, to]) in self.candidate.stretches.iter().enumerate() {
+        for (number, [from, to]) in candidate.stretches.iter().enumerate() {
             let edges = [[from - by, *to], [from + by, *to], [*from, to - by], [*from, to + by]];
-            for edges in edges.into_iter().filter(|[from, to]| to - from > 1.0 && *from > 0.0) {
-                let mut trial = self.clone();
-                trial.candidate.stretches[number] = edges;
-                all.push(trial);
+            for edges in edges.into_iter().filter(|[from, to]| to - from > 1.0 && *from > EARLIEST_S) {
+                let mut moved = candidate.clone();
+                moved.stretches[number] = edges;
+                all.push(with(moved));
             }
         }
         all

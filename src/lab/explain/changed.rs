@@ -1,0 +1,124 @@
+//! What has changed: what a recording has that healthy drives of the same car have not.
+
+use super::answer::chain_words;
+use super::case::{Answer, Case};
+use super::model::Model;
+use super::ordinary::{Asked, Ordinary};
+use super::result::{Explanation, Verdict};
+
+impl<'a> Case<'a> {
+    /// Explains what the recordings have that their references have not. The car's numbers are common to all, and each
+    /// drive has its own offsets and delays.
+    pub(super) fn changed(&self, progress: &(dyn Fn(&str, f64) + Sync)) -> Answer<'a> {
+        progress("the car of all drives", 0.0);
+        let asked = Asked {
+            library: self.library,
+            searches: &|_| true,
+            references: self.references,
+            held_out: self.held_out,
+            seed: self.seed,
+        };
+        let ordinary = Ordinary::of(self.vehicle, self.effects, self.recordings, asked);
+        let model = Model::plain(self.vehicle, false).with_configured(self.effects);
+        let Some(ordinary) = ordinary else {
+            let mut explanation = Explanation::empty(Verdict::InsufficientExcitation);
+            explanation.to_drive.push(TOO_LITTLE.into());
+            return Answer { explanation, model };
+        };
+        let verdict = match () {
+            () if !ordinary.is_the_car() => Verdict::UnknownPhysics,
+            () if ordinary.beyond.findings.is_empty() => Verdict::Unchanged,
+            () => Verdict::MissingPhysics,
+        };
+        let mut explanation = Explanation::empty(verdict);
+        explanation.measurement_chain = self.chain.iter().flat_map(chain_words).collect();
+        explanation.seconds = ordinary.seconds;
+        explanation.references =
+            self.recordings[..self.references].iter().map(|recording| recording.name.clone()).collect();
+        explanation.take_ordinary(&ordinary, Some(verdict));
+        // The car that drove last.
+        for finding in explanation.findings.iter().filter(|finding| finding.reference_value.is_some()) {
+            for (name, estimate) in &finding.parameters {
+                let all = [Some(&mut explanation.parameters.extended), explanation.parameters.ordinary.as_mut()];
+                for number in all.into_iter().flatten().filter_map(|numbers| numbers.get_mut(name)) {
+                    *number = *estimate;
+                }
+            }
+        }
+        let undecided = explanation.findings.iter().filter(|finding| !finding.indistinguishable_from.is_empty());
+        explanation.to_drive = undecided.map(|finding| finding.to_tell_apart.clone()).collect();
+        if verdict == Verdict::UnknownPhysics {
+            explanation.to_drive.push(ANOTHER_CAR.into());
+        }
+        Answer { explanation, model }
+    }
+}
+
+const TOO_LITTLE: &str = "of the references and of the drives beside them at least one each must have steering, yaw rate, \
+                          a speed and 12 s of driving above 4 m/s";
+
+const ANOTHER_CAR: &str = "nothing was compared: one car with sensors of each drive's own does not predict the yaw rate; \
+                           are the references drives of this car, with the same signals?";
+
+#[cfg(test)]
+mod tests {
+    use super::super::bench::recorded_as;
+    use super::super::result::Finding;
+    use super::*;
+    use physics::model::Scenario;
+    use physics::model::effect::KINDS;
+
+    /// What has changed in a drive since a healthy one.
+    fn changed(effects: &str, change: impl FnOnce(&mut Scenario)) -> Explanation {
+        let (_, healthy) = recorded_as("", |scenario| scenario.seed = 11);
+        let (vehicle, recording) = recorded_as(effects, change);
+        let recordings = [healthy, recording];
+        let case = Case {
+            vehicle: &vehicle,
+            effects: &[],
+            recordings: &recordings,
+            references: 1,
+            held_out: 0,
+            chain: &[],
+            library: KINDS,
+            seed: 1,
+        };
+        case.explain(&|_, _| {}).explanation
+    }
+
+    fn main_number(finding: &Finding, name: &str, truth: f64) {
+        let estimate = finding.parameters[name];
+        let off = (estimate.value - truth).abs();
+        assert!(off < (3.0 * estimate.std).max(0.1 * truth.abs()), "{name}: {estimate:?} for {truth}");
+    }
+
+    /// GIVEN two drives of the same car THEN nothing has changed.
+    #[test]
+    #[ignore = "long: two cars fitted"]
+    fn a_healthy_drive_is_unchanged() {
+        let answer = changed("", |_| {});
+        assert_eq!(answer.verdict, Verdict::Unchanged, "{:?}", answer.findings);
+    }
+
+    /// GIVEN a drive with a load in the back THEN that is named first, with its mass.
+    #[test]
+    fn a_load_is_named() {
+        let load = "[[effect]]\nkind = \"payload\"\nmass_kg = 300\nposition_behind_cg_m = 1.2\n";
+        let answer = changed(load, |_| {});
+        assert_eq!(answer.verdict, Verdict::MissingPhysics);
+        assert_eq!(answer.findings[0].effect, "payload", "{:?}", answer.findings);
+        main_number(&answer.findings[0], "mass_kg", 300.0);
+    }
+
+    /// GIVEN a drive on other front tires THEN their stiffness is named, with the one before beside it.
+    #[test]
+    #[ignore = "long: two cars fitted"]
+    fn another_stiffness_is_named_with_what_it_was() {
+        let answer = changed("", |scenario| scenario.vehicle.lateral_stiffness_front.value = 9.0);
+        let first = &answer.findings[0];
+        assert_eq!(first.effect, "lateral_stiffness_front", "{:?}", answer.findings);
+        main_number(first, "lateral_stiffness_front", 9.0);
+        let was = first.reference_value.unwrap();
+        assert!((was.value - 11.0).abs() < (3.0 * was.std).max(1.0), "{was:?}");
+    }
+}

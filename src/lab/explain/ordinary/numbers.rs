@@ -21,6 +21,10 @@ pub enum Number {
     SpeedDelay,
     /// By how much a number of the model is another one in some recordings than in the others.
     Change(Place),
+    /// The same of the speed's scale …
+    SpeedScaleChange,
+    /// … and of how late it is, s.
+    SpeedDelayChange,
 }
 
 /// Which recordings a number is of.
@@ -132,7 +136,7 @@ const OF_THE_CAR: [Parameter; 8] = [
 
 /// A message on a car's bus is late by its cycle and its filter, an inertial unit's stamps by its own clock: up to
 /// tenths of a second either way, mean and standard deviation.
-const DELAY: (f64, f64) = (0.02, 0.1);
+pub const DELAY: (f64, f64) = (0.02, 0.1);
 
 /// The accelerometer is of the same unit as the gyroscope.
 const LATERAL_DELAY: (f64, f64) = (0.0, 0.03);
@@ -242,6 +246,8 @@ pub fn placed<'a>(
             Number::SpeedDelay => sensing.delay_s = *coordinate,
             // The car's own number stands before it.
             Number::Change(place) => model.put(place, model.get(place) + coordinate),
+            Number::SpeedScaleChange => sensing.scale += coordinate,
+            Number::SpeedDelayChange => sensing.delay_s += coordinate,
         }
     }
     (model, sensing)
@@ -257,8 +263,8 @@ impl Free {
     /// Its name, value in its unit, and how the value changes with the coordinate.
     pub fn named(&self, model: &Model<'_>, coordinate: f64) -> (String, f64, f64) {
         match self.number {
-            Number::SpeedScale => ("speed_scale".into(), coordinate, 1.0),
-            Number::SpeedDelay => ("speed_delay_s".into(), coordinate, 1.0),
+            Number::SpeedScale | Number::SpeedScaleChange => ("speed_scale".into(), coordinate, 1.0),
+            Number::SpeedDelay | Number::SpeedDelayChange => ("speed_delay_s".into(), coordinate, 1.0),
             Number::Of(Place::Effect(effect, number)) | Number::Change(Place::Effect(effect, number)) => {
                 let chosen = &model.effects[effect];
                 match chosen.kind.spec(number, chosen.channel) {

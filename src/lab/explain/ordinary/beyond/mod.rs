@@ -113,7 +113,10 @@ pub fn beyond(
         *tried.entry(trial.name()).or_insert(0) += 1;
     }
     let search = Search { drives, vehicle, tried, plain, references };
-    let mut state = search.begin(found);
+    let mut state = match references {
+        0 => search.begin(found),
+        _ => search.begin(&references::expecting(found, references)),
+    };
     // Of a car's numbers and sensors the references have the same.
     let usual = if references > 0 { Vec::new() } else { search.usual(&state) };
     let mut taken = BTreeSet::new();
@@ -157,7 +160,7 @@ pub fn beyond(
                     || of.trial.is_of_every_car()
                     || usual_rivals().all(|usual| of.is_told_from(usual)))
                 && of.is_beyond(&healthy)
-                && of.held_gain > LEAST_HELD_GAIN
+                && of.held_gain > least_held_gain(references, &of.trial)
                 && (of.trial.has_time() || *gain > null)
                 && of.clearest() > LEAST_CLEAR
                 && !of.is_at_bound()
@@ -177,6 +180,12 @@ pub fn beyond(
     // Stable: what has more evidence stays first.
     answer.findings.sort_by_key(|finding| finding.kind);
     answer
+}
+
+/// Where references tell a number, other numbers may take its place at the price of being unlike theirs: then the evidence
+/// is in that price, and held-out driving must not speak against it.
+fn least_held_gain(references: usize, trial: &Trial) -> f64 {
+    if references > 0 && trial.is_always_there() { -LEAST_HELD_GAIN } else { LEAST_HELD_GAIN }
 }
 
 fn ranking(refitted: &[(f64, Refitted<'_>)], scored: &[Scored]) -> Vec<Ranked> {

@@ -6,12 +6,14 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
-use super::super::numbers::Scope;
+use super::super::fit::FreeFit;
+use super::super::numbers::{Free, Number, Scope};
 use super::Search;
 use super::climb::State;
 use super::refit::Refitted;
 use super::scan::Scored;
 use super::trial::Trial;
+use crate::explain::model::Place;
 
 /// A candidate as a reference has it, to first order.
 #[derive(Clone, Debug)]
@@ -32,6 +34,43 @@ const WORTH: f64 = 6.0;
 /// A number must be so many deviations of that, and of its own, from the references'. Statistical: one in a thousand of
 /// Student's distribution with eight degrees of freedom, for each of some tens of candidates.
 const LEAST_DISTANCE: f64 = 5.0;
+
+/// Sensors that are late by as much in each drive, and radii that are the same, differ by so much, s and a share. The
+/// first is the step of a slow message, the second what pressure and heat make of a tire.
+const DELAYS: f64 = 0.01;
+const SCALES: f64 = 0.005;
+
+/// Mean and spread of what numbers are, where a spread counts as so many of them.
+fn spread(values: &[f64], thought: f64) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count.max(1.0);
+    let square: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    let variance = (WORTH * thought * thought + square) / (WORTH + (count - 1.0).max(0.0));
+    (mean, (variance * (1.0 + 1.0 / count.max(1.0))).sqrt())
+}
+
+/// The same fit with what is thought of the other recordings' delays and of the scale of their speed: as in the
+/// references, so many of them.
+pub fn expecting<'a>(found: &FreeFit<'a>, references: usize) -> FreeFit<'a> {
+    let mut found = found.clone();
+    let all = found.free.clone();
+    for free in &mut found.free {
+        let thought = match (free.number, free.of) {
+            (Number::SpeedDelay | Number::Of(Place::Delay(_)), Scope::Recording(own)) if own >= references => DELAYS,
+            (Number::SpeedScale, Scope::Recording(own)) if own >= references => SCALES,
+            _ => continue,
+        };
+        let is_theirs = |(other, _): &(&Free, &f64)| {
+            other.number == free.number
+                && matches!(other.of, Scope::Recording(reference) if reference < references)
+        };
+        let theirs: Vec<f64> = all.iter().zip(&found.at).filter(is_theirs).map(|(_, at)| *at).collect();
+        if !theirs.is_empty() {
+            free.prior = spread(&theirs, thought);
+        }
+    }
+    found
+}
 
 impl Search<'_> {
     /// What each reference says of these candidates.
@@ -72,16 +111,14 @@ impl Refitted<'_> {
         }
         let own = self.clearest_main();
         let name = self.trial.name();
-        let there: Vec<&Healthy> = references.iter().filter(|healthy| healthy.name == name).collect();
-        let count = there.len() as f64;
-        let neutral = self.thought_of_clearest().0;
-        let values = || there.iter().map(|healthy| healthy.coordinate);
-        let mean = if there.is_empty() { neutral } else { values().sum::<f64>() / count };
-        let square: f64 = values().map(|value| (value - mean).powi(2)).sum();
-        let thought = (SPREAD * self.thought_of_clearest().1).powi(2);
-        let spread = (WORTH * thought + square) / (WORTH + (count - 1.0).max(0.0));
-        let variance = own.std.powi(2) + spread * (1.0 + 1.0 / count.max(1.0));
-        Some((own.value - mean).abs() / variance.sqrt())
+        let there = references.iter().filter(|healthy| healthy.name == name);
+        let mut there: Vec<f64> = there.map(|healthy| healthy.coordinate).collect();
+        let (neutral, usual) = self.thought_of_clearest();
+        if there.is_empty() {
+            there.push(neutral);
+        }
+        let (mean, spread) = spread(&there, SPREAD * usual);
+        Some((own.value - mean).abs() / own.std.hypot(spread))
     }
 
     /// Its evidence beyond the most that a reference has of the same at any time; of what is always there the distance says

@@ -97,6 +97,16 @@ impl Refitted<'_> {
                     all.insert(last_of(name).to_owned(), self.changed(of, place));
                     continue;
                 }
+                // The true speed is so many times the recorded one.
+                (What::Number { .. }, Number::SpeedScaleChange) => {
+                    let by = Estimate { value: -self.at[place], std: self.std(place) };
+                    all.insert("relative_error".into(), by);
+                    continue;
+                }
+                (What::Number { .. }, Number::SpeedDelayChange) => {
+                    all.insert("delay_s".into(), Estimate { value: self.at[place], std: self.std(place) });
+                    continue;
+                }
                 _ => continue,
             };
             let Some(spec) = candidate.kind.spec(number, candidate.channel) else { continue };
@@ -265,6 +275,11 @@ impl Search<'_> {
 
 /// A number of the ordinary car that is another one than in the references.
 fn number_changed(name: &str) -> Finding {
+    if let Some((kind, channel)) = name.split_once(':')
+        && let Some(kind) = named(kind)
+    {
+        return Finding::of(kind, channel.parse().ok());
+    }
     if let Some(kind) = name.split_once('.').and_then(|(kind, _)| named(kind)) {
         return Finding { about: format!("{}; now it is another one", kind.about), ..Finding::of(kind, None) };
     }
@@ -315,7 +330,7 @@ impl Told {
                     neutral: spec.mean,
                 })
             }
-            Number::Of(_) | Number::Change(_) => None,
+            Number::Of(_) | Number::Change(_) | Number::SpeedScaleChange | Number::SpeedDelayChange => None,
         }
     }
 

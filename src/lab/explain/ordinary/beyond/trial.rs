@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::super::fit::FreeFit;
 use super::super::inputs::FreeDrive;
-use super::super::numbers::{Free, Number, Scope, placed};
+use super::super::numbers::{DELAY, Free, Number, Scope, placed};
 use crate::explain::candidates::{Candidate, library, onsets};
 use crate::explain::model::{Chosen, Model, Place};
 use crate::explain::naming::ways;
@@ -97,7 +97,7 @@ pub fn trials(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind]
     }
     if of != Scope::Car {
         let changes = found.free.iter().filter_map(|free| changed(found, free, of));
-        all.extend(changes.map(|what| Trial { what, of, inverse_friction }));
+        all.extend(changes.chain(speed_changed(of)).map(|what| Trial { what, of, inverse_friction }));
     }
     all
 }
@@ -111,14 +111,28 @@ fn changed(found: &FreeFit<'_>, free: &Free, of: Scope) -> Option<What> {
     let std = match place {
         // The search is for its logarithm.
         Place::Ordinary(parameter) => CHANGING.iter().find(|(of, _)| *of == parameter)?.1,
-        // As much as cars differ by.
-        Place::Effect(..) => free.prior.1,
+        // What breaks or is replaced may be further off than cars of the class are from each other.
+        Place::Effect(..) => 2.0 * free.prior.1,
         Place::Delay(_) | Place::BendAlong => return None,
     };
     let (name, ..) = free.named(&found.model, free.prior.0);
     let bounds = (-MOST_CHANGE * std, MOST_CHANGE * std);
     let change = Free { number: Number::Change(place), of, prior: (0.0, std), bounds, step: free.step };
     Some(What::Number { name, change })
+}
+
+/// A tire's radius loses 2 % over its life.
+const WEAR: f64 = 0.015;
+
+/// All radii, or the message of the speed.
+fn speed_changed(of: Scope) -> [What; 2] {
+    let speed = Quantity::VehicleSpeed;
+    let scale = (Number::SpeedScaleChange, format!("sensor_scale:{speed}"), WEAR);
+    let delay = (Number::SpeedDelayChange, format!("sensor_delay:{speed}"), DELAY.1);
+    [scale, delay].map(|(number, name, std)| {
+        let bounds = (-MOST_CHANGE * std, MOST_CHANGE * std);
+        What::Number { name, change: Free { number, of, prior: (0.0, std), bounds, step: 1e-3 } }
+    })
 }
 
 /// No number changes by more of its deviations. Numerical.

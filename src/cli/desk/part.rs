@@ -24,7 +24,7 @@ impl Part {
         if !(from >= 0.0 && from.is_finite()) {
             return Err(Failure::usage(format_args!("--from {from}: must be zero or more seconds")));
         }
-        if !(to > from) {
+        if to.is_nan() || to <= from {
             return Err(Failure::usage(format_args!(
                 "--to {to}: must be more than --from, which is {from} s"
             )));

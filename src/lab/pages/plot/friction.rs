@@ -76,14 +76,14 @@ impl Scene<'_> {
     fn rings(&self) -> Vec<Ring> {
         let mut last: Vec<(u32, f64, f64, f64)> = Vec::new();
         let friction = &self.drive.friction;
-        for (place, flags) in self.drive.flags.iter().enumerate().filter(|(_, flags)| flags.friction) {
+        for (place, _) in self.drive.flags.iter().enumerate().filter(|(_, flags)| flags.friction) {
             let of = |column: &[f32]| column.get(place).map_or(f64::NAN, |it| f64::from(*it));
             let (low, high) = (of(&friction.low), of(&friction.high));
             let (Some(surface), Some(time)) = (self.drive.changes.get(place), self.drive.times.get(place))
             else {
                 continue;
             };
-            if !(flags.friction && low.is_finite() && high.is_finite()) {
+            if !(low.is_finite() && high.is_finite()) {
                 continue;
             }
             match last.last_mut() {

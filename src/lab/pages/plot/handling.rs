@@ -34,7 +34,10 @@ impl Scene<'_> {
             }
         };
         if moments.is_empty() {
-            figure.empty = "There is no moment of nearly steady driving above 21 km/h with steering, yaw rate and speed.".into();
+            figure.answer.clear();
+            figure.empty = "This drive does not tell the understeer gradient: there is no moment of nearly steady driving above \
+                            21 km/h with steering, yaw rate and speed."
+                .into();
             return figure;
         }
         let ratio = 1.0 + told.map_or(0.0, |it| it.ratio_error);

@@ -48,7 +48,9 @@ impl Scene<'_> {
             panel.series.extend(self.quantity(Quantity::wheel_speed(wheel), &words, color, radius * KMH));
         }
         panel.series.extend(self.quantity(Quantity::VehicleSpeed, "speed on the bus", Color::Muted, KMH));
-        panel.caption = format!("Wheels: turning times the rolling radius of {radius} m.");
+        if self.drive.quantities.iter().any(|it| it.wheel().is_some()) {
+            panel.caption = format!("Wheels: turning times the rolling radius of {radius} m.");
+        }
         panel
     }
 
@@ -84,7 +86,10 @@ impl Scene<'_> {
         panel.series.extend(self.quantity(Quantity::LateralAcceleration, "accelerometer", Color::First, 1.0));
         let expected = self.speed_by_yaw_rate();
         panel.series.push(self.line("speed × yaw rate", Source::Expected, Color::Second, &expected, 1.0));
-        panel.caption = "Where the two part for long, the car slides, the road is banked, the body rolls, or a sensor errs.".into();
+        if panel.series.len() > 1 {
+            panel.caption = "Where the two part for long, the car slides, the road is banked, the body rolls, or a sensor errs."
+                .into();
+        }
         panel
     }
 

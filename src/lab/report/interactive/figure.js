@@ -3,7 +3,7 @@
 class PlaneFigure {
   constructor(spec, group) {
     Object.assign(this, { spec, group, plot: null });
-    this.place = make('div', { class: 'plot' });
+    this.place = make('div', { class: 'plot', role: 'img', 'aria-label': spec.title });
     this.here = make('div', { class: 'here', hidden: '' });
     this.element = make('figure', {}, make('h2', {}, spec.title));
     if (spec.answer) this.element.append(make('p', { class: 'answer' }, spec.answer));

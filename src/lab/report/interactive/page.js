@@ -61,7 +61,9 @@ class Page {
   }
 
   // The cursor stands at a time, or nowhere; `from` is the panel that it is in.
-  point(time, from = null) {
+  point(asked, from = null) {
+    const [first, last] = this.whole;
+    const time = asked === null ? null : Math.min(Math.max(asked, first), last);
     this.time = time;
     for (const panel of this.panels) {
       if (panel !== from) panel.follow(time);

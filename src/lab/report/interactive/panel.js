@@ -5,7 +5,7 @@ const LANE = 32;
 class TimePanel {
   constructor(spec, data, group, isFirst) {
     Object.assign(this, { spec, data, group, isFirst, plot: null, numbers: [] });
-    this.place = make('div', { class: 'plot' });
+    this.place = make('div', { class: 'plot', role: 'img', 'aria-label': spec.title });
     this.legend = new Legend();
     this.element = make('figure', {}, make('h2', {}, spec.title));
     if (spec.empty) {
@@ -58,13 +58,16 @@ class TimePanel {
       rows,
       this.place,
     );
-    // The mouse itself, not uPlot's cursor: that moves when the scale does, too.
+    // Mouse or finger themselves, not uPlot's cursor: that moves when the scale does, too.
     const { over } = this.plot;
-    over.addEventListener('mousemove', (event) => {
+    over.addEventListener('pointermove', (event) => {
       const left = event.clientX - over.getBoundingClientRect().left;
       this.group.point(this.plot.posToVal(left, 'x'), this);
     });
-    over.addEventListener('mouseleave', () => this.group.point(null, this));
+    over.addEventListener('pointerleave', (event) => {
+      // What a finger has touched is still to be read when it is lifted.
+      if (event.pointerType === 'mouse') this.group.point(null, this);
+    });
   }
 
   // uPlot's columns: the times, each line, and the two edges of each interval, with the fill between them.

@@ -82,14 +82,12 @@ impl Grid {
     /// A line: not-a-number where a whole stretch has no value.
     pub fn line(&self, values: &[f32]) -> Numbers {
         self.rows(values, |samples| {
-            let (mut low, mut high): (Option<(usize, f32)>, Option<(usize, f32)>) = (None, None);
-            for (place, value) in samples.iter().copied().enumerate().filter(|(_, value)| value.is_finite()) {
-                low = low.filter(|(_, lowest)| *lowest <= value).or(Some((place, value)));
-                high = high.filter(|(_, highest)| *highest >= value).or(Some((place, value)));
-            }
+            let finite = || samples.iter().enumerate().filter(|(_, value)| value.is_finite());
+            let low = finite().min_by(|one, other| one.1.total_cmp(other.1));
+            let high = finite().max_by(|one, other| one.1.total_cmp(other.1));
             match (low, high) {
-                (Some(low), Some(high)) if low.0 <= high.0 => [low.1, high.1],
-                (Some(low), Some(high)) => [high.1, low.1],
+                (Some(low), Some(high)) if low.0 <= high.0 => [*low.1, *high.1],
+                (Some(low), Some(high)) => [*high.1, *low.1],
                 _ => [f32::NAN; 2],
             }
         })

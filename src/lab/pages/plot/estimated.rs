@@ -70,7 +70,7 @@ impl Scene<'_> {
         let mut panel = Panel::new("Friction, used and available", "friction coefficient");
         let column = &self.drive.friction;
         panel.series = vec![
-            self.line("used", Source::Measured, Color::First, &self.drive.friction_used, 1.0),
+            self.line("used", Source::Estimated, Color::First, &self.drive.friction_used, 1.0),
             self.line("at least available", Source::Bound, Color::Second, &column.low, 1.0),
             self.interval("available", Color::Third, column),
         ];

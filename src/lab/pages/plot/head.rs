@@ -91,7 +91,7 @@ impl Scene<'_> {
             .collect();
         let mut notes = vec![
             "Solid: measured, as decoded from the bus and as the estimators take it, every 10 ms unless the configuration \
-             says otherwise. Dashed and heavier: estimated by gripd, the same numbers that `gripd replay` writes and the \
+             says otherwise. Heavier and dashed in one way or another: estimated by gripd, the same numbers that gripd replay writes and the \
              service publishes. Dotted: what would be expected, from other sensors or from the configured car. A light \
              ground with a strip at its foot: valid, it may be acted upon. Shaded around a line: its 95 % interval. No line: \
              not available."
@@ -104,7 +104,7 @@ impl Scene<'_> {
         if let Some(stretch) = self.grid.stretch_s() {
             notes.push(format!(
                 "This drive has more samples than a page can carry. Of each {stretch:.2} s there are the lowest and the highest \
-                 value of every line: no peak is lost, and each is at most {stretch:.2} s from where it stands. `--from` and `--to` \
+                 value of every line: no peak is lost, and each is at most {stretch:.2} s from where it stands. --from and --to \
                  give every sample of a part."
             ));
         }

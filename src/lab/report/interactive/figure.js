@@ -12,12 +12,12 @@ class PlaneFigure {
       return;
     }
     const legend = new Legend();
-    for (const points of spec.points) {
+    for (const [at, points] of spec.points.entries()) {
       if (points.shade) legend.scale(points.shade);
-      else if (points.shape === 'path') legend.line(points, false);
+      else if (points.shape === 'path') legend.line(spec.points, at, false);
       else legend.add(points.shape === 'dots' ? 'dot' : 'dot ring', points.color, points.name, false);
     }
-    for (const line of spec.lines) legend.line(line, false);
+    spec.lines.forEach((_, at) => legend.line(spec.lines, at, false));
     if (spec.lines.some((line) => line.interval)) legend.add('band', 'muted', '95 % interval', false);
     for (const ring of spec.rings) legend.add('band', ring.color, ring.name, false);
     this.element.append(legend.element, make('p', { class: 'axis' }, `↑ ${spec.y_axis}`), this.place);
@@ -134,7 +134,7 @@ class PlaneFigure {
     ctx.fill('evenodd');
     ctx.globalAlpha = 1;
     ctx.lineWidth = 1.5 * devicePixelRatio;
-    ctx.setLineDash(LINES.estimated.dash.map((length) => length * devicePixelRatio));
+    ctx.setLineDash(lineForm('estimated').dash.map((length) => length * devicePixelRatio));
     for (const radius of radii) {
       ctx.beginPath();
       ellipse(radius);
@@ -194,9 +194,7 @@ class PlaneFigure {
     ctx.strokeStyle = ctx.fillStyle = colour('ink');
     ctx.lineWidth = 2 * pixel;
     ctx.strokeRect(left - 4 * pixel, top - 4 * pixel, 8 * pixel, 8 * pixel);
-    ctx.font = `${12 * pixel}px system-ui, sans-serif`;
-    ctx.textAlign = 'left';
-    ctx.fillText('start', left + 8 * pixel, top - 6 * pixel);
+    write(ctx, 'start', left + 8 * pixel, top - 6 * pixel);
   }
 
   drawLine(ctx, at, { x, y, source, color, interval }) {
@@ -213,8 +211,9 @@ class PlaneFigure {
       ctx.fill();
       ctx.globalAlpha = 1;
     }
-    ctx.lineWidth = LINES[source].width * devicePixelRatio;
-    ctx.setLineDash(LINES[source].dash.map((length) => length * devicePixelRatio));
+    const { width, dash } = lineForm(source);
+    ctx.lineWidth = width * devicePixelRatio;
+    ctx.setLineDash(dash.map((length) => length * devicePixelRatio));
     ctx.beginPath();
     run(y, false);
     ctx.stroke();

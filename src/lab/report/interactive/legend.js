@@ -13,10 +13,16 @@ class Legend {
     return number;
   }
 
-  // A line for something drawn as a line; where it comes from stands behind its name, unless that is said elsewhere.
-  line(it, hasNumber, isSaid = false) {
+  // One of several things drawn as lines; where it comes from stands behind its name, unless that is said elsewhere.
+  line(lines, at, hasNumber, isSaid = false) {
+    const it = lines[at];
     const word = isSaid || !WORDS[it.source] ? '' : ` (${WORDS[it.source]})`;
-    return this.add(LINES[it.source].mark, it.color, it.name + word, hasNumber);
+    const number = this.add('line', it.color, it.name + word, hasNumber);
+    const { width, dash } = lineForm(it.source, placeOfKind(lines, at));
+    const sign = this.element.lastChild.firstChild;
+    sign.style.height = `${width}px`;
+    sign.style.backgroundImage = dashed(dash);
+    return number;
   }
 
   // The colours of a path and what they stand for.
@@ -26,6 +32,18 @@ class Legend {
     const most = said(shade.most);
     this.element.append(make('li', {}, `${shade.name}: −${most} `, sign, `+${most}`));
   }
+}
+
+// A piece of a line as a background: the same dashes as in the plot.
+function dashed(dash) {
+  if (!dash.length) return 'linear-gradient(currentColor, currentColor)';
+  let end = 0;
+  const stops = dash.map((length, place) => {
+    const from = end;
+    end += length;
+    return `${place % 2 ? 'transparent' : 'currentColor'} ${from}px ${end}px`;
+  });
+  return `repeating-linear-gradient(to right, ${stops.join(', ')})`;
 }
 
 // From one side (−1) by nothing (0) to the other (+1).

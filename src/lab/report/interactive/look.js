@@ -6,11 +6,21 @@ const colour = (name) => getComputedStyle(document.documentElement).getPropertyV
 
 // A line tells by its form, not by its colour alone, where it comes from.
 const LINES = {
-  measured: { width: 1.2, dash: [], mark: 'thin' },
-  estimated: { width: 2.2, dash: [9, 4], mark: 'dashes heavy' },
-  expected: { width: 1.8, dash: [2, 4], mark: 'dots' },
-  bound: { width: 1.8, dash: [2, 4], mark: 'dots' },
+  measured: { width: 1.2, dashes: [[]] },
+  estimated: { width: 2.2, dashes: [[9, 4], [14, 3, 3, 3], [5, 3]] },
+  expected: { width: 1.8, dashes: [[2, 4]] },
+  bound: { width: 1.8, dashes: [[2, 4]] },
 };
+
+// How a line is drawn that is the so manyth of its kind in a plot: front and rear differ in grey, too.
+function lineForm(source, place = 0) {
+  const { width, dashes } = LINES[source];
+  return { width, dash: dashes[place % dashes.length] };
+}
+
+// How many before a line in a list are of its kind.
+const placeOfKind = (lines, at) => lines.slice(0, at).filter((line) => line.source === lines[at].source).length;
+
 // In the legend, where a name alone does not say it.
 const WORDS = { measured: '', estimated: 'estimated by gripd', expected: 'expected', bound: '' };
 
@@ -38,6 +48,14 @@ function wallClock(clocks, time) {
 
 const date = (moment) => moment.toISOString().slice(0, 10);
 const hour = (moment, decimals) => moment.toISOString().slice(11, decimals ? 20 + decimals : 19);
+
+// Writes into a plot. uPlot leaves its own alignment behind when it has drawn its axes.
+function write(ctx, text, left, foot, align = 'left', size = 12) {
+  ctx.font = `${size * devicePixelRatio}px system-ui, sans-serif`;
+  ctx.textAlign = align;
+  ctx.textBaseline = 'alphabetic';
+  ctx.fillText(text, left, foot);
+}
 
 // Makes an element.
 function make(tag, attributes = {}, ...children) {

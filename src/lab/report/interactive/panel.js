@@ -12,8 +12,8 @@ class TimePanel {
       this.element.append(make('p', { class: 'empty' }, spec.empty));
       return;
     }
-    const areEstimated = spec.series.length > 0 && spec.series.every((series) => series.source === 'estimated');
-    for (const series of spec.series) this.numbers.push(this.legend.line(series, true, areEstimated));
+    const areEstimated = spec.series.length > 0 && spec.series.every(({ source }) => ['estimated', 'bound'].includes(source));
+    this.numbers = spec.series.map((_, at) => this.legend.line(spec.series, at, true, areEstimated));
     if (spec.series.some((series) => series.interval)) this.legend.add('band', 'muted', '95 % interval', false);
     for (const shade of spec.shades) this.legend.add('strip', shade.color, shade.name, false);
     this.element.append(this.legend.element);
@@ -73,8 +73,8 @@ class TimePanel {
   // uPlot's columns: the times, each line, and the two edges of each interval, with the fill between them.
   lines() {
     const [rows, series, bands] = [[this.data.times], [{}], []];
-    for (const line of this.spec.series) {
-      const { width, dash } = LINES[line.source];
+    for (const [at, line] of this.spec.series.entries()) {
+      const { width, dash } = lineForm(line.source, placeOfKind(this.spec.series, at));
       const stroke = colour(line.color);
       if (line.interval) {
         for (const edge of line.interval) {
@@ -133,8 +133,7 @@ class TimePanel {
     this.spec.lanes.forEach((span, place) => {
       const top = bbox.top + place * LANE * pixel;
       ctx.fillStyle = colour('muted');
-      ctx.font = `${12 * pixel}px system-ui, sans-serif`;
-      ctx.fillText(span.name, bbox.left + 4 * pixel, top + 13 * pixel);
+      write(ctx, span.name, bbox.left + 4 * pixel, top + 13 * pixel);
       ctx.fillStyle = colour(span.color);
       pieces(span, (from, length) => ctx.fillRect(from, top + 18 * pixel, length, 7 * pixel));
     });
@@ -162,8 +161,7 @@ class TimePanel {
       const isRight = x + length > bbox.left + bbox.width;
       const begin = isRight ? x - length : x;
       if (!this.isFirst || begin < written) continue;
-      ctx.textAlign = isRight ? 'right' : 'left';
-      ctx.fillText(name, x + (isRight ? -4 : 4) * pixel, bbox.top + 12 * pixel);
+      write(ctx, name, x + (isRight ? -4 : 4) * pixel, bbox.top + 12 * pixel, isRight ? 'right' : 'left', 11);
       written = begin + length;
     }
     ctx.restore();
@@ -187,7 +185,7 @@ class TimePanel {
     this.numbers.forEach((number, place) => {
       const { values, interval } = this.spec.series[place];
       const value = row === null ? null : values[row];
-      const edges = row === null || !interval || interval[0][row] === null ? '' : ` (${said(interval[0][row])} to ${said(interval[1][row])})`;
+      const edges = row === null || value === null || !interval ? '' : ` (${said(interval[0][row])} to ${said(interval[1][row])})`;
       number.textContent = row === null ? '' : said(value) + edges;
     });
   }

@@ -124,7 +124,7 @@ impl Scene<'_> {
         match self.drive.signal(quantity) {
             Some(_) => String::new(),
             None => format!(
-                "{quantity} is configured and never has a value here; `gripd check` on this recording tells why."
+                "{quantity} is configured and never has a value here; gripd check on this recording tells why."
             ),
         }
     }

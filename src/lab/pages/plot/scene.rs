@@ -65,6 +65,8 @@ impl<'a> Scene<'a> {
     pub fn longitudinal_acceleration(&self) -> (Vec<f32>, bool) {
         /// A speed is differentiated over so many samples to either side: 0.3 s in all.
         const REACH: usize = 15;
+        /// No tire on a road gives more, m/s²: the speed's signal has jumped.
+        const MOST: f32 = 15.0;
         if let Some(column) = self.drive.signal(Quantity::LongitudinalAcceleration) {
             return (column.to_vec(), true);
         }
@@ -73,7 +75,8 @@ impl<'a> Scene<'a> {
             let ends = (place.checked_sub(REACH)?, place + REACH);
             let time = times.get(ends.1)? - times.get(ends.0)?;
             (time < 2.0 * Grid::LONGEST_STEP_S).then_some(())?;
-            Some((speed.get(ends.1)? - speed.get(ends.0)?) / time as f32)
+            let change = (speed.get(ends.1)? - speed.get(ends.0)?) / time as f32;
+            Some(change).filter(|change| change.abs() <= MOST)
         };
         ((0..speed.len()).map(|place| change(place).unwrap_or(f32::NAN)).collect(), false)
     }

@@ -140,3 +140,49 @@ fn the_standard_output_has_the_page_and_nothing_else() {
     assert!(text.starts_with("<!DOCTYPE html>") && text.ends_with("</html>\n"));
     assert!(text == place.plotted("drive.log"), "the same input gives the same page");
 }
+
+/// Four minutes of bends at three speeds, in place of the demo's driver.
+const BENDS: &str = r#"[driver]
+[[driver.speed_mps]]
+kind = "points"
+points = [[0, 12], [60, 12], [80, 18], [140, 18], [160, 25], [230, 25]]
+[[steering_wheel_angle]]
+kind = "points"
+points = [
+    [5, 0], [8, 0.6], [16, 0.6], [20, -0.7], [30, -0.7], [34, 0], [90, 0], [93, 0.4], [105, 0.4], [108, -0.35],
+    [120, -0.35], [125, 0], [165, 0], [168, 0.25], [180, 0.25], [184, -0.25], [200, -0.25], [204, 0],
+]
+[[steering_wheel_angle]]
+kind = "random"
+rms = 0.02
+correlation_time_s = 2.0
+
+"#;
+
+#[test]
+fn the_understeer_gradient_of_a_simulated_car_is_in_its_interval() {
+    let place = Place::new();
+    // On one road, with tires that do not bend: the gradient is (1 / front − 1 / rear) stiffness.
+    let demo = fs::read_to_string(project("config/scenarios/demo.toml")).unwrap();
+    let (before, rest) = demo.split_once("[[road]]\nfrom_s = 45.0").unwrap();
+    let (_, chain) = rest.split_once("# The ordinary measuring chain").unwrap();
+    let scenario = format!("{before}[abs]\n\n{BENDS}#{chain}")
+        .replace("duration_s = 120.0", "duration_s = 230.0")
+        .replace("tire = \"brush\"", "tire = \"linear\"");
+    let truth_deg_per_g = (1.0_f64 / 13.0 - 1.0 / 16.0).to_degrees();
+    assert!(scenario.contains("lateral_stiffness_front = 13.0\nlateral_stiffness_rear = 16.0"));
+    place.write("bends.toml", scenario);
+    let simulate = "simulate bends.toml -o bends.log";
+    let simulated = gripd().current_dir(place.0.path()).args(simulate.split(' ')).status().unwrap();
+    assert!(simulated.success());
+    let data = data(&place.plotted("bends.log"));
+    let figure = titled(&data, "figures", "Handling curve");
+    let line = figure["lines"].as_array().unwrap().last().unwrap();
+    let of = |y: &Value| {
+        let at = |list: &Value, place: usize| list[place].as_f64().unwrap();
+        9.81 * (at(y, 2) - at(y, 1)) / (at(&line["x"], 2) - at(&line["x"], 1))
+    };
+    let (low, high) = (of(&line["interval"][0]), of(&line["interval"][1]));
+    assert!((low..=high).contains(&truth_deg_per_g), "{low} to {high} ° per g for {truth_deg_per_g}");
+    assert!(high - low < 0.2, "{}", figure["answer"]);
+}

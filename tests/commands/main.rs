@@ -15,6 +15,7 @@ mod map;
 mod monitor;
 mod pages;
 mod parquet;
+mod plot;
 mod replay;
 mod results;
 mod rooms;

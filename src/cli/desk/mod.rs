@@ -14,7 +14,9 @@ mod man;
 mod map;
 mod monitor;
 mod output;
+mod part;
 mod player;
+mod plot;
 mod printable;
 mod progress;
 mod recordings;
@@ -55,6 +57,8 @@ pub enum Command {
     Check(check::Check),
     /// Propose a configuration's signals for an unknown car, from its DBC and a recorded drive.
     Map(map::Map),
+    /// Write a recording as a page to look into: signals, estimates, handling curve, g-g diagram, track.
+    Plot(plot::Plot),
     /// Turn a recording of any format into one of another.
     Convert(convert::Convert),
     /// Watch a bus or a recording in the terminal: inputs, estimates, faults, frame rates.
@@ -85,6 +89,7 @@ impl Command {
             Self::Calibrate(command) => command.run(),
             Self::Check(command) => command.run(),
             Self::Map(command) => command.run(),
+            Self::Plot(command) => command.run(),
             Self::Convert(command) => command.run(),
             Self::Monitor(command) => command.run(),
             Self::View(command) => command.run(),

@@ -33,6 +33,7 @@ mod shooting;
 mod slips;
 mod smooth;
 mod uncertainty;
+pub mod understeer;
 
 pub use config::IdentifyConfig;
 pub use error::IdentifyError;

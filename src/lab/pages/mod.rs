@@ -3,3 +3,4 @@
 pub mod explain;
 pub mod identify;
 pub mod ordinary;
+pub mod plot;

@@ -1,10 +1,12 @@
 //! Reports for people: a page that is one HTML file, and the plots on it as inline SVG.
 //!
-//! Nothing is fetched and no script runs, so a page can be mailed, printed and kept. Colours are CSS
-//! variables ([`Color`]), so that one file reads well on light and on dark screens.
+//! Nothing is fetched, so a page can be mailed, printed and kept. In a [`Page`] no script runs; the pages of
+//! [`interactive`] draw themselves, to be looked into. Colours are CSS variables ([`Color`]), so that one file reads
+//! well on light and on dark screens.
 
 mod color;
 mod decimate;
+pub mod interactive;
 mod intervals;
 mod markup;
 mod page;

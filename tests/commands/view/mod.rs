@@ -1,6 +1,6 @@
 //! `gripd view`: what it answers, what it refuses, and the page in a real browser.
 
-mod browser;
+pub mod browser;
 mod http;
 mod page;
 

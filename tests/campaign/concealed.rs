@@ -9,11 +9,38 @@ mod by_hand {
     use testing::program::{gripd, target};
     use testing::results::Section;
 
-    /// Configuration and name of each drive: two on a lot, which turn to the left only, and a lap.
-    const DRIVES: [(&str, &str); 3] = [
-        ("gti/drives.toml", "gti/group8controller"),
-        ("gti/drives.toml", "gti/group4controller"),
-        ("gti/laps.toml", "gti/dry4"),
+    /// Configuration and name of each drive, and healthy drives of the same car on the same road: two on a lot, which turn
+    /// to the left only, and a lap that is the only one of its kind.
+    const DRIVES: [(&str, &str, &[&str]); 3] = [
+        (
+            "gti/drives.toml",
+            "gti/group8controller",
+            &["group4controller", "group1controller", "group10controller"],
+        ),
+        (
+            "gti/drives.toml",
+            "gti/group4controller",
+            &["group8controller", "group1controller", "group10controller"],
+        ),
+        ("gti/laps.toml", "gti/dry4", &[]),
+    ];
+
+    /// Healthy drives of the car; each is asked what it has that the next three have not.
+    const HEALTHY: [&str; 14] = [
+        "group8controller",
+        "group4controller",
+        "group1controller",
+        "group10controller",
+        "group11controller",
+        "group12controller",
+        "group2controller",
+        "group5controller",
+        "group1lookahead",
+        "group3lookahead",
+        "group5lookahead",
+        "group7lookahead",
+        "group10lookahead",
+        "group132020controller",
     ];
 
     /// Effects as a command line gives them.
@@ -45,44 +72,122 @@ mod by_hand {
     /// them, as after a change of the program. Then
     /// `GRIPD_RENEW=1 cargo test --test campaign by_hand::concealed_by_gripd -- --ignored`.
     #[test]
-    #[ignore = "by hand: twenty minutes, and what was interrupted goes on"]
+    #[ignore = "by hand: half an hour, and what was interrupted goes on"]
     fn concealed_by_gripd() {
         let Some(folder) = testing::shared("recordings") else { return };
-        let answers =
-            std::env::var_os("CONCEALED_ANSWERS").map_or_else(|| target("concealed_real"), PathBuf::from);
-        std::fs::create_dir_all(&answers).unwrap();
+        let answers = folder_of_answers();
         let mut rows = Vec::new();
-        let (mut first, mut at_all, mut all) = (0, 0, 0);
-        for (config, drive) in DRIVES {
-            let control = answer(&folder, &answers, config, drive, None).unwrap();
+        let mut counts = [Counts::default(), Counts::default()];
+        for (config, drive, references) in DRIVES {
+            let ask =
+                |effect, references| answer(&folder, &answers, config, drive, effect, references).unwrap();
+            let controls =
+                [ask(None, &[]), if references.is_empty() { Value::Null } else { ask(None, references) }];
             for effect in EFFECTS {
-                let row = match answer(&folder, &answers, config, drive, Some(effect)) {
-                    Err(reason) => format!("{drive} | {effect} | – | – | – | – | refused: {reason} | "),
-                    Ok(changed) => {
-                        let (row, place) = judged(drive, effect, &changed, &control);
-                        (first, at_all) =
-                            (first + usize::from(place == Some(0)), at_all + usize::from(place.is_some()));
-                        all += 1;
-                        row
+                let alone = match answer(&folder, &answers, config, drive, Some(effect), &[]) {
+                    Ok(alone) => alone,
+                    Err(reason) => {
+                        rows.push(format!("{drive} | {effect} | – | | | | refused: {reason}"));
+                        continue;
                     }
                 };
+                let strength = strength(&alone["truth"]);
+                let of_alone = counts[0].judge(strength, &alone, &controls[0]);
+                let of_both = if references.is_empty() {
+                    ["–".to_owned(), String::new()]
+                } else {
+                    counts[1].judge(strength, &ask(Some(effect), references), &controls[1])
+                };
+                let row = format!(
+                    "{drive} | {effect} | {strength:.2} | {} | {}",
+                    of_alone.join(" | "),
+                    of_both.join(" | ")
+                );
                 println!("{row}");
                 rows.push(row);
             }
         }
-        rows.push(format!("all {all} | | | {first} | {at_all} | | | "));
+        let [alone, both] = counts.map(|counts| counts.told());
+        rows.push(format!("all | | | {alone} | | {both} | "));
         Section {
             name: "concealed_by_gripd",
             seed: "recorded; courses of seed 1",
             tolerance: 0.1,
-            header: "drive | put in | strength | named first | named at all | verdict | found besides what the control has | \
-                     the control has",
+            header: "drive | put in | strength | alone: named | found besides what the control has | \
+                     beside three references: named | found besides what the control has",
         }
         .check(&rows);
     }
 
-    /// The row, and where the effect stands among what the control has not.
-    fn judged(drive: &str, effect: &str, changed: &Value, control: &Value) -> (String, Option<usize>) {
+    /// What healthy drives are said to have that other healthy drives have not.
+    #[test]
+    #[ignore = "by hand: ten minutes, and what was interrupted goes on"]
+    fn healthy_beside_healthy() {
+        let Some(folder) = testing::shared("recordings") else { return };
+        let answers = folder_of_answers();
+        let mut rows = Vec::new();
+        for (place, drive) in HEALTHY.into_iter().enumerate() {
+            let references: Vec<&str> = (1..=3).map(|by| HEALTHY[(place + by) % HEALTHY.len()]).collect();
+            let answer =
+                answer(&folder, &answers, "gti/drives.toml", &format!("gti/{drive}"), None, &references)
+                    .unwrap();
+            let found = findings(&answer["explained"]);
+            let verdict = answer["explained"]["verdict"].as_str().unwrap_or_default();
+            rows.push(format!(
+                "{drive} | {verdict} | {}",
+                found.iter().map(told).collect::<Vec<_>>().join("; ")
+            ));
+        }
+        let changed = rows.iter().filter(|row| !row.contains("| unchanged |")).count();
+        rows.push(format!("all {} | {changed} changed | ", HEALTHY.len()));
+        Section {
+            name: "healthy_beside_healthy",
+            seed: "recorded",
+            tolerance: 0.1,
+            header: "drive | beside the next three | found",
+        }
+        .check(&rows);
+    }
+
+    fn folder_of_answers() -> PathBuf {
+        let answers =
+            std::env::var_os("CONCEALED_ANSWERS").map_or_else(|| target("concealed_real"), PathBuf::from);
+        std::fs::create_dir_all(&answers).unwrap();
+        answers
+    }
+
+    /// How many were put in, named first, and named at all; and of those whose change is at least what is left unexplained.
+    #[derive(Default)]
+    struct Counts {
+        all: [usize; 3],
+        strong: [usize; 3],
+    }
+
+    impl Counts {
+        /// How it is named, and what was found.
+        fn judge(&mut self, strength: f64, changed: &Value, control: &Value) -> [String; 2] {
+            let (found, place) = judged(changed, control);
+            let is_named = [true, place == Some(0), place.is_some()];
+            for (number, is) in is_named.into_iter().enumerate() {
+                self.all[number] += usize::from(is);
+                self.strong[number] += usize::from(is && strength >= 1.0);
+            }
+            let named = match place {
+                Some(0) => "first",
+                Some(_) => "yes",
+                None => "no",
+            };
+            [named.into(), found]
+        }
+
+        fn told(&self) -> String {
+            let of = |[all, first, named]: [usize; 3]| format!("{first} first, {named} at all of {all}");
+            format!("{}; strength ≥ 1: {}", of(self.all), of(self.strong))
+        }
+    }
+
+    /// What was found besides what the control has, and where the effect stands among that.
+    fn judged(changed: &Value, control: &Value) -> (String, Option<usize>) {
         let [found, known] = [changed, control].map(|answer| findings(&answer["explained"]));
         let new: Vec<&Found> =
             found.iter().filter(|one| known.iter().all(|other| is_other(one, other))).collect();
@@ -91,19 +196,7 @@ mod by_hand {
             truth["effect"] == one.effect && truth["channel"].as_str() == one.channel.as_deref()
         };
         let place = new.iter().position(is_it);
-        let yes = |is: bool| if is { "yes" } else { "no" };
-        let words = |all: &mut dyn Iterator<Item = &Found>| all.map(told).collect::<Vec<_>>().join("; ");
-        let own = known.iter().filter(|one| one.effect == truth["effect"].as_str().unwrap_or_default());
-        let row = format!(
-            "{drive} | {effect} | {:.2} | {} | {} | {} | {} | {}",
-            strength(&changed["truth"]),
-            yes(place == Some(0)),
-            yes(place.is_some()),
-            changed["explained"]["verdict"].as_str().unwrap_or_default(),
-            words(&mut new.iter().copied()),
-            words(&mut own.into_iter()),
-        );
-        (row, place)
+        (new.into_iter().map(told).collect::<Vec<_>>().join("; "), place)
     }
 
     /// How large the change is in the channel where it is largest beside what the ordinary car leaves there.
@@ -153,8 +246,10 @@ mod by_hand {
         config: &str,
         drive: &str,
         effect: Option<&str>,
+        references: &[&str],
     ) -> Result<Value, String> {
-        let name: String = format!("{drive} {}", effect.unwrap_or("control"))
+        let name: String = format!("{drive} {} {}", effect.unwrap_or("control"), references.join(" "))
+            .trim()
             .chars()
             .map(|letter| if letter.is_ascii_alphanumeric() { letter } else { '_' })
             .collect();
@@ -182,6 +277,9 @@ mod by_hand {
         }
         let mut command = gripd();
         command.args(["-q", "explain", "--json", "-", "-c"]).arg(&config);
+        for reference in references {
+            command.arg("--reference").arg(log.with_file_name(format!("{reference}.log.gz")));
+        }
         let output = command.arg(if effect.is_some() { &changed } else { &log }).output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let explained: Value = serde_json::from_slice(&output.stdout).unwrap();

@@ -39,13 +39,15 @@ impl<'a> Case<'a> {
         // The car that drove last.
         for finding in explanation.findings.iter().filter(|finding| finding.reference_value.is_some()) {
             for (name, estimate) in &finding.parameters {
-                let all = [Some(&mut explanation.parameters.extended), explanation.parameters.ordinary.as_mut()];
+                let all =
+                    [Some(&mut explanation.parameters.extended), explanation.parameters.ordinary.as_mut()];
                 for number in all.into_iter().flatten().filter_map(|numbers| numbers.get_mut(name)) {
                     *number = *estimate;
                 }
             }
         }
-        let undecided = explanation.findings.iter().filter(|finding| !finding.indistinguishable_from.is_empty());
+        let undecided =
+            explanation.findings.iter().filter(|finding| !finding.indistinguishable_from.is_empty());
         explanation.to_drive = undecided.map(|finding| finding.to_tell_apart.clone()).collect();
         if verdict == Verdict::UnknownPhysics {
             explanation.to_drive.push(ANOTHER_CAR.into());

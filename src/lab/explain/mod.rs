@@ -19,8 +19,8 @@ mod answer;
 mod bench;
 mod candidates;
 mod case;
-mod changed;
 pub mod chain;
+mod changed;
 mod conclusion;
 mod correction;
 mod course;
@@ -40,6 +40,7 @@ mod predict;
 mod proof;
 mod result;
 mod select;
+mod sensitivity;
 mod signs_and_swaps;
 mod smooth;
 mod split;
@@ -53,3 +54,4 @@ pub use result::{
     Block, ByChannel, CourseEstimate, Estimate, Explanation, Finding, Missing, Models, Nature, Parts, Ranked,
     Trace, Verdict, Where,
 };
+pub use sensitivity::{Detectable, Isolability, Rival, Sensitivity};

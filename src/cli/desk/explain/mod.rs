@@ -35,6 +35,12 @@ pub struct Explain {
     /// A healthy drive of the same car (repeatable). Then the answer is what the recordings have that these have not.
     #[arg(long, value_name = "LOG")]
     reference: Vec<PathBuf>,
+    /// Instead of explaining: how large each effect must be for this drive to show it.
+    #[arg(long, conflicts_with = "apply")]
+    sensitivity: bool,
+    /// Instead of explaining: which effects this drive shows at their ordinary size, and which pairs it cannot tell apart.
+    #[arg(long, conflicts_with_all = ["sensitivity", "apply", "html"])]
+    isolability: bool,
     /// Write the answer as JSON (`-`: to the standard output, instead of the text).
     #[arg(long, value_name = "JSON")]
     json: Option<PathBuf>,
@@ -54,7 +60,12 @@ impl Explain {
     pub fn run(self) -> Result<(), Failure> {
         let config = configuration::load(&self.config)?;
         check_outputs(
-            self.logs.iter().chain(&self.holdout).chain(&self.reference).chain([&self.config]).chain(config.files()),
+            self.logs
+                .iter()
+                .chain(&self.holdout)
+                .chain(&self.reference)
+                .chain([&self.config])
+                .chain(config.files()),
             self.json.iter().chain(&self.html).chain(&self.apply),
         )?;
         let logs: Vec<PathBuf> =
@@ -70,13 +81,15 @@ impl Explain {
             library: KINDS,
             seed: self.seed,
         };
+        if self.sensitivity || self.isolability {
+            self.could_tell(&case)?;
+            return read.whole();
+        }
         let progress = Progress::of_share();
         let answer = case.explain(&|stage, share| progress.at(stage, share));
         progress.finish();
         let explanation = &answer.explanation;
-        // With `--json -` the standard output is for programs.
-        let to_stdout = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
-        if !to_stdout(&self.json) && !to_stdout(&self.html) && !to_stdout(&self.apply) {
+        if self.prints_text() {
             let mut stdout = std::io::stdout().lock();
             page::print(explanation, &mut stdout)?;
             stdout.flush()?;
@@ -90,6 +103,36 @@ impl Explain {
         if let Some(path) = &self.apply {
             write_text(path, &apply::toml(&self.config, path, &answer)?)?;
         }
-        if read.broken.is_empty() { Ok(()) } else { Err(Failure::Work(read.broken.join("; "))) }
+        read.whole()
+    }
+
+    /// With `--json -` the standard output is for programs.
+    fn prints_text(&self) -> bool {
+        let outputs = [&self.json, &self.html, &self.apply];
+        outputs.into_iter().flatten().all(|path| path.as_path() != Path::new("-"))
+    }
+
+    /// What the drives could have told.
+    fn could_tell(&self, case: &Case<'_>) -> Result<(), Failure> {
+        let untold = || Failure::work(NO_CAR);
+        if self.isolability {
+            let answer = case.isolability().ok_or_else(untold)?;
+            return self.put(&answer, &page::sensitivity::pairs(&answer));
+        }
+        let answer = case.sensitivity().ok_or_else(untold)?;
+        if let Some(path) = &self.html {
+            write_text(path, &page::sensitivity::page(&answer))?;
+        }
+        self.put(&answer, &page::sensitivity::text(&answer))
+    }
+
+    fn put(&self, answer: &impl serde::Serialize, text: &str) -> Result<(), Failure> {
+        if self.prints_text() {
+            std::io::stdout().lock().write_all(text.as_bytes())?;
+        }
+        self.json.as_ref().map_or(Ok(()), |path| write_json(path, answer))
     }
 }
+
+const NO_CAR: &str = "the drives do not tell the car itself: steering, yaw rate, a speed and 12 s of driving above 4 m/s are \
+                      needed, and a model that predicts the yaw rate; `gripd explain` without this option says what is wrong";

@@ -24,6 +24,13 @@ pub struct Read {
     pub broken: Vec<String>,
 }
 
+impl Read {
+    /// Fails where something could not be read to its end: what was said is of the rest.
+    pub fn whole(&self) -> Result<(), Failure> {
+        if self.broken.is_empty() { Ok(()) } else { Err(Failure::Work(self.broken.join("; "))) }
+    }
+}
+
 /// Reads all recordings.
 pub fn read(logs: &[PathBuf], config: &Config) -> Result<Read, Failure> {
     let inputs = samples::inputs(config)?;

@@ -89,11 +89,10 @@ impl Identify {
     /// The ordinary car by free runs, the measured speed an input.
     fn ordinary(&self, config: &bus::Config) -> Result<(), Failure> {
         let read = explain::read(&self.logs, config)?;
-        let ordinary =
-            Ordinary::of(&config.vehicle, &config.effect, &read.recordings, Asked::CAR)
-                .ok_or_else(|| {
-                    Failure::work("no recording has steering, yaw rate and 12 s of driving above 4 m/s")
-                })?;
+        let ordinary = Ordinary::of(&config.vehicle, &config.effect, &read.recordings, Asked::CAR)
+            .ok_or_else(|| {
+                Failure::work("no recording has steering, yaw rate and 12 s of driving above 4 m/s")
+            })?;
         let to_stdout = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
         if !to_stdout(&self.json) && !to_stdout(&self.html) {
             let mut stdout = std::io::stdout().lock();

@@ -6,7 +6,7 @@ use physics::Quantity;
 use physics::model::effect::{EffectConfig, Kind};
 use physics::model::{TireKind, Uncertain, Vehicle};
 
-use super::beyond::{Beyond, Question, beyond, rows};
+use super::beyond::{Beyond, Powers, Question, beyond, powers, rows};
 use super::fit::{FreeFit, fit, fit_ordinary};
 use super::inputs::{FreeDrive, Held, STEP_S};
 use super::numbers::{Free, Scope, free, on_time};
@@ -141,29 +141,9 @@ impl Ordinary {
         recordings: &[Recording],
         asked: Asked<'_>,
     ) -> Option<Self> {
-        let Asked { library, searches, references, held_out, seed } = asked;
+        let Asked { library, searches, seed, .. } = asked;
         let own = with_bend(vehicle);
-        let first_held = recordings.len() - held_out.min(recordings.len());
-        let (mut drives, mut left_out, mut usable_references) = (Vec::new(), Vec::new(), 0);
-        let most_s = (MOST_S / recordings.len().max(1) as f64).max(LEAST_OF_EACH_S);
-        for (number, recording) in recordings.iter().enumerate() {
-            let held = match held_out {
-                _ if number < references => Held::Nothing,
-                0 => Held::EveryThird,
-                _ if number >= first_held => Held::Everything,
-                _ => Held::Nothing,
-            };
-            match FreeDrive::new(recording, &own, held, most_s) {
-                Ok(drive) => {
-                    usable_references += usize::from(number < references);
-                    drives.push(drive);
-                }
-                Err(why) => left_out.push(format!("{}: {why}", recording.name)),
-            }
-        }
-        if drives.len() == usable_references || (references > 0 && usable_references == 0) {
-            return None;
-        }
+        let Drives { drives, references, left_out } = Drives::of(&own, recordings, asked)?;
         let model = as_configured(&own, effects);
         let plain = Model { vehicle, values: Values::of(vehicle), ..model.clone() };
         let (found, plain) = rayon::join(
@@ -188,7 +168,7 @@ impl Ordinary {
             seconds: drives.iter().map(|drive| drive.points() as f64 * STEP_S).sum(),
         };
         if answer.is_the_car() && searches(&answer) {
-            let question = Question { kinds: library, references: usable_references, plain: plain_squares, seed };
+            let question = Question { kinds: library, references, plain: plain_squares, seed };
             answer.beyond = beyond(&found, &own, &drives, question);
         }
         let with_found = answer.beyond.predicted.clone();
@@ -236,6 +216,61 @@ impl Ordinary {
     /// Does it predict the held-out yaw rate at all?
     pub fn is_the_car(&self) -> bool {
         self.fit.holdout.get(Quantity::YawRate.name()).is_some_and(|fit| *fit >= LEAST_FIT)
+    }
+}
+
+/// What the recordings could tell of each effect, and of each number of the car beside references. None where no recording
+/// can be used, or where the ordinary car does not predict them.
+pub fn could_tell(
+    vehicle: &Vehicle,
+    effects: &[EffectConfig],
+    recordings: &[Recording],
+    asked: Asked<'_>,
+) -> Option<Powers> {
+    let own = with_bend(vehicle);
+    let Drives { drives, references, .. } = Drives::of(&own, recordings, asked)?;
+    let found = fit_ordinary(&as_configured(&own, effects), &own, &drives);
+    let fits = fits(&drives, &found.predicted);
+    if fits.holdout.get(Quantity::YawRate.name()).is_none_or(|fit| *fit < LEAST_FIT) {
+        return None;
+    }
+    let question = Question { kinds: asked.library, references, plain: [0.0; 2], seed: asked.seed };
+    Some(powers(&found, &own, &drives, question))
+}
+
+/// Recordings that can be used.
+struct Drives {
+    drives: Vec<FreeDrive>,
+    /// So many of them, the first ones, are references.
+    references: usize,
+    /// Recordings that cannot, and why.
+    left_out: Vec<String>,
+}
+
+impl Drives {
+    /// None without one, or without one beside its references.
+    fn of(own: &Vehicle, recordings: &[Recording], asked: Asked<'_>) -> Option<Self> {
+        let first_held = recordings.len() - asked.held_out.min(recordings.len());
+        let most_s = (MOST_S / recordings.len().max(1) as f64).max(LEAST_OF_EACH_S);
+        let mut all = Self { drives: Vec::new(), references: 0, left_out: Vec::new() };
+        for (number, recording) in recordings.iter().enumerate() {
+            let is_reference = number < asked.references;
+            let held = match asked.held_out {
+                _ if is_reference => Held::Nothing,
+                0 => Held::EveryThird,
+                _ if number >= first_held => Held::Everything,
+                _ => Held::Nothing,
+            };
+            match FreeDrive::new(recording, own, held, most_s) {
+                Ok(drive) => {
+                    all.references += usize::from(is_reference);
+                    all.drives.push(drive);
+                }
+                Err(why) => all.left_out.push(format!("{}: {why}", recording.name)),
+            }
+        }
+        let has_both = all.drives.len() > all.references && (asked.references == 0 || all.references > 0);
+        has_both.then_some(all)
     }
 }
 

@@ -129,7 +129,8 @@ pub fn fit<'a>(model: &Model<'a>, free: Vec<Free>, drives: &[FreeDrive]) -> Free
 /// The drive that tells most of a car: in which it turns most. Far from the answer the others would add computing only.
 fn liveliest(drives: &[FreeDrive]) -> usize {
     let turning = |drive: &FreeDrive| -> f64 {
-        let fitted = drive.yaw_rate.iter().zip(&drive.held).filter(|(rate, held)| !**held && rate.is_finite());
+        let fitted =
+            drive.yaw_rate.iter().zip(&drive.held).filter(|(rate, held)| !**held && rate.is_finite());
         fitted.map(|(rate, _)| rate * rate).sum()
     };
     (0..drives.len()).max_by(|a, b| turning(&drives[*a]).total_cmp(&turning(&drives[*b]))).unwrap_or(0)

@@ -18,6 +18,6 @@ mod remaining;
 mod robust;
 mod run;
 
-pub use answer::{Asked, FreeTrace, Number, Ordinary};
-pub use beyond::Beyond;
+pub use answer::{Asked, FreeTrace, Number, Ordinary, could_tell};
+pub use beyond::{Beyond, Power, Powers};
 pub use remaining::Remaining;

@@ -9,6 +9,7 @@ mod place;
 mod rest;
 #[cfg(test)]
 mod sample;
+pub mod sensitivity;
 mod stretch;
 mod sure;
 #[cfg(test)]

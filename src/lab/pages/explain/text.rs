@@ -173,7 +173,7 @@ fn ranking(text: &mut String, explanation: &Explanation) {
 
 /// Words in lines, the first one after `head`, the others as far to the right as its text begins (but
 /// not further than a little).
-fn wrapped(text: &mut String, head: &str, words: &str) {
+pub(super) fn wrapped(text: &mut String, head: &str, words: &str) {
     let blank = head.chars().take_while(|letter| matches!(letter, ' ' | '-')).count();
     let indent = if blank == head.chars().count() { blank } else { blank + 2 };
     let mut line = head.trim_end().to_owned();
@@ -199,7 +199,7 @@ fn wrapped(text: &mut String, head: &str, words: &str) {
 }
 
 /// Columns as wide as their widest cell; the first to the left, numbers to the right.
-fn table(text: &mut String, head: &[String; 5], rows: &[[String; 5]]) {
+pub(super) fn table(text: &mut String, head: &[String; 5], rows: &[[String; 5]]) {
     let has_head = head.iter().any(|cell| !cell.is_empty());
     let all = || has_head.then_some(head).into_iter().chain(rows);
     let width = |column: usize| all().map(|row| row[column].chars().count()).max().unwrap_or(0);

@@ -97,6 +97,14 @@ pub fn effect(name: &str, of: Option<&str>) -> String {
 /// A name that may have its channel with it, as `sensor_delay of yaw_rate` or `sensor_delay(yaw_rate)`.
 pub fn effect_named(text: &str) -> String {
     let text = text.trim().trim_end_matches(')');
+    // A number of an effect that every car has.
+    if let Some((name, _)) = text.split_once('.').filter(|(name, _)| effect::named(name).is_some()) {
+        return effect(name, None);
+    }
+    // Of four wheels one.
+    if let Some((name, wheel)) = text.split_once(':').filter(|(_, of)| of.len() == 2) {
+        return format!("{}, {}", effect(name, None), wheel.to_uppercase());
+    }
     match text.split_once([' ', '(', ':']) {
         Some((name, of)) if effect::named(name).is_some() => {
             let of = of.trim_start_matches(['(', ' ']).trim_start_matches("of ");
@@ -168,6 +176,12 @@ pub fn parameters(finding: &Finding) -> Vec<Shown> {
         })
     });
     rows
+}
+
+/// A size of a number of this channel and unit, to three digits.
+pub fn size(name: &str, channel: &str, unit: &str, size: f64) -> String {
+    let shown = shown(name, channel, unit, Estimate { value: size, std: 0.0 });
+    with_unit(&three(shown.estimate.value), &shown.unit)
 }
 
 /// A number in the unit it is shown in.

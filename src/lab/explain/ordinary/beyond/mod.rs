@@ -15,6 +15,7 @@
 
 mod climb;
 mod colour;
+mod power;
 mod references;
 mod refit;
 mod rows;
@@ -35,10 +36,12 @@ use crate::explain::select::LEAST_EVIDENCE;
 use physics::model::Vehicle;
 use physics::model::effect::Kind;
 
+use climb::State;
 use refit::Refitted;
 use scan::Scored;
 use trial::Trial;
 
+pub use power::{Power, Powers, powers};
 pub use rows::rows;
 
 /// What was found, and everything that was tried.
@@ -103,20 +106,12 @@ pub fn beyond(
 ) -> Beyond {
     let Question { kinds, references, plain, seed } = question;
     let mut answer = Beyond::default();
-    let of = if references > 0 { Scope::Since(references) } else { Scope::Car };
-    let trials = trial::trials(found, drives, kinds, of);
+    let trials = trial::trials(found, drives, kinds, scope(references));
     if trials.is_empty() {
         return answer;
     }
-    let mut tried = BTreeMap::new();
-    for trial in &trials {
-        *tried.entry(trial.name()).or_insert(0) += 1;
-    }
-    let search = Search { drives, vehicle, tried, plain, references };
-    let mut state = match references {
-        0 => search.begin(found),
-        _ => search.begin(&references::expecting(found, references)),
-    };
+    let search = Search { drives, vehicle, tried: tried(&trials), plain, references };
+    let mut state = search.start(found);
     // Of a car's numbers and sensors the references have the same.
     let usual = if references > 0 { Vec::new() } else { search.usual(&state) };
     let mut taken = BTreeSet::new();
@@ -166,8 +161,7 @@ pub fn beyond(
                 && !of.is_at_bound()
         };
         let Some((_, best)) = refitted.iter().find(is_sure) else { break };
-        let all: Vec<(String, f64)> =
-            refitted.iter().map(|(_, of)| (of.trial.name(), of.evidence)).collect();
+        let all: Vec<(String, f64)> = refitted.iter().map(|(_, of)| (of.trial.name(), of.evidence)).collect();
         taken.insert(best.trial.name());
         let finding = search.finding(&state, best, &all);
         answer.is_unusual |= references > 0 || finding.kind != Nature::Ordinary;
@@ -180,6 +174,30 @@ pub fn beyond(
     // Stable: what has more evidence stays first.
     answer.findings.sort_by_key(|finding| finding.kind);
     answer
+}
+
+/// Of which recordings anything could be that is searched for.
+fn scope(references: usize) -> Scope {
+    if references > 0 { Scope::Since(references) } else { Scope::Car }
+}
+
+/// How often each name is tried.
+fn tried(trials: &[Trial]) -> BTreeMap<String, usize> {
+    let mut tried = BTreeMap::new();
+    for trial in trials {
+        *tried.entry(trial.name()).or_insert(0) += 1;
+    }
+    tried
+}
+
+impl Search<'_> {
+    /// The ordinary car to begin with, as the references let expect it.
+    fn start<'a>(&self, found: &FreeFit<'a>) -> State<'a> {
+        match self.references {
+            0 => self.begin(found),
+            references => self.begin(&references::expecting(found, references)),
+        }
+    }
 }
 
 /// Where references tell a number, other numbers may take its place at the price of being unlike theirs: then the evidence
@@ -195,8 +213,7 @@ fn ranking(refitted: &[(f64, Refitted<'_>)], scored: &[Scored]) -> Vec<Ranked> {
         score,
         refitted,
     };
-    let mut all: Vec<Ranked> =
-        refitted.iter().map(|(_, of)| ranked(&of.trial, of.evidence, true)).collect();
+    let mut all: Vec<Ranked> = refitted.iter().map(|(_, of)| ranked(&of.trial, of.evidence, true)).collect();
     let least = all.last().map_or(f64::INFINITY, |last| last.score);
     let names: BTreeSet<String> = refitted.iter().map(|(_, of)| of.trial.name()).collect();
     let others = scored.iter().filter(|scored| !names.contains(&scored.trial.name()));

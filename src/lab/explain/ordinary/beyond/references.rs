@@ -10,6 +10,7 @@ use super::super::fit::FreeFit;
 use super::super::numbers::{Free, Number, Scope};
 use super::Search;
 use super::climb::State;
+use super::power::NINE_OF_TEN;
 use super::refit::Refitted;
 use super::scan::Scored;
 use super::trial::Trial;
@@ -56,7 +57,11 @@ pub fn expecting<'a>(found: &FreeFit<'a>, references: usize) -> FreeFit<'a> {
     let all = found.free.clone();
     for free in &mut found.free {
         let thought = match (free.number, free.of) {
-            (Number::SpeedDelay | Number::Of(Place::Delay(_)), Scope::Recording(own)) if own >= references => DELAYS,
+            (Number::SpeedDelay | Number::Of(Place::Delay(_)), Scope::Recording(own))
+                if own >= references =>
+            {
+                DELAYS
+            }
             (Number::SpeedScale, Scope::Recording(own)) if own >= references => SCALES,
             _ => continue,
         };
@@ -96,6 +101,13 @@ impl Healthy {
         let (_, coordinate) = *scored.numbers.first()?;
         Some(Self { name: scored.trial.name(), coordinate, gain: scored.gain })
     }
+}
+
+/// The share of what a number could be at which it is far enough from so many references' with 90 % probability, where the
+/// whole of it is so clear.
+pub fn least_share(clear: f64, references: usize) -> f64 {
+    let spread = SPREAD * (1.0 + 1.0 / references.max(1) as f64).sqrt();
+    (LEAST_DISTANCE + NINE_OF_TEN) * clear.recip().hypot(spread)
 }
 
 impl Refitted<'_> {

@@ -9,7 +9,7 @@ use super::super::numbers::{Free, Number, Scope};
 use super::climb::State;
 use super::colour::{CHANNELS, Series};
 use super::refit::Refitted;
-use super::trial::What;
+use super::trial::{What, is_of_sensor};
 use super::{LEAST_CLEAR, Search};
 use crate::explain::finding::{TOLD_APART, probability_among};
 use crate::explain::model::Place;
@@ -93,8 +93,14 @@ impl Refitted<'_> {
         for place in self.own() {
             let (candidate, number) = match (&self.trial.what, self.free[place].number) {
                 (What::Effect(candidate), Number::Of(Place::Effect(_, number))) => (candidate, number),
-                (What::Number { name, .. }, Number::Change(of)) => {
+                (What::Number { name, .. }, Number::Change(of)) if !is_of_sensor(name) => {
                     all.insert(last_of(name).to_owned(), self.changed(of, place));
+                    continue;
+                }
+                // A ratio's logarithm: the reading is so many times the angle.
+                (What::Number { .. }, Number::Change(_)) => {
+                    let (value, slope) = (self.at[place].exp_m1(), self.at[place].exp());
+                    all.insert("relative_error".into(), Estimate { value, std: self.std(place) * slope });
                     continue;
                 }
                 // The true speed is so many times the recorded one.
@@ -131,8 +137,11 @@ impl Refitted<'_> {
 
     /// The same number as the other recordings have it.
     pub fn unchanged(&self) -> Option<Estimate> {
-        let What::Number { change, .. } = &self.trial.what else { return None };
+        let What::Number { name, change } = &self.trial.what else { return None };
         let Number::Change(of) = change.number else { return None };
+        if is_of_sensor(name) {
+            return None;
+        }
         let (common, free) = self.common(of)?;
         let (_, value, slope) = free.named(&self.model, self.at[common]);
         Some(Estimate { value, std: self.std(common) * slope.abs() })
@@ -176,7 +185,8 @@ impl Search<'_> {
         finding.explained_share = self.share(&state.errors, &best.errors);
         finding.place.channels = channels;
         finding.place.intervals = intervals;
-        if let Some(drive) = self.drives.get(self.references).filter(|_| !finding.place.intervals.is_empty()) {
+        if let Some(drive) = self.drives.get(self.references).filter(|_| !finding.place.intervals.is_empty())
+        {
             finding.place.recording.clone_from(&drive.name);
         }
         finding
@@ -281,12 +291,16 @@ fn number_changed(name: &str) -> Finding {
         return Finding::of(kind, channel.parse().ok());
     }
     if let Some(kind) = name.split_once('.').and_then(|(kind, _)| named(kind)) {
-        return Finding { about: format!("{}; now it is another one", kind.about), ..Finding::of(kind, None) };
+        return Finding {
+            about: format!("{}; now it is another one", kind.about),
+            ..Finding::of(kind, None)
+        };
     }
     let (about, equation) = match name {
-        "lateral_stiffness_front" => ("the cornering stiffness of the front axle has changed", "front slip angle"),
-        "lateral_stiffness_rear" => ("the cornering stiffness of the rear axle has changed", "rear slip angle"),
-        _ => ("the ratio of the steering has changed", "front slip angle"),
+        "lateral_stiffness_front" => {
+            ("the cornering stiffness of the front axle has changed", "front slip angle")
+        }
+        _ => ("the cornering stiffness of the rear axle has changed", "rear slip angle"),
     };
     let place = Where { equation: equation.into(), ..Where::default() };
     Finding { effect: name.into(), kind: Nature::Ordinary, about: about.into(), place, ..Finding::default() }

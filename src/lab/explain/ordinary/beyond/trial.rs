@@ -25,7 +25,8 @@ const EARLIEST_S: f64 = 2.5;
 const PATCH_FRICTION: f64 = 0.5;
 
 /// Numbers of a car that wear, load and repair change, and by what share they may. Its mass is the payload's, its centre of
-/// gravity moves with that, and a changed friction is the road's.
+/// gravity moves with that, a changed friction is the road's, and a changed ratio of the steering is the scale of its
+/// sensor.
 const CHANGING: [(Parameter, f64); 3] =
     [(Parameter::LateralFront, 0.2), (Parameter::LateralRear, 0.2), (Parameter::SteeringRatio, 0.1)];
 
@@ -47,7 +48,7 @@ pub enum What {
     Effect(Candidate),
     /// A number of the ordinary car is another one than in the other recordings.
     Number {
-        /// Its key.
+        /// Its key, or the effect of a sensor that does the same.
         name: String,
         /// By how much.
         change: Free,
@@ -115,10 +116,18 @@ fn changed(found: &FreeFit<'_>, free: &Free, of: Scope) -> Option<What> {
         Place::Effect(..) => 2.0 * free.prior.1,
         Place::Delay(_) | Place::BendAlong => return None,
     };
-    let (name, ..) = free.named(&found.model, free.prior.0);
+    let name = match place {
+        Place::Ordinary(Parameter::SteeringRatio) => format!("sensor_scale:{}", Quantity::SteeringWheelAngle),
+        _ => free.named(&found.model, free.prior.0).0,
+    };
     let bounds = (-MOST_CHANGE * std, MOST_CHANGE * std);
     let change = Free { number: Number::Change(place), of, prior: (0.0, std), bounds, step: free.step };
     Some(What::Number { name, change })
+}
+
+/// Is a changed number named as what a sensor does?
+pub fn is_of_sensor(name: &str) -> bool {
+    name.contains(':')
 }
 
 /// A tire's radius loses 2 % over its life.
@@ -259,6 +268,44 @@ impl Trial {
                 candidate.kind.parameters[number].is_main
             }
             _ => true,
+        }
+    }
+
+    /// Is it the same with the same numbers free: of one wheel, and not of another?
+    pub fn is_of_same_number(&self, other: &Self) -> bool {
+        let free = |trial: &Self| trial.candidate().map(|candidate| candidate.free.clone());
+        free(self) == free(other)
+    }
+
+    /// Key and unit of a number of it, and by how much that changes with its coordinate from where it makes no difference.
+    pub fn size(&self, model: &Model<'_>, free: &Free, by: f64) -> (String, String, f64) {
+        let here = free.prior.0;
+        match (&self.what, free.number) {
+            (What::Effect(candidate), Number::Of(Place::Effect(_, number))) => {
+                match candidate.kind.spec(number, candidate.channel) {
+                    Some(spec) => {
+                        let change = spec.value(here + by) - spec.value(here);
+                        (spec.name.into(), spec.unit.into(), change.abs())
+                    }
+                    None => (self.name(), String::new(), by.abs()),
+                }
+            }
+            (What::Number { name, .. }, Number::Change(place)) if !is_of_sensor(name) => {
+                let at = model.get(place);
+                let (name, now, _) = free.named(model, at);
+                let (_, then, _) = free.named(model, at + by);
+                let unit = match place {
+                    Place::Ordinary(parameter) => parameter.unit(),
+                    Place::Effect(effect, number) => {
+                        let chosen = &model.effects[effect];
+                        chosen.kind.spec(number, chosen.channel).map_or("", |spec| spec.unit)
+                    }
+                    Place::Delay(_) | Place::BendAlong => "",
+                };
+                (name.rsplit('.').next().unwrap_or_default().into(), unit.into(), (then - now).abs())
+            }
+            (_, Number::SpeedDelayChange) => ("delay_s".into(), "s".into(), by.abs()),
+            _ => ("relative_error".into(), "1".into(), by.abs()),
         }
     }
 

@@ -1,0 +1,200 @@
+//! What a drive could have told: from the likelihood's curvature, how large an effect must be to be named, and which two
+//! cannot be told apart.
+//!
+//! The numbers are those of the search itself: what an effect of its ordinary size changes, all ordinary numbers refitted,
+//! in units of the noise that the drive has.
+
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use super::super::fit::FreeFit;
+use super::super::inputs::FreeDrive;
+use super::super::numbers::{Free, placed};
+use super::climb::State;
+use super::rows::{Rows, normal, weights};
+use super::trial::{Trial, trials};
+use super::{LEAST_HELD_GAIN, Question, Search, references};
+use crate::explain::select::LEAST_EVIDENCE;
+use physics::model::Vehicle;
+
+/// What a drive could tell of an effect. Sizes are in the effect's unit, as a change from where it makes no difference.
+#[derive(Clone, Debug)]
+pub struct Power {
+    /// The effect with its channel, or the number of the car.
+    pub name: String,
+    /// The key of its main number …
+    pub number: String,
+    /// … and its unit.
+    pub unit: String,
+    /// The size that it usually has.
+    pub ordinary: f64,
+    /// The smallest size at which something is found with 90 % probability; infinite where it leaves no trace …
+    pub noticed: f64,
+    /// … and at which that is called by this name.
+    pub named: f64,
+    /// What it is most easily taken for, and the correlation of what both do.
+    pub rival: Option<(String, f64)>,
+}
+
+/// All effects of a search, and how probably the one of a row, at its ordinary size, is told from the one of a column.
+#[derive(Clone, Debug, Default)]
+pub struct Powers {
+    /// By name.
+    pub all: Vec<Power>,
+    /// Probabilities.
+    pub separable: Vec<Vec<f64>>,
+}
+
+/// Of a standard normal variable: with 90 % probability it is not less than so far below its mean. Statistical.
+pub const NINE_OF_TEN: f64 = 1.2816;
+
+/// Smaller parts of what an effect does are rounding.
+const LEAST_LEFT: f64 = 1e-9;
+
+/// What is left of an effect's trace when the ordinary numbers have taken what they can.
+struct Trace<'t> {
+    trial: &'t Trial,
+    /// Its main number, and where that is for the ordinary size.
+    free: Free,
+    /// Change of the coordinate at the ordinary size.
+    by: f64,
+    /// Whitened, for that change; of fitted rows times the root of their weight.
+    left: DVector<f64>,
+    /// Sum of squares of held-out rows.
+    held: f64,
+}
+
+/// What these drives could tell of a fitted car.
+pub fn powers(
+    found: &FreeFit<'_>,
+    vehicle: &Vehicle,
+    drives: &[FreeDrive],
+    question: Question<'_>,
+) -> Powers {
+    let Question { kinds, references, plain, .. } = question;
+    let all = trials(found, drives, kinds, super::scope(references));
+    let search = Search { drives, vehicle, tried: super::tried(&all), plain, references };
+    let state = search.start(found);
+    let middle = 0.5 * drives.iter().map(|drive| drive.time(drive.points())).fold(0.0, f64::max);
+    let traces = search.traces(&state, &typical(&all, middle));
+    let count = traces.len();
+    let between = |i: usize, j: usize| {
+        let (a, b) = (&traces[i].left, &traces[j].left);
+        (a.dot(b) / (a.norm() * b.norm()).max(LEAST_LEFT)).clamp(-1.0, 1.0)
+    };
+    let correlations: Vec<Vec<f64>> =
+        (0..count).map(|i| (0..count).map(|j| if i == j { 1.0 } else { between(i, j) }).collect()).collect();
+    let separable = (0..count)
+        .map(|i| {
+            let told =
+                |rho: &f64| normal_cdf(0.5 * traces[i].left.norm() * (1.0 - rho * rho).max(0.0).sqrt());
+            correlations[i].iter().map(told).collect()
+        })
+        .collect();
+    let all = (0..count).map(|i| search.power(&traces, i, &correlations[i], &state)).collect();
+    Powers { all, separable }
+}
+
+/// One trial of each name: always there, or from the middle of the drive on.
+fn typical(all: &[Trial], middle: f64) -> Vec<&Trial> {
+    let off = |trial: &Trial| match (trial.onset(), trial.stretches()) {
+        (Some((at, _)), _) => (at - middle).abs(),
+        (None, [[from, to], ..]) if from.is_finite() && to.is_infinite() => (from - middle).abs(),
+        (None, [[from, _], ..]) if from.is_finite() => f64::INFINITY,
+        _ => 0.0,
+    };
+    let mut chosen: Vec<&Trial> = Vec::new();
+    for trial in all {
+        match chosen.iter_mut().find(|other| other.name() == trial.name() && other.is_of_same_number(trial)) {
+            Some(other) if off(trial) < off(other) => *other = trial,
+            Some(_) => {}
+            None => chosen.push(trial),
+        }
+    }
+    chosen
+}
+
+impl Search<'_> {
+    fn traces<'t>(&self, state: &State<'_>, chosen: &[&'t Trial]) -> Vec<Trace<'t>> {
+        let colour = &state.colour;
+        let rows = self.rows(colour, &state.errors);
+        let white = self.white(colour, &rows, &state.errors, 0);
+        let own: Vec<DVector<f64>> =
+            state.slopes.iter().map(|slopes| self.white(colour, &rows, slopes, 0)).collect();
+        let (information, _) = normal(&own, &white, &rows, &state.free, &state.at);
+        let Some(factor) = information.cholesky() else { return Vec::new() };
+        let weights = weights(&white, &rows);
+        let of = |trial: &&'t Trial| -> Option<Trace<'t>> {
+            let model = trial.put_into(&state.model);
+            let mut free = state.free.clone();
+            let mut at = state.at.clone();
+            let first = free.len();
+            free.extend(trial.free(&model));
+            at.extend(free[first..].iter().map(|free| free.prior.0));
+            let place = (first..free.len()).find(|place| trial.is_main(&free[*place]))?;
+            let main = free[place];
+            let by = [main.prior.1, -main.prior.1]
+                .into_iter()
+                .find(|by| (main.bounds.0..=main.bounds.1).contains(&(at[place] + by)))?;
+            let slope = self.slope(&model, &free, (&at, &state.errors), place, by);
+            let column = self.white(colour, &rows, &slope, 0) * by;
+            let with = own.iter().map(|own| own.component_mul(&weights).dot(&column));
+            let taken = factor.solve(&DVector::from_iterator(own.len(), with));
+            let mut left = column;
+            for (own, taken) in own.iter().zip(taken.iter()) {
+                left.axpy(-taken, own, 1.0);
+            }
+            let held = held_square(&left, &rows);
+            Some(Trace { trial, free: main, by, left: left.component_mul(&weights.map(f64::sqrt)), held })
+        };
+        chosen.par_iter().filter_map(of).collect()
+    }
+
+    fn power(&self, traces: &[Trace<'_>], number: usize, correlations: &[f64], state: &State<'_>) -> Power {
+        let trace = &traces[number];
+        let name = trace.trial.name();
+        let clear = trace.left.norm();
+        let tried = self.tried.get(&name).copied().unwrap_or(1) as f64;
+        // What the evidence of the ordinary size must reach: the freedom of the number counts against it.
+        let freedom = (clear * clear).max(1.0).ln();
+        let needed = (LEAST_EVIDENCE + freedom + 2.0 * tried.ln()).sqrt();
+        let mut sizes = vec![(needed + NINE_OF_TEN) / clear];
+        if self.references == 0 || !trace.trial.is_always_there() {
+            sizes.push((LEAST_HELD_GAIN.sqrt() + NINE_OF_TEN) / trace.held.sqrt());
+        }
+        if self.references > 0 && trace.trial.is_always_there() {
+            sizes.push(references::least_share(clear, self.references));
+        }
+        let noticed = sizes.iter().copied().fold(0.0, f64::max);
+        let rivals = correlations.iter().enumerate().filter(|(other, _)| traces[*other].trial.name() != name);
+        let rival = rivals.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        // Its own evidence must be the larger one: the difference has twice its root as deviation.
+        let apart = rival.map_or(1.0, |(_, rho)| (1.0 - rho * rho).max(LEAST_LEFT).sqrt());
+        let named = noticed.max(2.0 * NINE_OF_TEN / (clear * apart));
+        let (model, _) = placed(&state.model, &state.free, &state.at, 0);
+        let (number, unit, value) = trace.trial.size(&model, &trace.free, trace.by);
+        Power {
+            number,
+            unit,
+            ordinary: value,
+            noticed: noticed * value,
+            named: named * value,
+            rival: rival.map(|(other, rho)| (traces[other].trial.name(), *rho)),
+            name,
+        }
+    }
+}
+
+fn held_square(left: &DVector<f64>, rows: &Rows) -> f64 {
+    left.iter().zip(&rows.held).filter(|(_, held)| **held).map(|(left, _)| left * left).sum()
+}
+
+/// Φ, by the error function's approximation of Abramowitz and Stegun (7.1.26), right to 1e-7.
+fn normal_cdf(x: f64) -> f64 {
+    let z = x.abs() / std::f64::consts::SQRT_2;
+    let t = 1.0 / (1.0 + 0.327_591_1 * z);
+    let series = [0.254_829_592, -0.284_496_736, 1.421_413_741, -1.453_152_027, 1.061_405_429];
+    let sum = series.iter().rev().fold(0.0, |sum, factor| (sum + factor) * t);
+    let erf = 1.0 - sum * (-z * z).exp();
+    0.5 * (1.0 + erf.copysign(x))
+}

@@ -1,0 +1,157 @@
+//! Could this drive have told? What a drive would show of each effect, before anybody looks for it in vain.
+
+use serde::Serialize;
+
+use super::case::Case;
+use super::ordinary::{Asked, Power, Powers, could_tell};
+
+/// How large each effect must be to be seen: `--sensitivity`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Sensitivity {
+    /// The clearest first, by what they usually are.
+    pub effects: Vec<Detectable>,
+}
+
+/// One effect, by its main number.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Detectable {
+    /// Its name in the library, or the number of the car that could have changed.
+    pub effect: String,
+    /// The quantity it is of.
+    pub channel: Option<String>,
+    /// The main number …
+    pub parameter: String,
+    /// … and its unit.
+    pub unit: String,
+    /// The smallest change of it that is called by its name with 90 % probability; none where nothing is large enough.
+    pub named_90: Option<f64>,
+    /// The same for being found at all, under whatever name.
+    pub noticed_90: Option<f64>,
+    /// What it usually is.
+    pub ordinary: f64,
+    /// What it is taken for most easily, and the correlation of their traces.
+    pub taken_for: Option<Rival>,
+}
+
+/// What something is taken for.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rival {
+    /// Its name, with its channel.
+    pub name: String,
+    /// From −1 to 1, after the ordinary numbers have taken what they can.
+    pub correlation: f64,
+}
+
+/// Which effects can be seen, and which can be told apart: `--isolability` (Frisk & Krysander's question, asked of this
+/// drive's likelihood).
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Isolability {
+    /// Names, with their channels.
+    pub effects: Vec<String>,
+    /// Is each found with 90 % probability, at its ordinary size?
+    pub detectable: Vec<bool>,
+    /// How probably one of a row, at its ordinary size, has more evidence than one of a column.
+    pub separable: Vec<Vec<f64>>,
+}
+
+/// Beyond so many times the ordinary size the first-order answer means nothing, and no car has it. Numerical.
+const MOST: f64 = 1000.0;
+
+impl Case<'_> {
+    /// How large each effect must be. None where the drive does not tell the car itself.
+    pub fn sensitivity(&self) -> Option<Sensitivity> {
+        let Powers { mut all, .. } = self.powers()?;
+        let share = |power: &Power| power.noticed / power.ordinary;
+        all.sort_by(|a, b| share(a).total_cmp(&share(b)));
+        Some(Sensitivity { effects: all.into_iter().map(detectable).collect() })
+    }
+
+    /// What can be seen and told apart at ordinary sizes. None as above.
+    pub fn isolability(&self) -> Option<Isolability> {
+        let Powers { all, separable } = self.powers()?;
+        Some(Isolability {
+            effects: all.iter().map(full_name).collect(),
+            detectable: all.iter().map(|power| power.noticed <= power.ordinary).collect(),
+            separable,
+        })
+    }
+
+    fn powers(&self) -> Option<Powers> {
+        let asked = Asked {
+            library: self.library,
+            searches: &|_| true,
+            references: self.references,
+            held_out: self.held_out,
+            seed: self.seed,
+        };
+        could_tell(self.vehicle, self.effects, self.recordings, asked)
+    }
+}
+
+/// Of the four wheels each has its own.
+fn full_name(power: &Power) -> String {
+    match power.number.rsplit_once("relative_difference_") {
+        Some((_, wheel)) => format!("{}:{wheel}", power.name),
+        None => power.name.clone(),
+    }
+}
+
+fn detectable(power: Power) -> Detectable {
+    let below = |size: f64| (size < MOST * power.ordinary).then_some(size);
+    let (effect, channel) = match power.name.split_once(':') {
+        Some((effect, channel)) => (effect.to_owned(), Some(channel.to_owned())),
+        None => (power.name.clone(), None),
+    };
+    // Of a number of an effect that every car has, the effect.
+    let effect = effect.split('.').next().unwrap_or_default().to_owned();
+    Detectable {
+        effect,
+        channel,
+        parameter: power.number,
+        unit: power.unit,
+        named_90: below(power.named),
+        noticed_90: below(power.noticed),
+        ordinary: power.ordinary,
+        taken_for: power.rival.map(|(name, correlation)| Rival { name, correlation }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bench::recorded;
+    use super::*;
+    use physics::model::effect::KINDS;
+
+    fn of(effects: &str) -> (Sensitivity, Isolability) {
+        let (vehicle, recording) = recorded(effects);
+        let case = Case {
+            vehicle: &vehicle,
+            effects: &[],
+            recordings: &[recording],
+            references: 0,
+            held_out: 0,
+            chain: &[],
+            library: KINDS,
+            seed: 1,
+        };
+        (case.sensitivity().unwrap(), case.isolability().unwrap())
+    }
+
+    /// GIVEN a drive with little noise THEN an ordinary jump of the gyroscope would be seen, by a share of its size; and what
+    /// is called hard to tell from another is so from both sides.
+    #[test]
+    fn a_quiet_drive_tells_small_things() {
+        let (sensitivity, isolability) = of("");
+        let jump = |it: &&Detectable| it.effect == "sensor_bias" && it.channel.as_deref() == Some("yaw_rate");
+        let gyroscope = sensitivity.effects.iter().find(jump).unwrap();
+        let (noticed, named) = (gyroscope.noticed_90.unwrap(), gyroscope.named_90.unwrap());
+        assert!(noticed < 0.01 && noticed <= named, "{gyroscope:?}");
+        let count = isolability.effects.len();
+        assert_eq!((isolability.detectable.len(), isolability.separable.len()), (count, count));
+        for (i, row) in isolability.separable.iter().enumerate() {
+            assert_eq!(row.len(), count);
+            assert!((row[i] - 0.5).abs() < 1e-6, "nothing is told from itself");
+            assert!(row.iter().all(|chance| (0.5..=1.0).contains(chance)), "{row:?}");
+        }
+    }
+}

@@ -22,6 +22,7 @@ mod longitudinal_input;
 mod motion;
 mod normal_equations;
 mod parameter;
+mod plant;
 mod prepare;
 mod profile;
 mod record;

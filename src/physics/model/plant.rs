@@ -120,7 +120,7 @@ pub(super) trait Between<T = f64> {
 }
 
 /// Nothing comes between.
-struct Plainly;
+pub(super) struct Plainly;
 
 impl<T: Real> Between<T> for Plainly {
     #[inline(always)]
@@ -198,29 +198,12 @@ impl<T: Real> Plant<T> {
         conditions: &Conditions<T>,
         between: &impl Between<T>,
     ) -> Response<T> {
-        let mut response = self.forces(state, controls, conditions, between);
-        for i in 0..4 {
-            let other = controls.drive_torque[i] - self.radius[i] * response.fx[i];
-            let brake = controls.brake_torque[i];
-            let braking = Braking::of(state.wheel_speed[i], brake, other);
-            response.rate.wheel_speed[i] = braking.acceleration(other, brake, self.wheel_inertia);
-        }
-        response
+        let response = self.forces(state, controls, conditions, between);
+        let brake = |i: usize, other| Braking::of(state.wheel_speed[i], controls.brake_torque[i], other);
+        self.turning(response, controls, brake)
     }
 
-    /// The derivative of the state with brakes that act as told, for the stages of one step.
-    #[inline(always)]
-    pub fn rate(
-        &self,
-        state: &State<T>,
-        controls: &Controls<T>,
-        conditions: &Conditions<T>,
-        braking: &[Braking<T>; 4],
-    ) -> State<T> {
-        self.braked(state, controls, conditions, braking, &Plainly).rate
-    }
-
-    /// Everything with brakes that act as told and something between motion and forces.
+    /// The same with brakes that act as told, for the stages of one step.
     #[inline(always)]
     pub(super) fn braked(
         &self,
@@ -230,29 +213,29 @@ impl<T: Real> Plant<T> {
         braking: &[Braking<T>; 4],
         between: &impl Between<T>,
     ) -> Response<T> {
-        let mut response = self.forces(state, controls, conditions, between);
-        for (i, braking) in braking.iter().enumerate() {
+        let response = self.forces(state, controls, conditions, between);
+        self.turning(response, controls, |i, _| braking[i])
+    }
+
+    /// With the wheels' accelerations; the brake of a wheel acts as it is told for the torque of all else.
+    #[inline(always)]
+    fn turning(
+        &self,
+        mut response: Response<T>,
+        controls: &Controls<T>,
+        braking: impl Fn(usize, T) -> Braking<T>,
+    ) -> Response<T> {
+        for i in 0..4 {
             let other = controls.drive_torque[i] - self.radius[i] * response.fx[i];
             response.rate.wheel_speed[i] =
-                braking.acceleration(other, controls.brake_torque[i], self.wheel_inertia);
+                braking(i, other).acceleration(other, controls.brake_torque[i], self.wheel_inertia);
         }
         response
     }
 
     /// The way each brake acts at the start of a step.
     #[inline(always)]
-    pub fn braking(
-        &self,
-        state: &State<T>,
-        controls: &Controls<T>,
-        conditions: &Conditions<T>,
-    ) -> [Braking<T>; 4] {
-        self.braking_through(state, controls, conditions, &Plainly)
-    }
-
-    /// [`Self::braking`] with something between motion and forces.
-    #[inline(always)]
-    pub(super) fn braking_through(
+    pub(super) fn braking(
         &self,
         state: &State<T>,
         controls: &Controls<T>,

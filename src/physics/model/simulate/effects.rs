@@ -238,7 +238,7 @@ impl Effects {
             let shaped = self.shaped(plain, &now, &own);
             let between = self.through(&shaped, &now, &own);
             let controls = shaped.steered(start);
-            shaped.plant.braking_through(state, &controls, &shaped.conditions, &between)
+            shaped.plant.braking(state, &controls, &shaped.conditions, &between)
         };
         let stage = |effects: &Self, t: f64, state: &State, own: &Own, controls: &Controls| {
             let now = effects.now(plain, t, state, effects.steering_wheel(controls));

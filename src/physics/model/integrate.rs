@@ -13,7 +13,7 @@
 //! stopped there: an error of at most one substep of that wheel's own motion.
 
 use super::Real;
-use super::plant::{Conditions, Controls, Plant, State};
+use super::plant::{Conditions, Controls, Plainly, Plant, State};
 
 /// λ h that a substep may reach.
 const RATE_TIMES_STEP: f64 = 1.0;
@@ -75,13 +75,13 @@ fn runge_kutta<T: Real>(
     conditions: &Conditions<T>,
     h: f64,
 ) -> State<T> {
-    let braking = plant.braking(state, start, conditions);
+    let braking = plant.braking(state, start, conditions, &Plainly);
     let stages =
         [(start, h / 6.0, 0.5 * h), (middle, h / 3.0, 0.5 * h), (middle, h / 3.0, h), (end, h / 6.0, 0.0)];
     let (mut next, mut probe) = (*state, *state);
     // As a loop: the equations are long, one copy of them is enough.
     for (controls, weight, ahead) in stages {
-        let k = plant.rate(&probe, controls, conditions, &braking);
+        let k = plant.braked(&probe, controls, conditions, &braking, &Plainly).rate;
         next = next.advanced(&k, weight);
         probe = state.advanced(&k, ahead);
     }

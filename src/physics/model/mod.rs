@@ -9,6 +9,7 @@ mod bicycle;
 pub mod body;
 mod dual;
 pub mod effect;
+pub mod force;
 pub mod friction;
 pub mod integrate;
 mod one_wheel;

@@ -4,6 +4,7 @@
 //! acts on the car from outside (surface, loads, wind, bank, toe) comes in through [`Conditions`].
 
 use super::body::{Acceleration, Body, External, Steer, Velocity};
+use super::force::WheelMotion;
 use super::tire::{Contact, Tire};
 use super::wheel::{self, Braking};
 use super::{Real, Vehicle, wheel::reference_speed};
@@ -119,7 +120,7 @@ pub(super) trait Between<T = f64> {
 }
 
 /// Nothing comes between.
-struct Plainly;
+pub(super) struct Plainly;
 
 impl<T: Real> Between<T> for Plainly {
     #[inline(always)]
@@ -197,29 +198,12 @@ impl<T: Real> Plant<T> {
         conditions: &Conditions<T>,
         between: &impl Between<T>,
     ) -> Response<T> {
-        let mut response = self.forces(state, controls, conditions, between);
-        for i in 0..4 {
-            let other = controls.drive_torque[i] - self.radius[i] * response.fx[i];
-            let brake = controls.brake_torque[i];
-            let braking = Braking::of(state.wheel_speed[i], brake, other);
-            response.rate.wheel_speed[i] = braking.acceleration(other, brake, self.wheel_inertia);
-        }
-        response
+        let response = self.forces(state, controls, conditions, between);
+        let brake = |i: usize, other| Braking::of(state.wheel_speed[i], controls.brake_torque[i], other);
+        self.turning(response, controls, brake)
     }
 
-    /// The derivative of the state with brakes that act as told, for the stages of one step.
-    #[inline(always)]
-    pub fn rate(
-        &self,
-        state: &State<T>,
-        controls: &Controls<T>,
-        conditions: &Conditions<T>,
-        braking: &[Braking<T>; 4],
-    ) -> State<T> {
-        self.braked(state, controls, conditions, braking, &Plainly).rate
-    }
-
-    /// Everything with brakes that act as told and something between motion and forces.
+    /// The same with brakes that act as told, for the stages of one step.
     #[inline(always)]
     pub(super) fn braked(
         &self,
@@ -229,29 +213,29 @@ impl<T: Real> Plant<T> {
         braking: &[Braking<T>; 4],
         between: &impl Between<T>,
     ) -> Response<T> {
-        let mut response = self.forces(state, controls, conditions, between);
-        for (i, braking) in braking.iter().enumerate() {
+        let response = self.forces(state, controls, conditions, between);
+        self.turning(response, controls, |i, _| braking[i])
+    }
+
+    /// With the wheels' accelerations; the brake of a wheel acts as it is told for the torque of all else.
+    #[inline(always)]
+    fn turning(
+        &self,
+        mut response: Response<T>,
+        controls: &Controls<T>,
+        braking: impl Fn(usize, T) -> Braking<T>,
+    ) -> Response<T> {
+        for i in 0..4 {
             let other = controls.drive_torque[i] - self.radius[i] * response.fx[i];
             response.rate.wheel_speed[i] =
-                braking.acceleration(other, controls.brake_torque[i], self.wheel_inertia);
+                braking(i, other).acceleration(other, controls.brake_torque[i], self.wheel_inertia);
         }
         response
     }
 
     /// The way each brake acts at the start of a step.
     #[inline(always)]
-    pub fn braking(
-        &self,
-        state: &State<T>,
-        controls: &Controls<T>,
-        conditions: &Conditions<T>,
-    ) -> [Braking<T>; 4] {
-        self.braking_through(state, controls, conditions, &Plainly)
-    }
-
-    /// [`Self::braking`] with something between motion and forces.
-    #[inline(always)]
-    pub(super) fn braking_through(
+    pub(super) fn braking(
         &self,
         state: &State<T>,
         controls: &Controls<T>,
@@ -283,40 +267,36 @@ impl<T: Real> Plant<T> {
         conditions: &Conditions<T>,
         between: &impl Between<T>,
     ) -> Response<T> {
-        let velocity = &state.velocity;
         let steer = Steer::new(controls.steer);
-        let along = self.body.contact_speeds(velocity, steer);
-        // Both wheels of an axle share the slip angle of its middle (thesis 4.9).
-        let [front_along, front_across] = self.body.front_axle_velocity(velocity, steer);
-        let [rear_along, rear_across] = self.body.rear_axle_velocity(velocity);
-        let front = wheel::slip_angle(front_along, front_across);
-        let rear = wheel::slip_angle(rear_along, rear_across);
-        let toe = &conditions.toe;
-        let slip_angle = [front + toe[0], front + toe[1], rear + toe[2], rear + toe[3]];
-        let answered = between.answered(slip_angle);
-        let across = [front_across, front_across, rear_across, rear_across];
+        let motion = WheelMotion::new(&self.body, state.velocity, steer, Some(conditions.toe));
+        let answered = between.answered(motion.slip_angle);
         let none = [T::constant(0.0); 4];
         let (mut slip, mut fx, mut fy) = (none, none, none);
-        let (mut on_body_x, mut on_body_y) = (none, none);
         for i in 0..4 {
-            let [along, _] = wheel::turned([along[i], across[i]], toe[i]);
-            slip[i] = wheel::slip(self.radius[i] * state.wheel_speed[i], along);
+            slip[i] = wheel::slip(self.radius[i] * state.wheel_speed[i], motion.along[i]);
             let contact = &conditions.contact[i];
             let [x, y] = between.force(&self.tire, contact, slip[i], answered[i]);
             fx[i] = x * conditions.load[i];
             fy[i] = y * conditions.load[i];
-            [on_body_x[i], on_body_y[i]] = wheel::turned([fx[i], fy[i]], -toe[i]);
         }
-        let acceleration =
-            self.body.accelerate(velocity, steer, &on_body_x, &on_body_y, &conditions.external);
+        let acceleration = motion.accelerate(&self.body, &fx, &fy, &conditions.external);
         let velocity =
             Velocity { vx: acceleration.vx_rate, vy: acceleration.vy_rate, yaw_rate: acceleration.yaw };
         let rate = State { velocity, wheel_speed: none };
-        Response { rate, acceleration, slip, slip_angle, fx, fy }
+        Response { rate, acceleration, slip, slip_angle: motion.slip_angle, fx, fy }
     }
 }
 
 impl Plant {
+    /// Rates of sideslip and of yaw on their tires, each times the speed, m/s².
+    pub fn lateral_rates(&self) -> [f64; 2] {
+        let Self { body, nominal, .. } = self;
+        let axle = |i: usize| 2.0 * nominal.contact[i].stiffness_y * nominal.load[i];
+        let (front, rear) = (axle(0), axle(2));
+        let yaw = (body.a * body.a * front + body.b * body.b * rear) / body.yaw_inertia;
+        [(front + rear) / body.mass, yaw]
+    }
+
     /// An upper bound of the fastest rate of the system, 1/s: wheel against ground,
     /// k N r² / (J v) of the wheel plus 4 k N / (m v) of the body. Thousands at low speed.
     #[inline]

@@ -20,6 +20,12 @@ pub fn slip<T: Real>(rolling: T, along: T) -> T {
     (rolling - along) / reference_speed(along)
 }
 
+/// Angular speed, rad/s, of a wheel that goes forward with this slip: [`slip`] the other way round.
+#[inline(always)]
+pub fn speed_of_slip<T: Real>(along: T, slip: T, radius: T) -> T {
+    along * (slip + 1.0) / radius
+}
+
 /// Slip angle, rad, of a wheel whose contact point moves with `along` in and `across` to the wheel
 /// plane (to the left). Positive when it gives a force to the left: for a car going forward
 /// δ − atan((v_y + a r)/v_x), the negative of the ISO 8855 slip angle.
@@ -94,6 +100,7 @@ mod tests {
         assert!(slip(-10.5, -10.0) < 0.0, "spinning faster in reverse drives backwards");
         assert_eq!(slip(0.0, 0.0), 0.0);
         assert_eq!(slip(0.1, 0.0), 0.1 / LOW_SPEED_MPS);
+        assert!((0.3 * speed_of_slip(10.0, slip(10.5, 10.0), 0.3) - 10.5).abs() < 1e-12);
     }
 
     #[test]

@@ -324,8 +324,10 @@ fn normal_probability(beta: f64, density: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Vehicle;
+    use crate::model::body::{External, Steer, Velocity};
+    use crate::model::force::{AddedMass, WheelMotion};
     use crate::model::tire::{Brush, PiecewiseLinear};
+    use crate::model::{Plant, Vehicle};
 
     fn model(tire: Tire) -> Model {
         let mut vehicle = Vehicle::thesis();
@@ -385,6 +387,41 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    /// With the same forces left and right the car is a single track: with a force along where the tire has an ellipse, and
+    /// without where it has its own combined slip.
+    #[test]
+    fn it_is_the_core_with_both_sides_alike() {
+        let mut vehicle = Vehicle::thesis();
+        vehicle.cg_to_front_m.value = 1.3;
+        let Plant { body, mut nominal, radius, wheel_inertia, .. } = Plant::new(&vehicle);
+        let added = AddedMass::new(&body, radius.map(|radius| wheel_inertia / (radius * radius)));
+        let cases = [
+            (Tire::PiecewiseLinear(PiecewiseLinear), 0.9, 0.15),
+            (Tire::PiecewiseLinear(PiecewiseLinear), 0.4, 0.15),
+            (Tire::Brush(Brush), 0.9, 0.0),
+        ];
+        for (tire, friction, along) in cases {
+            let x = state(friction);
+            let inputs = Inputs { speed: 21.0, longitudinal: [along, 0.0] };
+            let reduced = model(tire).rates(&x, Vector2::new(x[VY], x[YAW]), &inputs, x[ANGLE], [0.0; 2]);
+            let velocity = Velocity { vx: inputs.speed, vy: x[VY], yaw_rate: x[YAW] };
+            let motion = WheelMotion::new(&body, velocity, Steer::new(x[ANGLE]), None);
+            let used = [along, along, 0.0, 0.0];
+            let fx = std::array::from_fn(|i| used[i] * nominal.load[i]);
+            let fy = std::array::from_fn(|i| {
+                let contact = &mut nominal.contact[i];
+                (contact.friction_x, contact.friction_y) = (friction, friction);
+                contact.stiffness_y = x[if i < 2 { FRONT } else { REAR }].exp();
+                tire.across(&tire, contact, used[i], motion.slip_angle[i]) * nominal.load[i]
+            });
+            let bare = motion.accelerate(&body, &fx, &fy, &External::none());
+            let core = added.carried(&body, &motion, &bare, 0.0).acceleration;
+            assert!((core.ay - reduced.acceleration).abs() < 1e-9, "{tire:?} {core:?} {reduced:?}");
+            assert!((core.vy_rate - reduced.rate[0]).abs() < 1e-9, "{tire:?} {core:?} {reduced:?}");
+            assert!((core.yaw - reduced.rate[1]).abs() < 1e-9, "{tire:?} {core:?} {reduced:?}");
         }
     }
 

@@ -1,6 +1,6 @@
 //! A car on which effects are tried, for their tests.
 
-use super::{Acting, Channel, Course, Effect, Felt, Kind, Now, Readings, Recorded, Setting};
+use super::{Acting, Before, Channel, Course, Effect, Felt, Kind, Now, Readings, Recorded, Setting};
 use crate::Quantity;
 use crate::model::body::Velocity;
 use crate::model::{Plant, Vehicle};
@@ -21,18 +21,8 @@ impl Bench {
     pub(super) fn of(vehicle: &Vehicle, speed: f64) -> Self {
         let plant = Plant::new(vehicle);
         let kept: &'static Plant = Box::leak(Box::new(plant));
-        let now = Now {
-            t: 0.0,
-            velocity: Velocity { vx: speed, vy: 0.0, yaw_rate: 0.0 },
-            ax: 0.0,
-            ay: 0.0,
-            front_force: 0.0,
-            steering_wheel: 0.0,
-            steering_ratio: vehicle.steering_ratio.value,
-            body: &kept.body,
-            static_load: &kept.nominal.load,
-            live: &[],
-        };
+        let velocity = Velocity { vx: speed, vy: 0.0, yaw_rate: 0.0 };
+        let now = Now::new(kept, vehicle.steering_ratio.value, 0.0, velocity, &Before::default());
         Self { plant, now }
     }
 

@@ -28,6 +28,7 @@ mod friction_split;
 mod grip;
 mod kind;
 mod lag;
+mod list;
 mod load;
 mod load_transfer;
 mod payload;
@@ -61,9 +62,10 @@ pub use config::{EffectConfig, EffectError, column_names};
 pub use course::{Course, Series};
 pub use disturbance::Disturbance;
 pub use kind::{Kind, Setting};
+pub use list::EffectList;
 pub use search::{Growth, Needs, SearchHints};
 pub use spec::{OF_CHANNEL, Scale, Spec};
-pub use surroundings::{Acting, Felt, Now, Readings, Recorded};
+pub use surroundings::{Acting, Before, Felt, Now, Readings, Recorded};
 
 use crate::Quantity;
 

@@ -1,10 +1,10 @@
 //! What effects see of the car, and what they can change.
 
-use crate::Quantity;
 use crate::model::Plant;
-use crate::model::body::{Body, External, Steer, Velocity};
+use crate::model::body::{Acceleration, Body, External, Steer, Velocity};
 use crate::model::tire::{Contact, Tire};
 use crate::model::wheel;
+use crate::{Quantity, Wheel};
 
 /// What an effect may look at before the tires' forces are known.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +30,43 @@ pub struct Now<'a> {
     pub static_load: &'a [f64; 4],
     /// Courses that a filter estimates while it runs ([`super::Course::Live`]).
     pub live: &'a [f64],
+}
+
+impl<'a> Now<'a> {
+    /// Of the plain car at a time, s; no course is estimated.
+    #[inline]
+    pub fn new(plant: &'a Plant, steering_ratio: f64, t: f64, velocity: Velocity, before: &Before) -> Self {
+        let Before { ax, ay, front_force } = *before;
+        Self {
+            t,
+            velocity,
+            ax,
+            ay,
+            front_force,
+            steering_wheel: 0.0,
+            steering_ratio,
+            body: &plant.body,
+            static_load: &plant.nominal.load,
+            live: &[],
+        }
+    }
+}
+
+/// What was a moment ago, for effects that need the outcome to say what it is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Before {
+    ax: f64,
+    ay: f64,
+    front_force: f64,
+}
+
+impl Before {
+    /// What is to be looked back at.
+    #[inline]
+    pub fn of(felt: &Felt) -> Self {
+        let Felt { ax, ay, fy, .. } = felt;
+        Self { ax: *ax, ay: *ay, front_force: fy[Wheel::Fl as usize] + fy[Wheel::Fr as usize] }
+    }
 }
 
 /// What an effect may change; it finds the plain model's values there.
@@ -65,6 +102,7 @@ pub struct Acting {
 
 impl Acting {
     /// The plain model.
+    #[inline]
     pub fn plain(plant: &Plant, steering_wheel: f64, steering_ratio: f64) -> Self {
         Self {
             body: plant.body,
@@ -83,8 +121,17 @@ impl Acting {
     }
 
     /// Angle of the front wheels, rad, without their toe.
+    #[inline]
     pub fn steer(&self) -> f64 {
         self.steering_wheel / self.steering_ratio
+    }
+
+    /// All forces on the body that are not the tires': gravity's, too.
+    #[inline]
+    pub fn external(&self) -> External {
+        let External { fx, fy, moment } = self.external;
+        let [along, across] = self.gravity;
+        External { fx: fx + self.body.mass * along, fy: fy + self.body.mass * across, moment }
     }
 
     /// Slip angle of the front axle's middle, rad, without toe or lag.
@@ -109,6 +156,21 @@ pub struct Felt {
     pub fx: [f64; 4],
     /// Force across each wheel, N.
     pub fy: [f64; 4],
+}
+
+impl Felt {
+    /// Of the body's accelerations: an accelerometer does not feel gravity in the road's plane.
+    #[inline]
+    pub fn new(
+        of: &Acceleration,
+        gravity: [f64; 2],
+        slip_angle: [f64; 4],
+        fx: [f64; 4],
+        fy: [f64; 4],
+    ) -> Self {
+        let (ax, ay) = (of.ax - gravity[0], of.ay - gravity[1]);
+        Self { ax, ay, yaw_acceleration: of.yaw, slip_angle, fx, fy }
+    }
 }
 
 /// What each sensor says, by [`Quantity`]; not-a-number: none.

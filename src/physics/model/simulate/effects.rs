@@ -7,16 +7,16 @@
 //! less damped. What an effect takes from a moment ago ([`Now::ax`], [`Now::ay`], [`Now::front_force`])
 //! is that of the substep's start, because the forces it is made of follow from it.
 
-use std::ops::Range;
 use std::sync::Arc;
 
-use crate::model::body::External;
-use crate::model::effect::{Acting, Course, Effect, EffectConfig, Felt, MOST_STATES, Now, Readings};
+use crate::Quantity;
+use crate::model::effect::{
+    Acting, Before, Course, EffectConfig, EffectList, Felt, MOST_STATES, Now, Readings,
+};
 use crate::model::integrate;
 use crate::model::plant::Between;
 use crate::model::tire::{Contact, Tire, ellipse};
 use crate::model::{Conditions, Controls, Plant, Response, State};
-use crate::{Quantity, Wheel};
 
 /// States that all effects may have together.
 pub(in crate::model) const OWN_STATES: usize = 4 * MOST_STATES;
@@ -27,32 +27,15 @@ type Own = [f64; OWN_STATES];
 /// Fastest rate of a state of an effect, 1/s: lags are 5 ms or more.
 const FASTEST_RATE: f64 = 200.0;
 
-/// Share of the lateral force that is left, at least, squared: a spinning wheel still has some.
-const LEFT_ACROSS_SQUARED: f64 = 1e-4;
-
 /// The effects of a drive, their own states, and what was a moment ago.
 #[derive(Clone, Debug)]
 pub(super) struct Effects {
-    list: Arc<[Placed]>,
+    list: Arc<EffectList>,
+    /// Of each effect, if it has one.
+    courses: Arc<[Option<Course>]>,
     own: Own,
     before: Before,
     steering_ratio: f64,
-}
-
-/// An effect and where its states are.
-#[derive(Debug)]
-struct Placed {
-    effect: Box<dyn Effect>,
-    own: Range<usize>,
-    course: Option<Course>,
-}
-
-/// What was a moment ago, for effects that need the outcome to say what it is.
-#[derive(Clone, Copy, Debug, Default)]
-struct Before {
-    ax: f64,
-    ay: f64,
-    front_force: f64,
 }
 
 /// The car without effects, on the road as it is.
@@ -84,7 +67,7 @@ pub(super) struct Outcome {
 
 /// What effects do between motion and tire force.
 struct Through<'a> {
-    list: &'a [Placed],
+    list: &'a EffectList,
     now: &'a Now<'a>,
     own: &'a Own,
     ellipse_factor: f64,
@@ -92,9 +75,7 @@ struct Through<'a> {
 
 impl Between for Through<'_> {
     fn answered(&self, mut slip_angle: [f64; 4]) -> [f64; 4] {
-        for placed in self.list {
-            placed.effect.slip_angles(self.now, &self.own[placed.own.clone()], &mut slip_angle);
-        }
+        self.list.slip_angles(self.now, self.own, &mut slip_angle);
         slip_angle
     }
 
@@ -104,10 +85,7 @@ impl Between for Through<'_> {
         if self.ellipse_factor == 0.0 {
             return tire.combined(contact, slip, slip_angle);
         }
-        let left = |x: f64, friction: f64| {
-            let used = self.ellipse_factor * x / friction;
-            (1.0 - used * used).max(LEFT_ACROSS_SQUARED).sqrt()
-        };
+        let left = |x: f64, friction: f64| ellipse::left(self.ellipse_factor * x / friction);
         match tire {
             Tire::Linear(_) => {
                 let [x, y] = tire.combined(contact, slip, slip_angle);
@@ -132,19 +110,14 @@ impl Effects {
         if configs.is_empty() {
             return None;
         }
-        let mut first = 0;
-        let list = EffectConfig::in_order(configs)
-            .into_iter()
-            .map(|config| {
-                let effect = config.effect();
-                // More than there is room for has been refused with the scenario.
-                let end = (first + effect.states()).min(OWN_STATES);
-                let own = first..end;
-                first = end;
-                Placed { effect, own, course: config.kind().course.map(|_| config.course().clone()) }
-            })
-            .collect();
-        Some(Self { list, own: [0.0; OWN_STATES], before: Before::default(), steering_ratio })
+        let course = |config: &EffectConfig| config.kind().course.map(|_| config.course().clone());
+        Some(Self {
+            list: Arc::new(EffectList::new(EffectConfig::effects(configs))),
+            courses: EffectConfig::in_order(configs).into_iter().map(course).collect(),
+            own: [0.0; OWN_STATES],
+            before: Before::default(),
+            steering_ratio,
+        })
     }
 
     /// Free rolling straight ahead, on wheels of the radius they have; the own states begin there.
@@ -152,9 +125,7 @@ impl Effects {
         let mut state = State::rolling(plain.plant, speed);
         let mut own = self.own;
         let now = self.now(plain, 0.0, &state, steering_wheel);
-        for placed in &*self.list {
-            placed.effect.begin(&now, &mut own[placed.own.clone()]);
-        }
+        self.list.begin(&now, &mut own);
         let radius = self.shaped(plain, &now, &own).plant.radius;
         self.own = own;
         state.wheel_speed = radius.map(|radius| speed / radius);
@@ -162,34 +133,17 @@ impl Effects {
     }
 
     fn now<'a>(&self, plain: &Plain<'a>, t: f64, state: &State, steering_wheel: f64) -> Now<'a> {
-        let Before { ax, ay, front_force } = self.before;
-        Now {
-            t,
-            velocity: state.velocity,
-            ax,
-            ay,
-            front_force,
-            steering_wheel,
-            steering_ratio: self.steering_ratio,
-            body: &plain.plant.body,
-            static_load: &plain.plant.nominal.load,
-            live: &[],
-        }
+        let now = Now::new(plain.plant, self.steering_ratio, t, state.velocity, &self.before);
+        Now { steering_wheel, ..now }
     }
 
     /// What the effects make of the car before its tires' forces are known.
     fn shaped(&self, plain: &Plain<'_>, now: &Now<'_>, own: &Own) -> Shaped {
         let mut on = Acting::plain(plain.plant, now.steering_wheel, now.steering_ratio);
         on.contact = *plain.contact;
-        for placed in &*self.list {
-            placed.effect.act(now, &own[placed.own.clone()], &mut on);
-        }
-        let steer = on.steer();
-        let Acting {
-            body, tire, radius, contact, load, toe, brake, external, gravity, ellipse_factor, ..
-        } = on;
-        let External { fx, fy, moment } = external;
-        let external = External { fx: fx + body.mass * gravity[0], fy: fy + body.mass * gravity[1], moment };
+        self.list.act(now, own, &mut on);
+        let (steer, external) = (on.steer(), on.external());
+        let Acting { body, tire, radius, contact, load, toe, brake, gravity, ellipse_factor, .. } = on;
         Shaped {
             plant: Plant { body, tire, radius, ..*plain.plant },
             conditions: Conditions { contact, load, toe, external },
@@ -207,10 +161,7 @@ impl Effects {
     /// How the own states change, per second.
     fn rates(&self, now: &Now<'_>, felt: &Felt, own: &Own) -> Own {
         let mut rates = [0.0; OWN_STATES];
-        for placed in &*self.list {
-            let place = placed.own.clone();
-            placed.effect.rates(now, felt, &own[place.clone()], &mut rates[place]);
-        }
+        self.list.rates(now, felt, own, &mut rates);
         rates
     }
 
@@ -228,7 +179,7 @@ impl Effects {
         let controls = shaped.steered(controls);
         let response = shaped.plant.respond_through(state, &controls, &shaped.conditions, &between);
         let outcome = shaped.outcome(response);
-        self.before = Before::of(&outcome);
+        self.before = Before::of(&outcome.felt);
         (shaped, outcome)
     }
 
@@ -242,9 +193,7 @@ impl Effects {
         readings: &mut Readings,
     ) {
         let now = self.now(plain, t, state, readings[Quantity::SteeringWheelAngle as usize]);
-        for placed in &*self.list {
-            placed.effect.sense(&now, felt, &self.own[placed.own.clone()], readings);
-        }
+        self.list.sense(&now, felt, &self.own, readings);
     }
 
     /// The state after `h` seconds from `t` on, with the controls going linearly from `from` to `to`, in as
@@ -289,7 +238,7 @@ impl Effects {
             let shaped = self.shaped(plain, &now, &own);
             let between = self.through(&shaped, &now, &own);
             let controls = shaped.steered(start);
-            shaped.plant.braking_through(state, &controls, &shaped.conditions, &between)
+            shaped.plant.braking(state, &controls, &shaped.conditions, &between)
         };
         let stage = |effects: &Self, t: f64, state: &State, own: &Own, controls: &Controls| {
             let now = effects.now(plain, t, state, effects.steering_wheel(controls));
@@ -301,7 +250,7 @@ impl Effects {
             (effects.rates(&now, &outcome.felt, own), outcome)
         };
         let (own1, first) = stage(self, t, state, &own, start);
-        self.before = Before::of(&first);
+        self.before = Before::of(&first.felt);
         let k1 = first.response.rate;
         let next =
             |own_rate: &Own, rate: &State, h: f64| (advanced(&own, own_rate, h), state.advanced(rate, h));
@@ -332,22 +281,15 @@ impl Effects {
     /// The courses at `t` and the own states, in the order of [`crate::model::effect::column_names`].
     pub(super) fn series(&self, t: f64, series: &mut Vec<f64>) {
         series.clear();
-        for placed in &*self.list {
-            series.extend(placed.course.as_ref().map(|course| course.at_time(t)));
-            series.extend_from_slice(&self.own[placed.own.clone()]);
+        for (course, own) in self.courses.iter().zip(self.list.places()) {
+            series.extend(course.as_ref().map(|course| course.at_time(t)));
+            series.extend_from_slice(&self.own[own]);
         }
     }
 }
 
 fn advanced(own: &Own, rate: &Own, h: f64) -> Own {
     std::array::from_fn(|i| own[i] + h * rate[i])
-}
-
-impl Before {
-    fn of(outcome: &Outcome) -> Self {
-        let Felt { ax, ay, fy, .. } = outcome.felt;
-        Self { ax, ay, front_force: fy[Wheel::Fl as usize] + fy[Wheel::Fr as usize] }
-    }
 }
 
 impl Shaped {
@@ -362,15 +304,8 @@ impl Shaped {
     }
 
     fn outcome(&self, response: Response) -> Outcome {
-        // An accelerometer does not feel gravity in the road's plane.
-        let felt = Felt {
-            ax: response.acceleration.ax - self.gravity[0],
-            ay: response.acceleration.ay - self.gravity[1],
-            yaw_acceleration: response.acceleration.yaw,
-            slip_angle: response.slip_angle,
-            fx: response.fx,
-            fy: response.fy,
-        };
+        let Response { acceleration, slip_angle, fx, fy, .. } = &response;
+        let felt = Felt::new(acceleration, self.gravity, *slip_angle, *fx, *fy);
         Outcome { response, felt }
     }
 }

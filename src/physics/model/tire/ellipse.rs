@@ -15,6 +15,15 @@ pub fn scaled_back<T: Real>(contact: &Contact<T>, [x, y]: [T; 2]) -> [T; 2] {
     [x / used, y / used]
 }
 
+/// Share of the lateral force that is left, at least, squared: a spinning wheel still has some.
+const LEAST_LEFT_SQUARED: f64 = 1e-4;
+
+/// The share of the force across that is left where this share of the force along is used.
+#[inline(always)]
+pub fn left<T: Real>(used: T) -> T {
+    (-(used * used) + 1.0).at_least(T::constant(LEAST_LEFT_SQUARED)).sqrt()
+}
+
 /// Both forces of a curve as if each slip were alone, scaled back together.
 #[inline(always)]
 pub(super) fn pair<T: Real>(curve: &impl Curve<T>, contact: &Contact<T>, slip: T, slip_angle: T) -> [T; 2] {

@@ -7,6 +7,7 @@
 mod brush;
 mod dahl;
 pub mod ellipse;
+mod given_force;
 mod linear;
 mod magic_formula;
 mod piecewise_linear;
@@ -30,6 +31,15 @@ pub struct Contact<T = f64> {
     pub friction_x: T,
     /// Lateral friction: the largest force / normal load.
     pub friction_y: T,
+}
+
+impl<T: Real> Contact<T> {
+    /// A force along / load within what there is of friction: at all of it no slip is certain any more.
+    #[inline(always)]
+    pub fn transmitted(&self, x: T) -> T {
+        let most = self.friction_x * 0.99;
+        x.at_most(most).at_least(-most)
+    }
 }
 
 impl Contact {

@@ -1,6 +1,6 @@
 //! The magic formula from a table. A filter evaluates it a hundred thousand times with the same shape.
 
-use physics::model::tire::{Curve, MagicFormula, Shape};
+use physics::model::tire::{Curve, MagicFormula, Shape, Tire};
 
 /// Curve and inverse of stiffness 1 and friction 1; all others are the same, scaled.
 #[derive(Debug)]
@@ -8,6 +8,33 @@ pub(super) struct Lookup {
     of: MagicFormula,
     force: Table,
     slip: Table,
+}
+
+/// A tire at pure slip, looked up if there is a table of it.
+pub(super) struct LookedUp<'a> {
+    pub(super) tire: &'a Tire,
+    pub(super) lookup: Option<&'a Lookup>,
+}
+
+impl LookedUp<'_> {
+    #[inline]
+    fn table(&self) -> Option<&Lookup> {
+        self.lookup.filter(|lookup| matches!(self.tire, Tire::MagicFormula(own) if lookup.of == *own))
+    }
+}
+
+impl Curve for LookedUp<'_> {
+    #[inline]
+    fn force(&self, stiffness: f64, friction: f64, slip: f64) -> f64 {
+        let plain = || self.tire.force(stiffness, friction, slip);
+        self.table().map_or_else(plain, |table| table.force(stiffness, friction, slip))
+    }
+
+    #[inline]
+    fn slip(&self, stiffness: f64, friction: f64, force: f64) -> f64 {
+        let plain = || self.tire.slip(stiffness, friction, force);
+        self.table().map_or_else(plain, |table| table.slip(stiffness, friction, force))
+    }
 }
 
 /// Slips and forces up to these are looked up; beyond they are rare.
@@ -28,13 +55,8 @@ impl Lookup {
         Self { of, force, slip }
     }
 
-    /// Is it this tire's?
-    pub(super) fn is_of(&self, tire: &MagicFormula) -> bool {
-        self.of == *tire
-    }
-
     /// [`Curve::force`].
-    pub(super) fn force(&self, stiffness: f64, friction: f64, slip: f64) -> f64 {
+    fn force(&self, stiffness: f64, friction: f64, slip: f64) -> f64 {
         let scaled = stiffness / friction * slip;
         self.force
             .at(scaled)
@@ -42,7 +64,7 @@ impl Lookup {
     }
 
     /// [`Curve::slip`].
-    pub(super) fn slip(&self, stiffness: f64, friction: f64, force: f64) -> f64 {
+    fn slip(&self, stiffness: f64, friction: f64, force: f64) -> f64 {
         let scaled = force / friction;
         let slip = self.slip.at(scaled).map(|slip| slip * friction / stiffness);
         slip.unwrap_or_else(|| self.of.slip(stiffness, friction, force))

@@ -5,6 +5,7 @@
 
 mod bad_files;
 mod calibrate;
+mod changed;
 mod check;
 mod conceal;
 mod demo;
@@ -15,6 +16,7 @@ mod map;
 mod monitor;
 mod pages;
 mod parquet;
+mod part;
 mod plot;
 mod replay;
 mod results;

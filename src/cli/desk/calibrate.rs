@@ -9,10 +9,10 @@ use serde::Serialize;
 
 use super::Failure;
 use super::output::{check_outputs, write_json};
+use super::part::Part;
 use super::progress::Progress;
 use bus::Config;
 use bus::can::Frame;
-use bus::can::recording::Reader;
 use bus::service::{Engine, Sink};
 use physics::estimate::mapping::{Braking, Calibration, MappingConfig, MappingFit, MappingKind, PairFinder};
 use physics::{Estimates, Quantity, Sample, Sensors};
@@ -32,6 +32,8 @@ pub struct Calibrate {
     /// Write brakings, pairs, fits and the verdict as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    part: Part,
 }
 
 impl Calibrate {
@@ -53,7 +55,7 @@ impl Calibrate {
         for path in &self.logs {
             let mut engine = Engine::with_databases(&config, &input, &output)?;
             let mut finder = Finder(PairFinder::new(&config.vehicle, &sensors(&config)));
-            let mut reader = Reader::open(path).map_err(Failure::work)?;
+            let mut reader = self.part.open(path)?;
             loop {
                 match reader.next_frame() {
                     Ok(Some(frame)) => engine.frame(&frame, &mut finder),

@@ -6,6 +6,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::output::check_outputs;
+use super::part::Part;
 use super::progress::Progress;
 use super::{Failure, recordings};
 use bus::can::recording::{Format, Reader, Writer};
@@ -29,6 +30,8 @@ pub struct Convert {
     /// can0).
     #[arg(short, long, value_name = "IF")]
     interface: Option<String>,
+    #[command(flatten)]
+    part: Part,
 }
 
 impl Convert {
@@ -38,7 +41,7 @@ impl Convert {
         if let Some(name) = &self.interface {
             name.parse::<bus::can::InterfaceName>().map_err(Failure::usage)?;
         }
-        let mut reader = Reader::open(&self.recording).map_err(Failure::work)?;
+        let mut reader = self.part.open(&self.recording)?;
         let format = self.format.or_else(|| Format::of_name(&self.out)).unwrap_or(Format::Candump);
         let mut log = Writer::create(&self.out, format, "can0")?;
         let progress = Progress::of_files(std::slice::from_ref(&self.recording));

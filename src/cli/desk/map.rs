@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::output::{check_outputs, write_json, write_text};
+use super::part::Part;
 use super::progress::Progress;
 use super::{Failure, recordings};
-use bus::can::recording::Reader;
 use bus::dbc::Database;
 use bus::propose::{Confidence, Drive, propose, table};
 use physics::Quantity;
@@ -28,6 +28,8 @@ pub struct Map {
     /// Write everything as JSON (`-`: to the standard output, instead of the configuration).
     #[arg(long, value_name = "JSON")]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    part: Part,
 }
 
 impl Map {
@@ -101,7 +103,7 @@ impl Map {
         let mut broken = None;
         let progress = Progress::of_files(&self.logs);
         for path in &self.logs {
-            let mut reader = Reader::open(path).map_err(Failure::work)?;
+            let mut reader = self.part.open(path)?;
             loop {
                 match reader.next_frame() {
                     Ok(Some(frame)) => {

@@ -1,13 +1,17 @@
 //! `--from` and `--to`: a part of a recording.
 
-use std::ops::RangeInclusive;
+use std::ops::{Deref, RangeInclusive};
+use std::path::Path;
 
+use bus::can::Frame;
+use bus::can::recording::{LogError, Reader};
 use clap::Args;
+use physics::Micros;
 
 use super::Failure;
 
 /// Which part of the recordings is asked for.
-#[derive(Args, Clone, Copy)]
+#[derive(Args, Clone, Copy, Default)]
 pub struct Part {
     /// Only what is so many seconds after the first frame, or later.
     #[arg(long, value_name = "S")]
@@ -30,5 +34,58 @@ impl Part {
             )));
         }
         Ok(from..=to)
+    }
+
+    /// Opens a recording, of which only the part is delivered.
+    pub fn open(self, path: &Path) -> Result<PartReader, Failure> {
+        let seconds = self.seconds()?;
+        let reader = Reader::open(path).map_err(Failure::work)?;
+        Ok(PartReader { reader, seconds, start: None, is_any_within: false })
+    }
+}
+
+/// A part of a recording.
+pub struct PartReader {
+    reader: Reader,
+    seconds: RangeInclusive<f64>,
+    /// The time of the recording's first frame.
+    start: Option<Micros>,
+    is_any_within: bool,
+}
+
+impl PartReader {
+    /// The next frame of the part; none at its end.
+    ///
+    /// # Errors
+    /// Those of the recording.
+    pub fn next_frame(&mut self) -> Result<Option<Frame>, LogError> {
+        let mut last = 0.0;
+        while let Some(frame) = self.reader.next_frame()? {
+            last = (frame.time - *self.start.get_or_insert(frame.time)).seconds();
+            if self.seconds.contains(&last) {
+                self.is_any_within = true;
+                return Ok(Some(frame));
+            }
+            if last > *self.seconds.end() {
+                break;
+            }
+        }
+        if self.start.is_some() && !self.is_any_within {
+            tracing::warn!("{}: nothing is between --from and --to; it ends after {last:.1} s", self.name());
+        }
+        Ok(None)
+    }
+
+    /// From where on its seconds are counted, if that is not the first frame that is used.
+    pub fn counted_from(&self) -> Option<Micros> {
+        self.start.filter(|_| *self.seconds.start() > 0.0)
+    }
+}
+
+impl Deref for PartReader {
+    type Target = Reader;
+
+    fn deref(&self) -> &Reader {
+        &self.reader
     }
 }

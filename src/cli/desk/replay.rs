@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::Failure;
 use super::output::{Output, check_outputs, write_json};
+use super::part::{Part, PartReader};
 use super::player::Player;
 use super::progress::Progress;
 use super::tables::{EstimatesTable, SamplesTable, TableFormat};
@@ -57,6 +58,8 @@ pub struct Replay {
     /// Play the recording onto this interface, together with what is published on it.
     #[arg(short, long, value_name = "IF")]
     interface: Option<String>,
+    #[command(flatten)]
+    part: Part,
 }
 
 /// `--stats`.
@@ -109,7 +112,7 @@ impl Replay {
         let mut totals = Totals::default();
         let progress = Progress::of_files(&self.logs);
         for path in &self.logs {
-            let mut reader = Reader::open(path).map_err(Failure::work)?;
+            let mut reader = self.part.open(path)?;
             // What could be read before the damage is still worth its results.
             if let Err(error) = play(&mut reader, &mut engine, &mut results, &mut player, &progress) {
                 totals.broken.push(error.to_string());
@@ -175,7 +178,7 @@ fn take_up(state: &SavedState, engine: &mut Engine) -> Result<Learned, Failure> 
 
 /// One recording through the engine.
 fn play(
-    reader: &mut Reader,
+    reader: &mut PartReader,
     engine: &mut Engine,
     results: &mut Results,
     player: &mut Player,

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use super::Failure;
+use super::part::Part;
 use super::progress::Progress;
 use bus::Config;
 use bus::can::Frame;
-use bus::can::recording::Reader;
 use bus::service::sensors;
 use bus::signals::{Inputs, Pushed, Sampler};
-use physics::{Quantity, Sample, Sensors};
+use physics::{Micros, Quantity, Sample, Sensors};
 
 /// What a configuration reads from a bus.
 pub fn inputs(config: &Config) -> Result<Inputs, Failure> {
@@ -17,16 +17,17 @@ pub fn inputs(config: &Config) -> Result<Inputs, Failure> {
     Inputs::compile(&config.signals, &database, config.vehicle.wheel_radius_m.value).map_err(Failure::usage)
 }
 
-/// All samples of a recording; `used` sees every frame that the sampler has used. Why the recording could not
+/// All samples of a part of a recording; `used` sees every frame that the sampler has used, and from when on its seconds are
+/// counted, if not from the first of them. Why the recording could not
 /// be read to its end goes to `broken`: what could be read before the damage is still worth something.
 pub fn of_recording(
-    path: &Path,
+    (path, part): (&Path, Part),
     sampler: &mut Sampler,
     progress: &Progress,
     broken: &mut Vec<String>,
-    mut used: impl FnMut(&Frame, &Sampler),
+    mut used: impl FnMut(&Frame, &Sampler, Option<Micros>),
 ) -> Result<Vec<Sample>, Failure> {
-    let mut reader = Reader::open(path).map_err(Failure::work)?;
+    let mut reader = part.open(path)?;
     let mut samples = Vec::new();
     loop {
         match reader.next_frame() {
@@ -37,7 +38,7 @@ pub fn of_recording(
             }
             Ok(Some(frame)) => {
                 if sampler.push(&frame) == Pushed::Used {
-                    used(&frame, sampler);
+                    used(&frame, sampler, reader.counted_from());
                 }
                 samples.extend(std::iter::from_fn(|| sampler.next_sample()));
                 progress.advance(reader.stats().lines);

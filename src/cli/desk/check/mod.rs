@@ -14,10 +14,10 @@ use self::configuration::{ConfigurationReport, Parts};
 use self::recording::{Recorder, RecordingReport};
 use super::Failure;
 use super::output::{check_outputs, write_json};
+use super::part::Part;
 use super::printable::Printable;
 use super::progress::Progress;
 use bus::Config;
-use bus::can::recording::Reader;
 use bus::service::sensors;
 use bus::signals::{Inputs, Sampler, SamplerConfig, SignalsConfig};
 use lab::explain::chain::{self, ChainReport};
@@ -35,6 +35,8 @@ pub struct Check {
     /// Write everything as JSON (`-`: to the standard output, instead of the text).
     #[arg(long, value_name = "JSON")]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    part: Part,
 }
 
 /// `--json`.
@@ -60,7 +62,7 @@ impl Check {
         let (recordings, chain) = match self.logs.as_slice() {
             [] => (None, None),
             logs => {
-                let (recordings, samples) = read(logs, &config, &parts)?;
+                let (recordings, samples) = read(logs, self.part, &config, &parts)?;
                 let chain = chain::audit(&samples, &config.vehicle, &sensors(&parts.inputs));
                 (Some(recordings), Some(chain))
             }
@@ -112,7 +114,12 @@ fn list(problems: &[String]) -> String {
 
 /// Reads all recordings once: as the service would see them, and without its plausibility limits, which
 /// would hide a wrong unit from the audit.
-fn read(logs: &[PathBuf], config: &Config, parts: &Parts) -> Result<(RecordingReport, Vec<Sample>), Failure> {
+fn read(
+    logs: &[PathBuf],
+    part: Part,
+    config: &Config,
+    parts: &Parts,
+) -> Result<(RecordingReport, Vec<Sample>), Failure> {
     let mut sampler = Sampler::new(parts.inputs.clone(), &config.signals.sampling);
     let open = unlimited(&config.signals);
     let radius = config.vehicle.wheel_radius_m.value;
@@ -123,7 +130,7 @@ fn read(logs: &[PathBuf], config: &Config, parts: &Parts) -> Result<(RecordingRe
     let mut made = 0;
     let progress = Progress::of_files(logs);
     for path in logs {
-        let mut reader = Reader::open(path).map_err(Failure::work)?;
+        let mut reader = part.open(path)?;
         let broken = loop {
             match reader.next_frame() {
                 Ok(None) => break None,

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::output::{check_outputs, write_json};
+use super::part::Part;
 use super::progress::Progress;
 use super::{Failure, configuration, explain, recordings};
 use asked::Wanted;
@@ -72,7 +73,7 @@ impl Conceal {
         let config = configuration::load(config_path)?;
         let files = [config_path, log].into_iter().chain(config.files());
         check_outputs(files, [out].into_iter().chain(&self.truth))?;
-        let read = explain::read(std::slice::from_ref(log), &config)?;
+        let read = explain::read(std::slice::from_ref(log), |_| Part::default(), &config)?;
         if !read.broken.is_empty() {
             return Err(Failure::Work(read.broken.join("; ")));
         }

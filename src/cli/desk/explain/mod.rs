@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::output::{check_outputs, write_json, write_text};
+use super::part::Part;
 use super::progress::Progress;
 use super::{Failure, configuration};
 use lab::explain::Case;
@@ -53,6 +54,8 @@ pub struct Explain {
     /// Seed of what is drawn at random (the bootstrap of the improvement).
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    part: Part,
 }
 
 impl Explain {
@@ -70,7 +73,11 @@ impl Explain {
         )?;
         let logs: Vec<PathBuf> =
             self.reference.iter().chain(&self.logs).chain(&self.holdout).cloned().collect();
-        let read = recordings::read(&logs, &config)?;
+        // The part is of what is explained, not of what it is compared with.
+        let first = self.reference.len();
+        let is_explained = first..first + self.logs.len();
+        let part = |place| if is_explained.contains(&place) { self.part } else { Part::default() };
+        let read = recordings::read(&logs, part, &config)?;
         let case = Case {
             vehicle: &config.vehicle,
             effects: &config.effect,

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::cli::Failure;
+use crate::cli::desk::part::Part;
 use crate::cli::desk::progress::Progress;
 use crate::cli::desk::samples;
 use bus::Config;
@@ -31,19 +32,22 @@ impl Read {
     }
 }
 
-/// Reads all recordings.
-pub fn read(logs: &[PathBuf], config: &Config) -> Result<Read, Failure> {
+/// Reads all recordings, of each by its place the part that is asked for.
+pub fn read(logs: &[PathBuf], part: impl Fn(usize) -> Part, config: &Config) -> Result<Read, Failure> {
     let inputs = samples::inputs(config)?;
     let mut read = Read { recordings: Vec::new(), starts: Vec::new(), chain: Vec::new(), broken: Vec::new() };
     let progress = Progress::of_files(logs);
-    for path in logs {
+    for (place, path) in logs.iter().enumerate() {
         // What is implausible is what there is to explain: nothing is taken out.
         let mut unchecked = config.signals.sampling;
         unchecked.cross_checks = false;
         let mut sampler = Sampler::new(inputs.clone(), &unchecked);
         let mut tracks = Tracks::new(path.display().to_string());
-        let take = |frame: &Frame, sampler: &Sampler| tracks.take(frame.time, sampler);
-        let samples = samples::of_recording(path, &mut sampler, &progress, &mut read.broken, take)?;
+        let take = |frame: &Frame, sampler: &Sampler, start: Option<Micros>| {
+            tracks.take(start.unwrap_or(frame.time), sampler);
+        };
+        let samples =
+            samples::of_recording((path, part(place)), &mut sampler, &progress, &mut read.broken, take)?;
         if tracks.recording.seconds() == 0.0 && read.broken.is_empty() {
             return Err(samples::none_of(&inputs, path, "nothing to explain"));
         }
@@ -69,9 +73,9 @@ impl Tracks {
         Self { recording, start: None, last: [None; Quantity::COUNT] }
     }
 
-    /// Takes what a frame has brought.
-    fn take(&mut self, time: Micros, sampler: &Sampler) {
-        let start = *self.start.get_or_insert(time);
+    /// Takes what a frame has brought; seconds are counted from the first one's start.
+    fn take(&mut self, start: Micros, sampler: &Sampler) {
+        let start = *self.start.get_or_insert(start);
         for quantity in Quantity::ALL {
             let place = quantity as usize;
             if let Some((time, value)) = sampler.newest(quantity)

@@ -11,6 +11,7 @@ use serde::de::value::{Error as ValueError, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
 use super::output::{check_outputs, write_json, write_text};
+use super::part::Part;
 use super::progress::Progress;
 use super::{Failure, configuration, explain};
 use lab::explain::ordinary::{Asked, Ordinary};
@@ -46,6 +47,8 @@ pub struct Identify {
     /// Search from so many starts.
     #[arg(long, value_name = "N", value_parser = starts())]
     starts: Option<usize>,
+    #[command(flatten)]
+    part: Part,
 }
 
 impl Identify {
@@ -60,7 +63,7 @@ impl Identify {
         if used.method == Method::Ordinary {
             return self.ordinary(&config);
         }
-        let (records, broken) = recordings::read(&self.logs, &config.clone().with_true_signals())?;
+        let (records, broken) = recordings::read(&self.logs, self.part, &config.clone().with_true_signals())?;
         let progress = Progress::of_share();
         let found = Identifier::new(&records, &config.vehicle, &used)
             .and_then(|identifier| identifier.run(|stage, share| progress.at(stage, share)));
@@ -88,7 +91,7 @@ impl Identify {
 
     /// The ordinary car by free runs, the measured speed an input.
     fn ordinary(&self, config: &bus::Config) -> Result<(), Failure> {
-        let read = explain::read(&self.logs, config)?;
+        let read = explain::read(&self.logs, |_| self.part, config)?;
         let ordinary = Ordinary::of(&config.vehicle, &config.effect, &read.recordings, Asked::CAR)
             .ok_or_else(|| {
                 Failure::work("no recording has steering, yaw rate and 12 s of driving above 4 m/s")

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::cli::Failure;
+use crate::cli::desk::part::Part;
 use crate::cli::desk::progress::Progress;
 use crate::cli::desk::samples;
 use bus::Config;
@@ -10,14 +11,15 @@ use bus::signals::Sampler;
 use lab::identify::Record;
 
 /// A record for each recording, and why some could not be read to their end.
-pub fn read(logs: &[PathBuf], config: &Config) -> Result<(Vec<Record>, Vec<String>), Failure> {
+pub fn read(logs: &[PathBuf], part: Part, config: &Config) -> Result<(Vec<Record>, Vec<String>), Failure> {
     let inputs = samples::inputs(config)?;
     let mut records = Vec::new();
     let mut broken = Vec::new();
     let progress = Progress::of_files(logs);
     for path in logs {
         let mut sampler = Sampler::new(inputs.clone(), &config.signals.sampling);
-        let samples = samples::of_recording(path, &mut sampler, &progress, &mut broken, |_, _| {})?;
+        let samples =
+            samples::of_recording((path, part), &mut sampler, &progress, &mut broken, |_, _, _| {})?;
         if samples.is_empty() && broken.is_empty() {
             return Err(samples::none_of(&inputs, path, "nothing to identify from"));
         }

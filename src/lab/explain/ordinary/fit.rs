@@ -423,7 +423,8 @@ impl<'p, 'a> Problem<'p, 'a> {
                     }
                     damping *= 8.0;
                 }
-                if before - cost <= STILL_SERVES * (start - before).max(LEAST_GAIN * start) {
+                let serves = before - cost > STILL_SERVES * (start - before).max(LEAST_GAIN * start);
+                if !serves {
                     break;
                 }
                 // Where they do not serve, it is not for want of damping.

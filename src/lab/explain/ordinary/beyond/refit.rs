@@ -15,6 +15,9 @@ use crate::explain::model::Model;
 const LARGEST_MOVE_S: f64 = 4.0;
 const LEAST_MOVE_S: f64 = 0.125;
 
+/// More of them only go to and fro: each is judged beside numbers that were fitted before it. Numerical.
+const MOST_MOVES: usize = 20;
+
 /// Such a step may cost so much of the evidence, which sees the training part only.
 const LEAST_WORSE: f64 = 2.0;
 
@@ -60,8 +63,8 @@ impl Search<'_> {
         };
         let mut best = self.refit_from(state, trial, vec![start(1.0), start(0.4)]);
         // Where it begins and ends was on a grid.
-        let mut step = LARGEST_MOVE_S;
-        while step >= LEAST_MOVE_S {
+        let (mut step, mut moves) = (LARGEST_MOVE_S, 0);
+        while step >= LEAST_MOVE_S && moves < MOST_MOVES {
             let moved = best.trial.moved(step).into_par_iter().map(|trial| {
                 let model = trial.put_into(&state.model);
                 let errors = self.errors(&model, &best.free, &best.at);
@@ -71,7 +74,10 @@ impl Search<'_> {
             let better = moved.filter(|(cost, _)| *cost < here).min_by(|a, b| a.0.total_cmp(&b.0));
             let next = better.map(|(_, trial)| self.refit_from(state, trial, vec![best.at.clone()]));
             match next.filter(|next| next.evidence > best.evidence - LEAST_WORSE) {
-                Some(next) => best = next,
+                Some(next) => {
+                    best = next;
+                    moves += 1;
+                }
                 None => step *= 0.5,
             }
         }

@@ -1,0 +1,94 @@
+//! `gripd explain` beside healthy drives, and what it says that a drive could have told.
+
+use std::path::Path;
+use std::process::Output;
+
+use serde_json::Value;
+use tempfile::TempDir;
+use testing::program::{gripd, project};
+
+/// Curves and braking of the demo's car for half a minute, with these seeds.
+fn drives(names: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let demo = std::fs::read_to_string(project("config/scenarios/demo.toml")).unwrap();
+    let scenario = demo.replace("duration_s = 120.0", "duration_s = 30.0");
+    std::fs::write(folder.path().join("scenario.toml"), scenario).unwrap();
+    for (name, seed) in names {
+        run(folder.path(), &["-q", "simulate", "scenario.toml", "-o", name, "--seed", seed]);
+    }
+    folder
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    let output = gripd().current_dir(folder).args(arguments).output().unwrap();
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    output
+}
+
+/// What `gripd explain` says as JSON.
+fn explained(folder: &Path, arguments: &[&str]) -> Value {
+    let config = project("config/demo.toml");
+    let fixed = ["-q", "explain", "-c", config.to_str().unwrap(), "--json", "-"];
+    serde_json::from_slice(&run(folder, &[&fixed[..], arguments].concat()).stdout).unwrap()
+}
+
+/// GIVEN a healthy drive, and another in which a wheel's radius was changed THEN beside it the wheel is named, and the page
+/// says since when it is compared; an unchanged drive is unchanged.
+#[test]
+fn a_changed_wheel_is_named_beside_a_healthy_drive() {
+    let folder = drives(&[("healthy.log", "5"), ("new.log", "6")]);
+    let config = project("config/demo.toml");
+    let wheel = "kind = 'tire_radius', relative_difference_rl = -0.02";
+    let conceal =
+        ["-q", "conceal", "-c", config.to_str().unwrap(), "new.log", "--effect", wheel, "-o", "changed.log"];
+    run(folder.path(), &conceal);
+    let answer =
+        explained(folder.path(), &["changed.log", "--reference", "healthy.log", "--html", "page.html"]);
+    assert_eq!(answer["verdict"], "missing_physics", "{}", answer["findings"]);
+    assert_eq!(answer["findings"][0]["effect"], "tire_radius", "{}", answer["findings"]);
+    assert_eq!(answer["references"], serde_json::json!(["healthy.log"]));
+    let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
+    assert!(page.contains("Changed since the references"));
+    let answer = explained(folder.path(), &["new.log", "--reference", "healthy.log"]);
+    assert_eq!(answer["verdict"], "unchanged", "{}", answer["findings"]);
+    assert_eq!(answer["findings"], serde_json::json!([]));
+}
+
+/// GIVEN a drive WHEN asked what it could have told THEN each effect has its sizes in a unit, the smaller one for being seen,
+/// and every pair its chance to be told apart.
+#[test]
+fn a_drive_tells_what_it_could_have_told() {
+    let folder = drives(&[("drive.log", "5")]);
+    let answer = explained(folder.path(), &["drive.log", "--sensitivity", "--html", "page.html"]);
+    let effects = answer["effects"].as_array().unwrap();
+    assert!(effects.len() > 15, "{}", effects.len());
+    for effect in effects {
+        let size = |key: &str| effect[key].as_f64();
+        assert!(size("ordinary").unwrap() > 0.0 && effect["unit"].is_string(), "{effect}");
+        if let (Some(seen), Some(named)) = (size("noticed_90"), size("named_90")) {
+            assert!(seen > 0.0 && seen <= named, "{effect}");
+        }
+    }
+    let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
+    assert!(page.contains("<svg") && page.contains("named from"));
+    let answer = explained(folder.path(), &["drive.log", "--isolability"]);
+    let count = answer["effects"].as_array().unwrap().len();
+    assert_eq!(answer["detectable"].as_array().unwrap().len(), count);
+    assert!(answer["separable"].as_array().unwrap().iter().all(|row| row.as_array().unwrap().len() == count));
+}
+
+/// GIVEN a reference that is not there, or two questions at once THEN it is refused before anything is read.
+#[test]
+fn what_cannot_be_asked_is_refused() {
+    let folder = drives(&[("drive.log", "5")]);
+    let config = project("config/demo.toml");
+    let refused = |arguments: &[&str]| {
+        let fixed = ["-q", "explain", "-c", config.to_str().unwrap(), "drive.log"];
+        let output = gripd().current_dir(folder.path()).args(fixed).args(arguments).output().unwrap();
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, told) = refused(&["--reference", "nowhere.log"]);
+    assert!(code != Some(0) && told.contains("nowhere.log"), "{code:?} {told}");
+    let (code, told) = refused(&["--sensitivity", "--isolability"]);
+    assert_eq!(code, Some(2), "{told}");
+}

@@ -35,6 +35,7 @@ fn explained(folder: &Path, arguments: &[&str]) -> Value {
 /// GIVEN a healthy drive, and another in which a wheel's radius was changed THEN beside it the wheel is named, and the page
 /// says since when it is compared; an unchanged drive is unchanged.
 #[test]
+#[ignore = "long: two cars fitted, twice"]
 fn a_changed_wheel_is_named_beside_a_healthy_drive() {
     let folder = drives(&[("healthy.log", "5"), ("new.log", "6")]);
     let config = project("config/demo.toml");

@@ -91,7 +91,7 @@ mod tests {
     fn main_number(finding: &Finding, name: &str, truth: f64) {
         let estimate = finding.parameters[name];
         let off = (estimate.value - truth).abs();
-        assert!(off < (3.0 * estimate.std).max(0.1 * truth.abs()), "{name}: {estimate:?} for {truth}");
+        assert!(off < 2.0 * estimate.std.max(0.05 * truth.abs()), "{name}: {estimate:?} for {truth}");
     }
 
     /// GIVEN two drives of the same car THEN nothing has changed.

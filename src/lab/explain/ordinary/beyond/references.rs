@@ -28,7 +28,7 @@ pub struct Healthy {
 }
 
 /// Before references are seen, a number is thought to differ from drive to drive by this share of what it could be, and
-/// that counts as much as so many of them. Tuned: `references` (campaign).
+/// that counts as much as so many of them. Tuned: `healthy_beside_healthy` (campaign).
 const SPREAD: f64 = 0.1;
 const WORTH: f64 = 6.0;
 
@@ -116,9 +116,10 @@ impl Refitted<'_> {
         self.distance(references).is_none_or(|distance| distance > LEAST_DISTANCE)
     }
 
-    /// How far its clearest main number is from what the references have, in deviations; none where it is not always there.
+    /// How far its clearest main number is from what the references have, in deviations; none without any, and where it is
+    /// not always there.
     pub fn distance(&self, references: &[Healthy]) -> Option<f64> {
-        if !self.trial.is_always_there() {
+        if references.is_empty() || !self.trial.is_always_there() {
             return None;
         }
         let own = self.clearest_main();

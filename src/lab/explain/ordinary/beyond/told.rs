@@ -87,43 +87,43 @@ impl Refitted<'_> {
         self.free.len() - self.own..self.free.len()
     }
 
-    /// Numbers of the effect, in their units.
+    /// Its numbers, in their units, and when it began.
     pub fn parameters(&self) -> BTreeMap<String, Estimate> {
-        let mut all = BTreeMap::new();
-        for place in self.own() {
-            let (candidate, number) = match (&self.trial.what, self.free[place].number) {
-                (What::Effect(candidate), Number::Of(Place::Effect(_, number))) => (candidate, number),
-                (What::Number { name, .. }, Number::Change(of)) if !is_of_sensor(name) => {
-                    all.insert(last_of(name).to_owned(), self.changed(of, place));
-                    continue;
-                }
-                // A ratio's logarithm: the reading is so many times the angle.
-                (What::Number { .. }, Number::Change(_)) => {
-                    let (value, slope) = (self.at[place].exp_m1(), self.at[place].exp());
-                    all.insert("relative_error".into(), Estimate { value, std: self.std(place) * slope });
-                    continue;
-                }
-                // The true speed is so many times the recorded one.
-                (What::Number { .. }, Number::SpeedScaleChange) => {
-                    let by = Estimate { value: -self.at[place], std: self.std(place) };
-                    all.insert("relative_error".into(), by);
-                    continue;
-                }
-                (What::Number { .. }, Number::SpeedDelayChange) => {
-                    all.insert("delay_s".into(), Estimate { value: self.at[place], std: self.std(place) });
-                    continue;
-                }
-                _ => continue,
-            };
-            let Some(spec) = candidate.kind.spec(number, candidate.channel) else { continue };
-            let value = spec.value(self.at[place]);
-            let std = self.std(place) * spec.scale.slope(self.at[place]).abs();
-            all.insert(spec.name.to_owned(), Estimate { value, std: std.hypot(model_error(&spec) * value) });
-        }
+        let mut all: BTreeMap<String, Estimate> = self
+            .own()
+            .filter_map(|place| self.number(place))
+            .map(|(name, is)| (name.to_owned(), is))
+            .collect();
         if let Some((at, name)) = self.trial.onset() {
             all.insert(name.to_owned(), Estimate { value: at, std: ONSET_STD_S });
         }
         all
+    }
+
+    /// The number of its own that stands at this place.
+    fn number(&self, place: usize) -> Option<(&str, Estimate)> {
+        let (at, std) = (self.at[place], self.std(place));
+        Some(match (&self.trial.what, self.free[place].number) {
+            (What::Effect(candidate), Number::Of(Place::Effect(_, number))) => {
+                let spec = candidate.kind.spec(number, candidate.channel)?;
+                let value = spec.value(at);
+                let std = (std * spec.scale.slope(at)).hypot(model_error(&spec) * value);
+                (spec.name, Estimate { value, std })
+            }
+            (What::Number { name, .. }, Number::Change(of)) if !is_of_sensor(name) => {
+                (last_of(name), self.changed(of, place))
+            }
+            // A ratio's logarithm: the reading is so many times the angle.
+            (What::Number { .. }, Number::Change(_)) => {
+                ("relative_error", Estimate { value: at.exp_m1(), std: std * at.exp() })
+            }
+            // The true speed is so many times the recorded one.
+            (What::Number { .. }, Number::SpeedScaleChange) => {
+                ("relative_error", Estimate { value: -at, std })
+            }
+            (What::Number { .. }, Number::SpeedDelayChange) => ("delay_s", Estimate { value: at, std }),
+            _ => return None,
+        })
     }
 
     /// A number of the car as it is with its change, which stands at this place of the free ones.

@@ -38,16 +38,16 @@ impl Part {
 
     /// Opens a recording, of which only the part is delivered.
     pub fn open(self, path: &Path) -> Result<PartReader, Failure> {
-        let seconds = self.seconds()?;
+        self.seconds()?;
         let reader = Reader::open(path).map_err(Failure::work)?;
-        Ok(PartReader { reader, seconds, start: None, is_any_within: false })
+        Ok(PartReader { reader, part: self, start: None, is_any_within: false })
     }
 }
 
 /// A part of a recording.
 pub struct PartReader {
     reader: Reader,
-    seconds: RangeInclusive<f64>,
+    part: Part,
     /// The time of the recording's first frame.
     start: Option<Micros>,
     is_any_within: bool,
@@ -62,12 +62,13 @@ impl PartReader {
         let mut last = 0.0;
         while let Some(frame) = self.reader.next_frame()? {
             last = (frame.time - *self.start.get_or_insert(frame.time)).seconds();
-            if self.seconds.contains(&last) {
+            if self.part.to.is_some_and(|to| last > to) {
+                break;
+            }
+            // Where clocks are set back, frames are earlier than the first one: without --from they belong to all of it.
+            if self.part.from.is_none_or(|from| last >= from) {
                 self.is_any_within = true;
                 return Ok(Some(frame));
-            }
-            if last > *self.seconds.end() {
-                break;
             }
         }
         if self.start.is_some() && !self.is_any_within {
@@ -78,7 +79,7 @@ impl PartReader {
 
     /// From where on its seconds are counted, if that is not the first frame that is used.
     pub fn counted_from(&self) -> Option<Micros> {
-        self.start.filter(|_| *self.seconds.start() > 0.0)
+        self.start.filter(|_| self.part.from.is_some_and(|from| from > 0.0))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::chain::ChainReport;
 use super::model::Model;
+use super::ordinary::{Asked, Ordinary};
 use super::predict::Recording;
 use super::result::Explanation;
 use physics::model::Vehicle;
@@ -26,6 +27,19 @@ pub struct Case<'a> {
     pub library: &'a [&'static Kind],
     /// For what is drawn at random.
     pub seed: u64,
+}
+
+impl Case<'_> {
+    /// The same as a question to the ordinary car, beside which is searched if `searches` says so.
+    pub(super) fn asked<'s>(&'s self, searches: &'s dyn Fn(&Ordinary) -> bool) -> Asked<'s> {
+        Asked {
+            library: self.library,
+            searches,
+            references: self.references,
+            held_out: self.held_out,
+            seed: self.seed,
+        }
+    }
 }
 
 /// An answer with the model it speaks of.

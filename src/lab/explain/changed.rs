@@ -3,7 +3,7 @@
 use super::answer::chain_words;
 use super::case::{Answer, Case};
 use super::model::Model;
-use super::ordinary::{Asked, Ordinary};
+use super::ordinary::Ordinary;
 use super::result::{Explanation, Verdict};
 
 impl<'a> Case<'a> {
@@ -11,14 +11,7 @@ impl<'a> Case<'a> {
     /// drive has its own offsets and delays.
     pub(super) fn changed(&self, progress: &(dyn Fn(&str, f64) + Sync)) -> Answer<'a> {
         progress("the car of all drives", 0.0);
-        let asked = Asked {
-            library: self.library,
-            searches: &|_| true,
-            references: self.references,
-            held_out: self.held_out,
-            seed: self.seed,
-        };
-        let ordinary = Ordinary::of(self.vehicle, self.effects, self.recordings, asked);
+        let ordinary = Ordinary::of(self.vehicle, self.effects, self.recordings, self.asked(&|_| true));
         let model = Model::plain(self.vehicle, false).with_configured(self.effects);
         let Some(ordinary) = ordinary else {
             let mut explanation = Explanation::empty(Verdict::InsufficientExcitation);

@@ -8,7 +8,7 @@ use super::excerpt::Excerpt;
 use super::fit::Data;
 use super::long_recording::LongSearch;
 use super::model::Model;
-use super::ordinary::{Asked, Ordinary};
+use super::ordinary::Ordinary;
 use super::predict::noise::{Live, Noise};
 use super::predict::{GriddedDrive, grid::STEP_S};
 use super::result::{Explanation, Verdict};
@@ -48,9 +48,7 @@ impl<'a> Case<'a> {
         }
         progress("the ordinary car", 0.0);
         let ordinary_if = |searches: &dyn Fn(&Ordinary) -> bool| {
-            let (held_out, seed) = (self.held_out, self.seed);
-            let asked = Asked { library: self.library, searches, references: 0, held_out, seed };
-            Ordinary::of(self.vehicle, self.effects, self.recordings, asked)
+            Ordinary::of(self.vehicle, self.effects, self.recordings, self.asked(searches))
         };
         let mut ordinary = ordinary_if(&Ordinary::shakes);
         // A filter that takes noise for white learns nothing of physics there.

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::case::Case;
-use super::ordinary::{Asked, Power, Powers, could_tell};
+use super::ordinary::{Power, Powers, could_tell};
 
 /// How large each effect must be to be seen: `--sensitivity`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -77,14 +77,7 @@ impl Case<'_> {
     }
 
     fn powers(&self) -> Option<Powers> {
-        let asked = Asked {
-            library: self.library,
-            searches: &|_| true,
-            references: self.references,
-            held_out: self.held_out,
-            seed: self.seed,
-        };
-        could_tell(self.vehicle, self.effects, self.recordings, asked)
+        could_tell(self.vehicle, self.effects, self.recordings, self.asked(&|_| true))
     }
 }
 

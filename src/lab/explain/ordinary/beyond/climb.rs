@@ -7,6 +7,7 @@ use super::super::numbers::{Free, Number, Scope};
 use super::Search;
 use super::colour::{Colour, Series};
 use super::rows::normal;
+use super::trial::Trial;
 use crate::explain::model::{Chosen, Model, Place};
 use crate::identify::Parameter;
 use physics::model::effect::{Course, named};
@@ -48,6 +49,16 @@ pub struct State<'a> {
     pub cost: f64,
     /// … and the covariance of the coordinates there.
     pub covariance: DMatrix<f64>,
+}
+
+impl<'a> State<'a> {
+    /// The car with a trial where it makes no difference; what is free of both, the trial's last, and where that is.
+    pub(super) fn beside(&self, trial: &Trial) -> (Model<'a>, Vec<Free>, Vec<f64>) {
+        let model = trial.put_into(&self.model);
+        let own = trial.free(&model);
+        let at = self.at.iter().copied().chain(own.iter().map(|free| free.prior.0)).collect();
+        (model, self.free.iter().copied().chain(own).collect(), at)
+    }
 }
 
 /// Where a search ended.

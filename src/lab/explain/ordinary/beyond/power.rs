@@ -125,13 +125,8 @@ impl Search<'_> {
         let Some(factor) = information.cholesky() else { return Vec::new() };
         let weights = weights(&white, &rows);
         let of = |trial: &&'t Trial| -> Option<Trace<'t>> {
-            let model = trial.put_into(&state.model);
-            let mut free = state.free.clone();
-            let mut at = state.at.clone();
-            let first = free.len();
-            free.extend(trial.free(&model));
-            at.extend(free[first..].iter().map(|free| free.prior.0));
-            let place = (first..free.len()).find(|place| trial.is_main(&free[*place]))?;
+            let (model, free, at) = state.beside(trial);
+            let place = (state.free.len()..free.len()).find(|place| trial.is_main(&free[*place]))?;
             let main = free[place];
             let by = [main.prior.1, -main.prior.1]
                 .into_iter()

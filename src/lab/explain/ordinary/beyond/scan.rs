@@ -58,12 +58,8 @@ impl Search<'_> {
         let scored: Vec<(Scored, f64)> = trials
             .par_iter()
             .filter_map(|trial| {
-                let model = trial.put_into(&state.model);
-                let mut free = state.free.clone();
-                let mut at = state.at.clone();
-                let first = free.len();
-                free.extend(trial.free(&model));
-                at.extend(free[first..].iter().map(|free| free.prior.0));
+                let (model, free, at) = state.beside(trial);
+                let first = state.free.len();
                 let mut best: Option<(f64, usize, f64)> = None;
                 let mut decoy = 0.0_f64;
                 for place in first..free.len() {

@@ -6,6 +6,7 @@ use bus::Config;
 use bus::config::ConfigError;
 #[cfg(feature = "desk")]
 use lab::identify::IdentifyConfig;
+use physics::estimate::PlainReadings;
 
 /// What the bus's side reads; the tables of the others are checked, too, where this build has them.
 pub fn load(path: &Path) -> Result<Config, ConfigError> {
@@ -27,9 +28,9 @@ pub fn identify(path: &Path) -> Result<IdentifyConfig, ConfigError> {
 /// As the service takes it: its effects are put where it can use them.
 pub fn for_the_service(path: &Path) -> Result<Config, ConfigError> {
     let config = load(path)?.corrected();
-    for effect in &config.effect {
+    for effect in config.effect.iter().filter(|effect| !PlainReadings::takes(&config.vehicle, effect)) {
         tracing::warn!(
-            "{}: effect {} is for simulations: nothing is corrected for it",
+            "{}: effect {} is for simulations: what it changes of tires, loads or road is estimated as it drives",
             path.display(),
             effect.kind().name
         );

@@ -65,7 +65,21 @@ fn the_counter_counts() {
 /// After one second, over everything there is in the demo drive: curves, three surfaces, ABS.
 #[test]
 fn the_engine_takes_none() {
-    let mut engine = Engine::new(&Config::load(&project("config/demo.toml")).unwrap()).unwrap();
+    let plain = Config::load(&project("config/demo.toml")).unwrap();
+    let mut with_effects = plain.clone();
+    with_effects.effect = [
+        "kind = 'relaxation_length'\nlength_m = 0.5",
+        "kind = 'body_roll'\nroll_gain_rad_per_mps2 = 0.005",
+        "kind = 'steering_compliance'\ncompliance_rad_per_nm = 1e-5",
+    ]
+    .map(|effect| toml::from_str(effect).unwrap())
+    .to_vec();
+    takes_none(&plain);
+    takes_none(&with_effects);
+}
+
+fn takes_none(car: &Config) {
+    let mut engine = Engine::new(car).unwrap();
     let drive = frames(demo_drive());
     let warm = drive[0].time + Micros::from_millis(1_000);
     let (start, rest) = drive.split_at(drive.partition_point(|frame| frame.time < warm));

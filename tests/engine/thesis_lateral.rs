@@ -99,6 +99,7 @@ fn noise_free(now: &Kinematics, truth: &Truth) -> Kinematics {
         yaw_rate: Some(truth.yaw_rate),
         lateral_acceleration: Some(truth.lateral_acceleration),
         road_angle: Some(truth.steer),
+        rear_angle: 0.0,
         ..*now
     }
 }

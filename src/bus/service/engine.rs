@@ -9,6 +9,7 @@ use crate::signals::{FaultCounts, Inputs, Pushed, Sampler, SamplerConfig};
 use physics::estimate::{Contradiction, Doubt, EstimatorsConfig, Learned, Pipeline};
 use physics::estimates::State;
 use physics::model::Vehicle;
+use physics::model::effect::EffectConfig;
 use physics::{Estimates, Faults, Micros, Quantity, Sample, Sensors};
 
 /// Who takes what the engine makes.
@@ -53,6 +54,7 @@ struct Origin {
     sampling: SamplerConfig,
     vehicle: Vehicle,
     estimators: EstimatorsConfig,
+    effects: Vec<EffectConfig>,
     fingerprint: String,
 }
 
@@ -108,7 +110,8 @@ impl Engine {
         if let Some(id) = publisher.ids().iter().find(|id| inputs.ids().contains(id)) {
             return Err(SetupError::OwnIdentifier { id: *id });
         }
-        let pipeline = Pipeline::new(&config.vehicle, &sensors(&inputs), &config.estimators);
+        let pipeline = Pipeline::new(&config.vehicle, &sensors(&inputs), &config.estimators)
+            .with_effects(&config.vehicle, &config.effect);
         let silence = inputs.longest_timeout();
         Ok(Self {
             silence,
@@ -121,6 +124,7 @@ impl Engine {
                 sampling: config.signals.sampling,
                 vehicle: config.vehicle.clone(),
                 estimators: config.estimators.clone(),
+                effects: config.effect.clone(),
                 fingerprint: saved::fingerprint(config),
             },
             next_publication: None,
@@ -189,8 +193,9 @@ impl Engine {
     /// Begins anew with what is left when these parts are forgotten: other tires, for one.
     pub fn forget(&mut self, parts: &[saved::Part]) {
         let learned = saved::without(self.learned(), parts);
-        let Origin { vehicle, estimators, .. } = &self.origin;
-        self.pipeline = Pipeline::new(vehicle, &sensors(self.sampler.inputs()), estimators);
+        let Origin { vehicle, estimators, effects, .. } = &self.origin;
+        self.pipeline = Pipeline::new(vehicle, &sensors(self.sampler.inputs()), estimators)
+            .with_effects(vehicle, effects);
         self.pipeline.restore(&learned);
         self.pipeline.set_dropped_frames(self.dropped);
         self.doubted = Faults::empty();

@@ -243,6 +243,7 @@ mod tests {
                     0.0
                 }),
                 road_angle: Some(0.0),
+                rear_angle: 0.0,
                 axle_torque: None,
                 braking: Some(active),
                 abs: Some(active),
@@ -270,6 +271,7 @@ mod tests {
                 lateral_acceleration: Some(0.0),
                 longitudinal_acceleration: Some(-deceleration),
                 road_angle: Some(0.0),
+                rear_angle: 0.0,
                 axle_torque: None,
                 braking: Some(pedal),
                 abs: Some(active),

@@ -202,6 +202,7 @@ mod tests {
                 lateral_acceleration: Some(0.0),
                 longitudinal_acceleration: with_accelerometer.then_some(acceleration + uphill),
                 road_angle: Some(0.0),
+                rear_angle: 0.0,
                 axle_torque: None,
                 braking: Some(is_braking),
                 abs: Some(is_braking),

@@ -139,9 +139,12 @@ impl Car {
         }
     }
 
-    /// Slip angles front and rear, rad, positive when they give a positive force (thesis 5.9).
-    pub fn slip_angles(&self, speed: f64, vy: f64, yaw_rate: f64, road_angle: f64) -> [f64; 2] {
-        [road_angle - ((vy + self.a * yaw_rate) / speed).atan(), -((vy - self.b * yaw_rate) / speed).atan()]
+    /// Slip angles front and rear, rad, positive when they give a positive force (thesis 5.9); `angles` are those of the
+    /// wheels of both axles, rad.
+    pub fn slip_angles(&self, speed: f64, vy: f64, yaw_rate: f64, angles: [f64; 2]) -> [f64; 2] {
+        let [front, rear] =
+            [vy + self.a * yaw_rate, vy - self.b * yaw_rate].map(|across| (across / speed).atan());
+        [angles[0] - front, angles[1] - rear]
     }
 
     /// Static load of a wheel, N.
@@ -211,6 +214,8 @@ pub struct Kinematics {
     pub longitudinal_acceleration: Option<f64>,
     /// Angle of the road wheels, rad.
     pub road_angle: Option<f64>,
+    /// Angle of the rear wheels, rad, where effects turn them.
+    pub rear_angle: f64,
     /// Torque at the driven axle (or both), N m, where the bus has it.
     pub axle_torque: Option<f64>,
     /// Is the driver braking? `None` where the bus does not tell.
@@ -290,6 +295,7 @@ impl Kinematics {
             lateral_acceleration,
             longitudinal_acceleration: sample.get(Quantity::LongitudinalAcceleration),
             road_angle,
+            rear_angle: 0.0,
             axle_torque: sample.get(Quantity::DriveTorque).map(|torque| torque * car.drive_torque_ratio),
             braking: Self::braking(sample),
             abs: sample.get(Quantity::AbsActive).map(|flag| flag > 0.5),

@@ -343,6 +343,7 @@ mod tests {
                     lateral_acceleration: Some(lateral),
                     longitudinal_acceleration: Some(felt),
                     road_angle: Some(0.2 * slip),
+                    rear_angle: 0.0,
                     axle_torque: None,
                     braking: None,
                     abs: Some(abs),

@@ -13,6 +13,7 @@ use super::learned::Learned;
 use super::mapping::{MappedFriction, Mapping, mean_slope};
 use super::motion::MotionFilter;
 use super::overall_slope::OverallSlope;
+use super::plain_readings::{Plain, PlainReadings};
 use super::roughness::Roughness;
 use super::saturation::SaturationDetector;
 use super::slope::SlopeEstimator;
@@ -21,6 +22,7 @@ use super::torque_zero::TorqueZero;
 use super::traction::{Traction, TractionPoint};
 use crate::estimates::{Estimates, Motion, State};
 use crate::filter::Fading;
+use crate::model::effect::EffectConfig;
 use crate::model::{DrivenAxle, Vehicle};
 use crate::{Faults, Quantity, Sample, Sensors};
 
@@ -62,6 +64,8 @@ pub struct Pipeline {
     car: Car,
     sensors: Sensors,
     heard: Heard,
+    /// Where the car is more than the plain one.
+    plain: Option<PlainReadings>,
     /// What may be learned of it.
     expected: Expected,
     blocks: BlockBuilder,
@@ -127,6 +131,7 @@ impl Pipeline {
             config: config.clone(),
             sensors: *sensors,
             heard: Heard::default(),
+            plain: None,
             expected: Expected::new(&car, config),
             car,
         }
@@ -137,6 +142,14 @@ impl Pipeline {
     #[must_use]
     pub fn with_thesis(mut self) -> Self {
         self.thesis = Some(Box::new(Thesis::new(&self.car, &self.sensors, &self.config)));
+        self
+    }
+
+    /// The same for a car with these effects: what [`PlainReadings`] can take out of the readings is taken out. To be called
+    /// before the first sample.
+    #[must_use]
+    pub fn with_effects(mut self, vehicle: &Vehicle, effects: &[EffectConfig]) -> Self {
+        self.plain = PlainReadings::new(vehicle, effects);
         self
     }
 
@@ -190,7 +203,10 @@ impl Pipeline {
     /// Takes a sample; what is returned holds until the next one.
     pub fn step(&mut self, sample: &Sample) -> &Estimates {
         self.heard.hear(sample);
-        let said = Kinematics::of(sample, &self.car, self.heard);
+        let plain = self.plain(sample);
+        let sample = &plain.sample;
+        let said =
+            Kinematics { rear_angle: plain.rear_angle, ..Kinematics::of(sample, &self.car, self.heard) };
         let (mut now, mut heard) = (said, self.heard);
         if self.motion.leaves_out_acceleration() {
             now.lateral_acceleration = None;
@@ -208,6 +224,7 @@ impl Pipeline {
         self.abs.step(&now);
         self.longitudinal(&now.along(sample, &self.car, heard));
         self.lateral(&now, &said);
+        self.slip_of_motion(plain.answered);
         self.use_of_friction(&Self::surely_used(&now.turned(heard), &said));
         if let Some(thesis) = &mut self.thesis {
             self.latest.thesis = thesis.step(&now, self.latest.motion.lateral_velocity);
@@ -221,6 +238,21 @@ impl Pipeline {
             self.believe_nothing();
         }
         &self.latest
+    }
+
+    /// The sample as the plain car would have it.
+    fn plain(&mut self, sample: &Sample) -> Plain {
+        match &mut self.plain {
+            Some(readings) => readings.step(sample, self.heard, self.latest.motion.lateral_velocity),
+            None => Plain::of(sample),
+        }
+    }
+
+    /// The slip angles of the motion, where the tires answer to others.
+    fn slip_of_motion(&mut self, [front, rear]: [f64; 2]) {
+        let motion = &mut self.latest.motion;
+        motion.slip_angle_front = motion.slip_angle_front.map(|angle| angle - front);
+        motion.slip_angle_rear = motion.slip_angle_rear.map(|angle| angle - rear);
     }
 
     /// The latest estimates.

@@ -6,4 +6,5 @@ mod road;
 mod sensors;
 mod support;
 mod tables;
+mod taken_out;
 mod together;

@@ -27,6 +27,7 @@ use super::Refusal;
 use crate::Config;
 use crate::signals::QuantityConfig;
 use physics::estimate::{Known, Learned};
+use physics::model::effect::EffectConfig;
 use physics::{Micros, Quantity};
 
 /// The version that is written and read.
@@ -238,6 +239,7 @@ pub fn fingerprint(config: &Config) -> String {
         // Writing into a string cannot fail.
         let _ = writeln!(text, "{quantity} {signal:?} {sum:?} {sign:?} {gain:?} {offset:?} {unit:?}");
     }
+    text += &EffectConfig::write_all(&config.effect);
     format!("{:08x}-{:x}", crc(text.as_bytes()), text.len())
 }
 

@@ -46,6 +46,7 @@ pub(super) fn noise_free(point: &super::course::Point) -> Kinematics {
         yaw_rate: Some(point.truth.yaw_rate),
         lateral_acceleration: Some(point.truth.lateral_acceleration),
         road_angle: Some(point.truth.steer),
+        rear_angle: 0.0,
         ..point.now
     }
 }

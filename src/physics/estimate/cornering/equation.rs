@@ -59,7 +59,8 @@ impl Equation {
         let used = force.hypot(car.axle_forces(now.along)[axle - FRONT]);
         let speed = now.speed * (1.0 + x[SPEED_SCALE]);
         let along = (x[VY] + lever * (now.yaw_rate - x[YAW_OFFSET])) / speed;
-        let steered = if front { now.angle * (1.0 + x[ANGLE_SCALE]) - x[ANGLE_OFFSET] } else { 0.0 };
+        let steered =
+            if front { now.angle * (1.0 + x[ANGLE_SCALE]) - x[ANGLE_OFFSET] } else { now.rear_angle };
         let angle = steered - along.atan();
         let (bend, bend_variance) = model.expected_bend(used, belief);
         let straight = x[axle] * force;

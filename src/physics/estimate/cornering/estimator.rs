@@ -164,8 +164,17 @@ impl CorneringEstimator {
         }
         (self.idle_s, self.seen) = (0.0, true);
         let along = longitudinal.map_or(0.0, |a| self.model.car.longitudinal_force(a, speed));
-        let sample =
-            Means { speed, yaw_rate: r, acceleration: ay, angle, along, samples: 1.0, ..Means::default() };
+        let rear_angle = now.rear_angle;
+        let sample = Means {
+            speed,
+            yaw_rate: r,
+            acceleration: ay,
+            angle,
+            rear_angle,
+            along,
+            samples: 1.0,
+            ..Means::default()
+        };
         self.single_brake.add(now, along);
         let mut changed = false;
         if let Some(mut means) = self.window.step(&sample, now.elapsed_s) {

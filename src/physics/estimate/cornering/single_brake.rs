@@ -188,6 +188,7 @@ mod tests {
             lateral_acceleration: Some(20.0 * yaw_rate),
             longitudinal_acceleration: None,
             road_angle: Some(0.0),
+            rear_angle: 0.0,
             axle_torque: None,
             braking: Some(pedal),
             abs: None,

@@ -71,6 +71,7 @@ mod tests {
             lateral_acceleration: Some(0.0),
             longitudinal_acceleration: None,
             road_angle: Some(0.0),
+            rear_angle: 0.0,
             axle_torque: None,
             braking: None,
             abs: None,

@@ -36,6 +36,7 @@ fn drive(estimator: &mut CorneringEstimator, car: &Car, amplitude: f64, seconds:
             lateral_acceleration: Some(h.dot(&x) + d * angle + OFFSETS[1] + 0.07 * noise[1]),
             longitudinal_acceleration: None,
             road_angle: Some(angle + OFFSETS[0]),
+            rear_angle: 0.0,
             axle_torque: None,
             braking: None,
             abs: None,

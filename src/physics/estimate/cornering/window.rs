@@ -37,6 +37,8 @@ pub struct Means {
     /// How much the lateral acceleration moved within the window (standard deviation).
     pub acceleration_spread: f64,
     pub angle: f64,
+    /// Of the rear wheels.
+    pub rear_angle: f64,
     /// Normalized force along the car.
     pub along: f64,
     pub samples: f64,
@@ -82,6 +84,7 @@ impl Window {
         sums.yaw_rate += sample.yaw_rate;
         sums.acceleration += sample.acceleration;
         sums.angle += sample.angle;
+        sums.rear_angle += sample.rear_angle;
         sums.along += sample.along;
         sums.path = sums.path.with(&self.path, |sum, path| sum + path);
         self.time_sum += self.time;
@@ -116,6 +119,7 @@ impl Window {
                 .max(0.0)
                 .sqrt(),
             angle: sums.angle / n,
+            rear_angle: sums.rear_angle / n,
             along: sums.along / n,
             samples: n,
             path: sums.path.with(&Path::default(), |sum, _| sum / n),

@@ -10,6 +10,7 @@ fn sample(ax: f64, ay: f64) -> Kinematics {
         lateral_acceleration: Some(ay),
         longitudinal_acceleration: Some(ax),
         road_angle: Some(0.0),
+        rear_angle: 0.0,
         axle_torque: None,
         braking: None,
         abs: None,

@@ -120,7 +120,7 @@ fn state_of(truth: &Truth, next: &Truth, step_s: f64) -> Row {
 
 fn inputs_of(truth: &Truth) -> Inputs {
     let along = |left: usize| (truth.fx[left] + truth.fx[left + 1]) / (truth.fz[left] + truth.fz[left + 1]);
-    Inputs { speed: truth.longitudinal_velocity, longitudinal: [along(0), along(2)] }
+    Inputs { speed: truth.longitudinal_velocity, longitudinal: [along(0), along(2)], rear_angle: 0.0 }
 }
 
 #[cfg(test)]

@@ -347,7 +347,8 @@ mod tests {
         let walk = LateralFilterConfig::default().steady();
         let samples = if cfg!(debug_assertions) { 200_000 } else { 2_000_000 };
         for i in 0..samples {
-            let inputs = Inputs { speed: 20.0 + 10.0 * f64::sin(i as f64 * 1e-4), longitudinal: [0.1, 0.0] };
+            let speed = 20.0 + 10.0 * f64::sin(i as f64 * 1e-4);
+            let inputs = Inputs { speed, longitudinal: [0.1, 0.0], rear_angle: 0.0 };
             let [angle, yaw_rate, acceleration] =
                 [0.0, 1.0, 2.0].map(|j| 0.01 * f64::sin(i as f64 * (0.03 + 0.01 * j)));
             let readings = Readings { angle, yaw_rate, acceleration: Some(acceleration) };

@@ -197,7 +197,7 @@ impl LateralFilter {
         Some(LateralMotion {
             lateral_velocity: x[VY],
             lateral_velocity_std: self.steady.state.std(VY),
-            slip_angles: self.car.slip_angles(inputs.speed, x[VY], x[YAW], x[ANGLE]),
+            slip_angles: self.car.slip_angles(inputs.speed, x[VY], x[YAW], [x[ANGLE], inputs.rear_angle]),
         })
     }
 
@@ -293,7 +293,7 @@ impl LateralFilter {
             DrivenAxle::Rear => [0.0, force / loads[1]],
             DrivenAxle::All => [force / weight; 2],
         };
-        Inputs { speed: cornering.speed, longitudinal }
+        Inputs { speed: cornering.speed, longitudinal, rear_angle: now.rear_angle }
     }
 
     /// The motion is not known yet, tires and sensors are.

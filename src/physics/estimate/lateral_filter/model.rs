@@ -59,6 +59,8 @@ pub struct Inputs {
     pub speed: f64,
     /// Longitudinal force / load of the front and the rear axle.
     pub longitudinal: [f64; 2],
+    /// Angle of the rear wheels, rad.
+    pub rear_angle: f64,
 }
 
 impl Inputs {
@@ -68,6 +70,7 @@ impl Inputs {
         Inputs {
             speed: mean(self.speed, other.speed),
             longitudinal: [0, 1].map(|i| mean(self.longitudinal[i], other.longitudinal[i])),
+            rear_angle: mean(self.rear_angle, other.rear_angle),
         }
     }
 }
@@ -164,19 +167,19 @@ impl Model {
     }
 
     /// Slip angles front and rear (positive when they give a positive force), and their derivatives by v_y.
-    fn slip_angles(&self, vy: f64, yaw_rate: f64, speed: f64, angle: f64) -> [(f64, f64); 2] {
+    fn slip_angles(&self, vy: f64, yaw_rate: f64, inputs: &Inputs, angle: f64) -> [(f64, f64); 2] {
         let at = |across: f64| {
-            let ratio = across / speed;
-            (ratio.atan(), 1.0 / (speed * (1.0 + ratio * ratio)))
+            let ratio = across / inputs.speed;
+            (ratio.atan(), 1.0 / (inputs.speed * (1.0 + ratio * ratio)))
         };
         let (front, front_by) = at(vy + self.a * yaw_rate);
         let (rear, rear_by) = at(vy - self.b * yaw_rate);
-        [(angle - front, -front_by), (-rear, -rear_by)]
+        [(angle - front, -front_by), (inputs.rear_angle - rear, -rear_by)]
     }
 
     /// Everything at state `x` and road wheel angle `angle` (errors taken off).
     pub fn rates(&self, x: &Row, motion: Vector2<f64>, inputs: &Inputs, angle: f64, blur: [f64; 2]) -> Rates {
-        let slip = self.slip_angles(motion[0], motion[1], inputs.speed, angle);
+        let slip = self.slip_angles(motion[0], motion[1], inputs, angle);
         let friction = x[FRICTION].exp();
         let [front, rear] = [(FRONT, 0), (REAR, 1)].map(|(i, axle)| {
             self.axle(x[i].exp(), friction, inputs.longitudinal[axle], slip[axle].0, blur[axle])
@@ -233,7 +236,7 @@ impl Model {
     /// How far each axle's force is from its limit, as derivatives by the state: those of
     /// C |α| − √(μ² − x²), by which the kink of a piecewise linear tire is blurred.
     pub fn margins(&self, x: &Row, inputs: &Inputs, angle: f64) -> [(f64, Row); 2] {
-        let slip = self.slip_angles(x[VY], x[YAW], inputs.speed, angle);
+        let slip = self.slip_angles(x[VY], x[YAW], inputs, angle);
         let friction = x[FRICTION].exp();
         [(FRONT, 0, self.a), (REAR, 1, -self.b)].map(|(i, axle, lever)| {
             let stiffness = x[i].exp();
@@ -344,7 +347,7 @@ mod tests {
 
     /// Rates and acceleration at `x`, its own motion and angle.
     fn at(model: &Model, x: &Row, blur: f64) -> ([f64; 3], Rates) {
-        let inputs = Inputs { speed: 21.0, longitudinal: [0.15, 0.0] };
+        let inputs = Inputs { speed: 21.0, longitudinal: [0.15, 0.0], rear_angle: 0.01 };
         let rates = model.rates(x, Vector2::new(x[VY], x[YAW]), &inputs, x[ANGLE], [blur; 2]);
         ([rates.rate[0], rates.rate[1], rates.acceleration], rates)
     }
@@ -405,10 +408,11 @@ mod tests {
         ];
         for (tire, friction, along) in cases {
             let x = state(friction);
-            let inputs = Inputs { speed: 21.0, longitudinal: [along, 0.0] };
+            let inputs = Inputs { speed: 21.0, longitudinal: [along, 0.0], rear_angle: 0.01 };
             let reduced = model(tire).rates(&x, Vector2::new(x[VY], x[YAW]), &inputs, x[ANGLE], [0.0; 2]);
             let velocity = Velocity { vx: inputs.speed, vy: x[VY], yaw_rate: x[YAW] };
-            let motion = WheelMotion::new(&body, velocity, Steer::new(x[ANGLE]), None);
+            let mut motion = WheelMotion::new(&body, velocity, Steer::new(x[ANGLE]), None);
+            motion.slip_angle[2..].iter_mut().for_each(|angle| *angle += inputs.rear_angle);
             let used = [along, along, 0.0, 0.0];
             let fx = std::array::from_fn(|i| used[i] * nominal.load[i]);
             let fy = std::array::from_fn(|i| {

@@ -235,13 +235,14 @@ impl Bank {
     }
 
     /// The mixture's motion.
-    pub fn motion(&self, speed: f64) -> LateralMotion {
+    pub fn motion(&self, inputs: &Inputs) -> LateralMotion {
         let mut vy = 0.0;
         let mut slip_angles = [0.0; 2];
         for (weight, filter) in self.weights.iter().zip(&self.filters) {
             let x = &filter.state.mean;
             vy += weight * x[VY];
-            let slips = self.car.slip_angles(speed, x[VY], x[YAW], x[ANGLE]);
+            let angles = [x[ANGLE], inputs.rear_angle];
+            let slips = self.car.slip_angles(inputs.speed, x[VY], x[YAW], angles);
             slip_angles.iter_mut().zip(slips).for_each(|(sum, slip)| *sum += weight * slip);
         }
         let mut variance = 0.0;

@@ -204,6 +204,7 @@ mod tests {
                 lateral_acceleration: None,
                 longitudinal_acceleration: None,
                 road_angle: Some(0.0),
+                rear_angle: 0.0,
                 axle_torque: None,
                 braking: Some(false),
                 abs: None,

@@ -132,7 +132,8 @@ impl MotionFilter {
             None => self.white[1].interrupt(),
         }
         let along = along.map_or(0.0, |a| self.car.longitudinal_force(a, turning.speed));
-        let inputs = Inputs { speed: turning.speed, longitudinal: self.car.axle_forces(along) };
+        let longitudinal = self.car.axle_forces(along);
+        let inputs = Inputs { speed: turning.speed, longitudinal, rear_angle: now.rear_angle };
         let before = self.before.replace(inputs).filter(|_| elapsed_s <= TUNING.gap_s);
         let steering = TUNING.steering_margin * self.activity.step(turning.road_angle, elapsed_s);
         let white = self.white.map(|white| white.variance());
@@ -152,7 +153,7 @@ impl MotionFilter {
         }
         self.free_axle.step(now, turning.yaw_rate);
         self.witnesses.step(self.bank.model(), self.bank.likeliest(), &inputs, &said, white, elapsed_s);
-        self.motion = Some(self.bank.motion(turning.speed));
+        self.motion = Some(self.bank.motion(&inputs));
         let is_outvoted = self.witnesses.outvote_acceleration();
         if is_outvoted && !self.is_outvoted {
             // What it told until now is in everything that the filters know.

@@ -358,7 +358,7 @@ mod tests {
         let model = Model::new(&Car::new(&Vehicle::thesis()), Tire::Brush(Brush));
         let mut state = Gaussian::new([0.0; STATES], [0.0; STATES]);
         (state.mean[FRONT], state.mean[REAR]) = (12.0_f64.ln(), 14.0_f64.ln());
-        let inputs = Inputs { speed: 20.0, longitudinal: [0.0; 2] };
+        let inputs = Inputs { speed: 20.0, ..Inputs::default() };
         let car = Car::new(&Vehicle::thesis());
         let mut witnesses = Witnesses::new(Body::new(&car));
         let mut motion = Vector2::zeros();

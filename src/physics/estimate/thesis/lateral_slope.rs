@@ -103,7 +103,7 @@ impl LateralSlopeEstimator {
         if mu.abs() < TUNING.informative {
             return;
         }
-        let alpha = self.car.slip_angles(speed, vy, r, angle);
+        let alpha = self.car.slip_angles(speed, vy, r, [angle, now.rear_angle]);
         for (axle, alpha) in self.axles.iter_mut().zip(alpha) {
             axle.step(alpha, mu, now.elapsed_s);
         }
@@ -183,6 +183,7 @@ mod tests {
                 lateral_acceleration: Some(ay),
                 longitudinal_acceleration: None,
                 road_angle: Some(alpha + ((vy + car.a * r) / speed).atan()),
+                rear_angle: 0.0,
                 axle_torque: None,
                 braking: None,
                 abs: None,

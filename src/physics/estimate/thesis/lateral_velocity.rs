@@ -85,6 +85,7 @@ mod tests {
                 lateral_acceleration: Some(h.dot(&x) + d * angle + offset),
                 longitudinal_acceleration: None,
                 road_angle: Some(angle),
+                rear_angle: 0.0,
                 axle_torque: None,
                 braking: None,
                 abs: None,

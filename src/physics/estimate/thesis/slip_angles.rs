@@ -25,7 +25,7 @@ impl SlipAngles {
     pub fn new(velocities: &LateralVelocities, now: &Kinematics, car: &Car) -> Self {
         let angles = |vy: Option<f64>| {
             let (vy, speed) = (vy?, now.speed.filter(|speed| *speed > 0.0)?);
-            Some(car.slip_angles(speed, vy, now.yaw_rate?, now.road_angle?))
+            Some(car.slip_angles(speed, vy, now.yaw_rate?, [now.road_angle?, now.rear_angle]))
         };
         Self {
             zero: angles(velocities.zero),

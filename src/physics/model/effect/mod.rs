@@ -3,9 +3,10 @@
 //! An [`Effect`] acts on the car from wherever it can: it changes what driver and road do to the body
 //! and tires ([`Effect::act`]), has states of its own ([`Effect::rates`]), and changes what the sensors
 //! say of it all ([`Effect::sense`], [`Effect::undo`], [`Effect::delay`]). A `[[effect]]` table switches one on.
-//! Simulation, explanation and `identify --method ordinary` take the same list of effects. The other methods of
-//! identification and the live estimators have equations of their own: they take only what the configuration can put into
-//! other tables.
+//! Simulation, explanation and `identify --method ordinary` take the same list of effects. The live estimators, whose
+//! equations are those of a plain car, have it taken out of what they read, as far as that goes
+//! ([`PlainReadings`](crate::estimate::PlainReadings)). The other methods of identification take only what the configuration
+//! can put into other tables.
 //!
 //! Adding an effect is adding its file, with a [`Kind`] that says what it is, and its line in [`KINDS`].
 

@@ -69,7 +69,8 @@ impl Effect for SteeringCompliance {
         if self.compliance == 0.0 {
             return;
         }
-        let back = self.compliance * TRAIL_M * self.balance(now, on);
+        let force = if now.is_force_measured { now.front_force } else { self.balance(now, on) };
+        let back = self.compliance * TRAIL_M * force;
         on.toe[0] -= back;
         on.toe[1] -= back;
     }

@@ -20,6 +20,8 @@ pub struct Now<'a> {
     pub ay: f64,
     /// Lateral force of the front axle a moment ago, N.
     pub front_force: f64,
+    /// It is that of this very moment, as sensors tell it: it has not to be found.
+    pub is_force_measured: bool,
     /// Angle of the steering wheel, rad, as it truly is.
     pub steering_wheel: f64,
     /// Steering wheel angle / road wheel angle of the plain model.
@@ -43,6 +45,7 @@ impl<'a> Now<'a> {
             ax,
             ay,
             front_force,
+            is_force_measured: false,
             steering_wheel: 0.0,
             steering_ratio,
             body: &plant.body,

@@ -1,7 +1,7 @@
 //! Effects of sensors and of the wheels' radii, on the readings themselves.
 
 use physics::model::body::{Body, Velocity};
-use physics::model::effect::{Acting, Effect, EffectConfig, Felt, Now, Readings};
+use physics::model::effect::{Acting, Before, Effect, EffectConfig, Felt, Now, Readings};
 use physics::model::{Plant, Vehicle};
 use physics::{Quantity, Wheel};
 
@@ -103,18 +103,9 @@ impl Readers {
 
     /// An instant of straight driving: what sensors and radii look at.
     fn now(&self, t: f64, speed: f64) -> Now<'_> {
-        Now {
-            t,
-            velocity: Velocity { vx: speed, vy: 0.0, yaw_rate: 0.0 },
-            ax: 0.0,
-            ay: 0.0,
-            front_force: 0.0,
-            steering_wheel: 0.0,
-            steering_ratio: self.ratio,
-            body: &self.body,
-            static_load: &self.plant.nominal.load,
-            live: &[],
-        }
+        let velocity = Velocity { vx: speed, vy: 0.0, yaw_rate: 0.0 };
+        let plain = Now::new(&self.plant, self.ratio, t, velocity, &Before::default());
+        Now { body: &self.body, ..plain }
     }
 }
 

@@ -78,6 +78,33 @@ fn a_drive_tells_what_it_could_have_told() {
     assert!(answer["separable"].as_array().unwrap().iter().all(|row| row.as_array().unwrap().len() == count));
 }
 
+/// GIVEN a car that pulls when it brakes, as no effect of the library has it THEN it is told as a law with its number, helps on
+/// another drive of the car as well as there, and is written so that other commands take it.
+#[test]
+#[ignore = "long: explains a recording, with the whole grammar"]
+fn a_law_is_found_confirmed_and_applied() {
+    let folder = drives(&[]);
+    let law = "\n[[effect]]\nkind = 'law'\nplace = 'front slip angle'\nexpression = 'coefficient * a_x'\n\
+               coefficient = 0.001\n";
+    let scenario = std::fs::read_to_string(project("tests/data/steered.toml")).unwrap();
+    std::fs::write(folder.path().join("pulls.toml"), scenario + law).unwrap();
+    for (name, seed) in [("one.log", "5"), ("other.log", "6")] {
+        run(folder.path(), &["-q", "simulate", "pulls.toml", "-o", name, "--seed", seed]);
+    }
+    let answer = explained(folder.path(), &["one.log", "--confirm", "other.log", "--apply", "car.toml"]);
+    let first = &answer["findings"][0];
+    assert_eq!((&first["effect"], &first["kind"]), (&"law".into(), &"law".into()), "{first}");
+    assert_eq!(first["place"], "front slip angle");
+    assert!(first["expression"].as_str().unwrap().ends_with("*a_x"), "{first}");
+    let coefficient = first["terms"][0]["coefficient"]["value"].as_f64().unwrap();
+    assert!((coefficient / 0.001 - 1.0).abs() < 0.2, "{first}");
+    let confirmed = &answer["confirm"][0];
+    let gain = |key: &str| confirmed[key].as_f64().unwrap();
+    assert!(gain("gain_refitted") > 0.1, "{confirmed}");
+    assert!(gain("gain_unchanged") > 0.8 * gain("gain_refitted"), "{confirmed}");
+    run(folder.path(), &["-q", "replay", "-c", "car.toml", "other.log", "--estimates", "estimates.csv"]);
+}
+
 /// GIVEN a reference that is not there, or two questions at once THEN it is refused before anything is read.
 #[test]
 fn what_cannot_be_asked_is_refused() {
@@ -89,6 +116,8 @@ fn what_cannot_be_asked_is_refused() {
         (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
     };
     let (code, told) = refused(&["--reference", "nowhere.log"]);
+    assert!(code != Some(0) && told.contains("nowhere.log"), "{code:?} {told}");
+    let (code, told) = refused(&["--confirm", "nowhere.log"]);
     assert!(code != Some(0) && told.contains("nowhere.log"), "{code:?} {told}");
     let (code, told) = refused(&["--sensitivity", "--isolability"]);
     assert_eq!(code, Some(2), "{told}");

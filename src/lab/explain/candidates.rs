@@ -5,9 +5,10 @@ use super::predict::GriddedDrive;
 use super::predict::grid::STEP_S;
 use super::predict::noise::Live;
 use super::tuning::TUNING;
-use physics::Quantity;
 use physics::model::TireKind;
+use physics::model::effect::law::{self, Law};
 use physics::model::effect::{Channel, Course, Kind, Needs};
+use physics::{Quantity, Wheel};
 
 /// One thing that could be missing.
 #[derive(Clone, Debug)]
@@ -149,10 +150,28 @@ pub fn library(
     all
 }
 
+/// All laws that these sensors could show.
+pub fn laws(has: impl Fn(Quantity) -> bool) -> Vec<Candidate> {
+    let channels = Law::all().map(Channel::Law).filter(|channel| is_there(*channel, &has));
+    let of = |channel| Candidate {
+        kind: &law::KIND,
+        channel: Some(channel),
+        free: vec![0],
+        fixed: Vec::new(),
+        live: None,
+        stretches: Vec::new(),
+    };
+    channels.map(of).collect()
+}
+
 fn is_there(channel: Channel, has: &impl Fn(Quantity) -> bool) -> bool {
     match channel {
         Channel::One(quantity) => has(quantity),
         Channel::Pair(a, b) => has(a) && has(b),
+        Channel::Law(law) => {
+            let wheel = law.place.wheel().map(|wheel| Quantity::wheel_speed(Wheel::ALL[wheel]));
+            law.place.sensor().into_iter().chain(wheel).all(has)
+        }
     }
 }
 

@@ -22,6 +22,7 @@ mod case;
 pub mod chain;
 mod changed;
 mod conclusion;
+mod confirm;
 mod correction;
 mod course;
 mod excerpt;
@@ -29,6 +30,7 @@ mod exogenous;
 mod explanation;
 mod finding;
 mod fit;
+pub mod found;
 mod learn;
 mod locate;
 mod long_recording;
@@ -48,10 +50,11 @@ mod tuning;
 mod verdict;
 
 pub use case::{Answer, Case};
+pub use confirm::{Confirmed, Fits};
 pub use model::{Chosen, Model};
 pub use predict::Recording;
 pub use result::{
-    Block, ByChannel, CourseEstimate, Estimate, Explanation, Finding, Missing, Models, Nature, Parts, Ranked,
-    Trace, Verdict, Where,
+    Block, ByChannel, CourseEstimate, Estimate, Explanation, Finding, FoundLaw, Missing, Models, Nature,
+    Parts, Ranked, Term, Trace, Verdict, Where,
 };
 pub use sensitivity::{Detectable, Isolability, Rival, Sensitivity};

@@ -19,6 +19,8 @@ pub struct Chosen {
     pub numbers: Vec<f64>,
     /// Which of them a search may change.
     pub free: Vec<usize>,
+    /// What a configuration says of the deviation of each coordinate; empty, where none does.
+    pub told: Vec<f64>,
     /// How it varies.
     pub course: Course,
 }
@@ -26,10 +28,33 @@ pub struct Chosen {
 impl Chosen {
     /// With the usual numbers, at which nothing happens; all of them free.
     pub fn usual(kind: &'static Kind, channel: Option<Channel>, course: Course) -> Self {
-        let mut chosen = Self { kind, channel, numbers: Vec::new(), free: Vec::new(), course };
+        let (numbers, free, told) = (Vec::new(), Vec::new(), Vec::new());
+        let mut chosen = Self { kind, channel, numbers, free, told, course };
         chosen.numbers = chosen.specs().map(|spec| spec.mean).collect();
         chosen.free = (0..chosen.numbers.len()).collect();
         chosen
+    }
+
+    /// As a configuration has it; nothing of it is free.
+    pub fn configured(config: &EffectConfig) -> Self {
+        let (numbers, told) =
+            config.coordinates().iter().map(|coordinate| (coordinate.value, coordinate.std)).unzip();
+        Self {
+            kind: config.kind(),
+            channel: config.channel(),
+            numbers,
+            free: Vec::new(),
+            told,
+            course: config.course().clone(),
+        }
+    }
+
+    /// The same with those main numbers free that the configuration calls uncertain.
+    pub fn free_where_uncertain(mut self) -> Self {
+        let uncertain = self.specs().zip(&self.told).enumerate();
+        let uncertain = uncertain.filter(|(_, (spec, std))| spec.is_main && **std > 0.0);
+        self.free = uncertain.map(|(place, _)| place).collect();
+        self
     }
 
     /// What is known of its numbers.
@@ -117,13 +142,7 @@ impl<'a> Model<'a> {
     /// The same with effects that a configuration switches on, as it has them.
     pub fn with_configured(&self, effects: &[EffectConfig]) -> Self {
         let mut model = self.clone();
-        model.effects.extend(effects.iter().map(|config| Chosen {
-            kind: config.kind(),
-            channel: config.channel(),
-            numbers: config.coordinates().iter().map(|coordinate| coordinate.value).collect(),
-            free: Vec::new(),
-            course: config.course().clone(),
-        }));
+        model.effects.extend(effects.iter().map(Chosen::configured));
         model
     }
 

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use physics::model::effect::law::{self, Law};
 use physics::model::effect::{Channel, Kind};
 use serde::Serialize;
 
+use super::confirm::Confirmed;
 use super::ordinary::{FreeTrace, Number, Ordinary, Remaining};
 
 /// What the comparison came to.
@@ -56,6 +58,8 @@ pub enum Nature {
     Unusual,
     /// How something is measured.
     Measurement,
+    /// Physics that no effect of the library is.
+    Law,
     /// Physics that every car has, and a plain model leaves out.
     Ordinary,
 }
@@ -63,7 +67,9 @@ pub enum Nature {
 impl Nature {
     /// Of an effect.
     pub fn of(kind: &Kind) -> Self {
-        if kind.is_of_measurement() {
+        if *kind == law::KIND {
+            Self::Law
+        } else if kind.is_of_measurement() {
             Self::Measurement
         } else if kind.search.every_car_has {
             Self::Ordinary
@@ -109,6 +115,43 @@ pub struct Finding {
     /// Of a number of the car that has changed: what the references have.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_value: Option<Estimate>,
+    /// Of a law: what it says.
+    #[serde(flatten)]
+    pub law: Option<FoundLaw>,
+}
+
+/// What a law says, with its numbers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct FoundLaw {
+    /// What changes.
+    pub place: String,
+    /// By how much: numbers times what it follows.
+    pub expression: String,
+    /// The same one by one.
+    pub terms: Vec<Term>,
+}
+
+/// A coefficient and what it is of.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Term {
+    /// What the car or the driver does.
+    pub feature: String,
+    /// The number before it.
+    pub coefficient: Estimate,
+    /// Its unit.
+    pub unit: String,
+}
+
+impl FoundLaw {
+    /// Of one term.
+    pub fn new(law: Law, coefficient: Estimate) -> Self {
+        let feature = law.feature.name().to_owned();
+        Self {
+            place: law.place.name().into(),
+            expression: format!("{:.3e}*{feature}", coefficient.value),
+            terms: vec![Term { feature, coefficient, unit: law.usual().0.into() }],
+        }
+    }
 }
 
 impl Finding {
@@ -231,6 +274,9 @@ pub struct Explanation {
     /// Recordings that the others are compared with.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub references: Vec<String>,
+    /// What was found, on other drives of the same car.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub confirm: Vec<Confirmed>,
     /// Which stretches were held out.
     pub split: Vec<Block>,
     /// Seconds that were used.
@@ -270,6 +316,7 @@ impl Explanation {
             equations: Models::default(),
             measurement_chain: Vec::new(),
             references: Vec::new(),
+            confirm: Vec::new(),
             split: Vec::new(),
             seconds: 0.0,
             traces: Vec::new(),

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 use crate::cli::Failure;
-use lab::explain::{Answer, Finding, Verdict};
+use lab::explain::found::{self, rounded};
+use lab::explain::{Answer, Verdict};
 use physics::model::Uncertain;
-use physics::model::effect::{Channel, Course, EffectConfig, Series, named};
+use physics::model::effect::{Course, EffectConfig, Series};
 
 /// Points of a course in a file, per second.
 const POINTS_PER_S: f64 = 5.0;
@@ -46,7 +47,7 @@ pub fn toml(from: &Path, to: &Path, answer: &Answer<'_>) -> Result<String, Failu
         }
     }
     let effects = match explanation.verdict {
-        _ if explanation.is_by_ordinary => found(&explanation.findings)?,
+        _ if explanation.is_by_ordinary => found::effects(&explanation.findings).map_err(Failure::work)?,
         Verdict::MissingPhysics => effects(answer)?,
         _ => Vec::new(),
     };
@@ -59,30 +60,6 @@ pub fn toml(from: &Path, to: &Path, answer: &Answer<'_>) -> Result<String, Failu
         if effects.is_empty() { "; nothing was found missing" } else { " and what was found missing" },
     );
     Ok(format!("{about}{rest}\n{}", EffectConfig::write_all(&effects)))
-}
-
-/// Findings of the ordinary car, as the configuration's tables. How a message of the speed is measured has no table.
-fn found(findings: &[Finding]) -> Result<Vec<EffectConfig>, Failure> {
-    let of = |finding: &Finding| {
-        let kind = named(&finding.effect)?;
-        let channel = match &finding.channel {
-            Some(channel) => Some(channel.parse::<Channel>().ok().filter(|it| kind.channels.contains(it))?),
-            None => None,
-        };
-        let numbers = kind.parameters.iter().enumerate().filter_map(|(place, _)| kind.spec(place, channel));
-        let numbers = numbers.map(|spec| {
-            let known = finding.parameters.get(spec.name);
-            let (low, high) = spec.range();
-            let value = known.map_or(spec.value(spec.mean), |known| known.value.clamp(low, high));
-            Uncertain { value: rounded(value), std: rounded(known.map_or(0.0, |known| known.std)) }
-        });
-        let course = match kind.course {
-            Some(_) => Course::Stretches { intervals: finding.place.intervals.clone(), value: 1.0 },
-            None => Course::None,
-        };
-        Some(EffectConfig::new(kind, channel, numbers.collect(), course).map_err(Failure::work))
-    };
-    findings.iter().filter_map(of).collect()
 }
 
 /// What was found, as the configuration's tables.
@@ -114,11 +91,6 @@ fn thinned(series: &Series) -> Series {
     let every = ((series.t.len() as f64 / (seconds * POINTS_PER_S).max(1.0)).round() as usize).max(1);
     let some = |values: &[f64]| values.iter().step_by(every).map(|value| rounded(*value)).collect();
     Series { t: some(&series.t), value: some(&series.value) }
-}
-
-/// Six significant digits are more than anyone knows.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
 }
 
 /// Paths are relative to the file they stand in.

@@ -14,7 +14,7 @@ use super::output::{check_outputs, write_json, write_text};
 use super::part::Part;
 use super::progress::Progress;
 use super::{Failure, configuration};
-use lab::explain::Case;
+use lab::explain::{Case, Confirmed, Finding, Recording};
 use lab::pages::explain as page;
 use physics::model::effect::KINDS;
 
@@ -36,6 +36,9 @@ pub struct Explain {
     /// A healthy drive of the same car (repeatable). Then the answer is what the recordings have that these have not.
     #[arg(long, value_name = "LOG")]
     reference: Vec<PathBuf>,
+    /// Another drive of the same car (repeatable): does what was found help there, too, its numbers unchanged?
+    #[arg(long, value_name = "LOG", conflicts_with_all = ["reference", "sensitivity", "isolability"])]
+    confirm: Vec<PathBuf>,
     /// Instead of explaining: how large each effect must be for this drive to show it.
     #[arg(long, conflicts_with = "apply")]
     sensitivity: bool,
@@ -67,6 +70,7 @@ impl Explain {
                 .iter()
                 .chain(&self.holdout)
                 .chain(&self.reference)
+                .chain(&self.confirm)
                 .chain([&self.config])
                 .chain(config.files()),
             self.json.iter().chain(&self.html).chain(&self.apply),
@@ -93,7 +97,13 @@ impl Explain {
             return read.whole();
         }
         let progress = Progress::of_share();
-        let answer = case.explain(&|stage, share| progress.at(stage, share));
+        let mut answer = case.explain(&|stage, share| progress.at(stage, share));
+        if !self.confirm.is_empty() {
+            progress.at("other drives", 0.0);
+            let others = recordings::read(&self.confirm, |_| Part::default(), &config)?;
+            answer.explanation.confirm = confirmed(&case, &answer.explanation.findings, &others.recordings)?;
+            others.whole()?;
+        }
         progress.finish();
         let explanation = &answer.explanation;
         if self.prints_text() {
@@ -139,6 +149,22 @@ impl Explain {
         }
         self.json.as_ref().map_or(Ok(()), |path| write_json(path, answer))
     }
+}
+
+/// What was found, on other drives; what a drive does not tell is said on the way.
+fn confirmed(case: &Case<'_>, findings: &[Finding], others: &[Recording]) -> Result<Vec<Confirmed>, Failure> {
+    let mut all = Vec::new();
+    for recording in others {
+        match case.confirm(findings, recording).map_err(Failure::work)? {
+            Some(confirmed) => all.push(confirmed),
+            None => tracing::warn!(
+                "{}: nothing to confirm: nothing was found that is always there and of the car, or this drive does not \
+                 tell the car itself",
+                recording.name
+            ),
+        }
+    }
+    Ok(all)
 }
 
 const NO_CAR: &str = "the drives do not tell the car itself: steering, yaw rate, a speed and 12 s of driving above 4 m/s are \

@@ -13,7 +13,7 @@ use super::numbers::{Free, Scope, free, on_time};
 use super::remaining::{Remaining, remaining};
 use super::robust::deviation;
 use super::run::Predicted;
-use crate::explain::model::Model;
+use crate::explain::model::{Chosen, Model};
 use crate::explain::predict::Recording;
 use crate::explain::proof::ErrorSums;
 use crate::explain::result::{ByChannel, Disturbance, Estimate, Parts, Verdict};
@@ -152,6 +152,18 @@ impl Ordinary {
         );
         let predicted = &found.predicted;
         let plain_squares = CHANNELS.map(|channel| held_square(&drives, &plain.predicted, channel));
+        let error = |channel: Quantity| {
+            move |drive: &FreeDrive, own: &Predicted, i: usize| {
+                measured(drive, channel).map_or(f64::NAN, |of| of[i] - said(own, channel)[i])
+            }
+        };
+        let repeating = |predicted: &[Predicted]| -> BTreeMap<String, Remaining> {
+            let of = |channel: Quantity| {
+                Some((channel.name().to_owned(), remaining(&drives, predicted, error(channel), seed)?))
+            };
+            CHANNELS.into_iter().filter_map(of).collect()
+        };
+        let repeats = |predicted: &[Predicted]| repeating(predicted).values().any(Remaining::repeats);
         let mut answer = Self {
             fit: fits(&drives, predicted),
             plain_fit: fits(&drives, &plain.predicted),
@@ -159,7 +171,7 @@ impl Ordinary {
             numbers: numbers(&found, &drives),
             plain_numbers: numbers(&plain, &drives),
             disturbances: BTreeMap::new(),
-            remaining: BTreeMap::new(),
+            remaining: repeating(predicted),
             left_out,
             traces: Vec::new(),
             beyond: Beyond::default(),
@@ -168,7 +180,8 @@ impl Ordinary {
             seconds: drives.iter().map(|drive| drive.points() as f64 * STEP_S).sum(),
         };
         if answer.is_the_car() && searches(&answer) {
-            let question = Question { kinds: library, references, plain: plain_squares, seed };
+            let question =
+                Question { kinds: library, references, plain: plain_squares, repeats: &repeats, seed };
             answer.beyond = beyond(&found, &own, &drives, question);
         }
         let with_found = answer.beyond.predicted.clone();
@@ -185,11 +198,7 @@ impl Ordinary {
                 unit: channel.unit().into(),
                 time_constant_s: found.time_constants_s[place],
             };
-            answer.disturbances.insert(name.clone(), disturbance);
-            let error = |drive: &FreeDrive, own: &Predicted, i: usize| {
-                measured(drive, channel).map_or(f64::NAN, |of| of[i] - said(own, channel)[i])
-            };
-            answer.remaining.extend(remaining(&drives, predicted, error, seed).map(|it| (name, it)));
+            answer.disturbances.insert(name, disturbance);
             let both = with_found.iter().zip(&plain.predicted);
             let traces = drives.iter().zip(both).filter_map(|(drive, both)| trace(drive, both, channel));
             answer.traces.extend(traces);
@@ -234,7 +243,8 @@ pub fn could_tell(
     if fits.holdout.get(Quantity::YawRate.name()).is_none_or(|fit| *fit < LEAST_FIT) {
         return None;
     }
-    let question = Question { kinds: asked.library, references, plain: [0.0; 2], seed: asked.seed };
+    let question =
+        Question { kinds: asked.library, references, plain: [0.0; 2], repeats: &|_| false, seed: asked.seed };
     Some(powers(&found, &own, &drives, question))
 }
 
@@ -285,9 +295,10 @@ pub(super) fn with_bend(vehicle: &Vehicle) -> Vehicle {
     own
 }
 
-/// The model of this vehicle with these effects. Delays are searched for, not supposed.
+/// The model of this vehicle with these effects, what is uncertain of them free. Delays are searched for, not supposed.
 pub(super) fn as_configured<'a>(own: &'a Vehicle, effects: &[EffectConfig]) -> Model<'a> {
-    Model { delays: Default::default(), ..Model::plain(own, false).with_configured(effects) }
+    let effects = effects.iter().map(|effect| Chosen::configured(effect).free_where_uncertain()).collect();
+    Model { delays: Default::default(), effects, ..Model::plain(own, false) }
 }
 
 /// What is compared.

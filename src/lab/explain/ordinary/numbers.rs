@@ -166,7 +166,9 @@ pub fn free(model: &Model<'_>, vehicle: &Vehicle, drives: &[FreeDrive]) -> Vec<F
     let mut all: Vec<Free> = of_the_car.filter_map(|parameter| of_vehicle(vehicle, parameter)).collect();
     for (place, chosen) in model.effects.iter().enumerate() {
         for (number, spec) in chosen.specs().enumerate().filter(|(number, _)| chosen.free.contains(number)) {
-            let prior = class_of(chosen.kind.name, spec.name).unwrap_or((spec.mean, spec.std));
+            let told = chosen.told.get(number).map(|std| (chosen.numbers[number], *std));
+            let of_class = || class_of(chosen.kind.name, spec.name);
+            let prior = told.or_else(of_class).unwrap_or((spec.mean, spec.std));
             let (number, bounds) = (Number::Of(Place::Effect(place, number)), spec.bounds);
             all.push(Free { number, of: Scope::Car, prior, bounds, step: spec.step.min(0.1 * prior.1) });
         }
@@ -271,7 +273,8 @@ impl Free {
                     Some(spec) => {
                         let value = spec.value(coordinate);
                         let slope = (spec.value(coordinate + self.step) - value) / self.step;
-                        (format!("{}.{}", chosen.kind.name, spec.name), value, slope)
+                        let of = chosen.channel.map_or_else(String::new, |channel| format!(":{channel}"));
+                        (format!("{}{of}.{}", chosen.kind.name, spec.name), value, slope)
                     }
                     None => (chosen.kind.name.into(), coordinate, 1.0),
                 }

@@ -151,6 +151,7 @@ fn finding(name: &str, channel: Option<&str>, numbers: &[(&str, f64, f64)], plac
         equation: kind.equation.into(),
         evidence: 412.0,
         reference_value: None,
+        law: None,
     }
 }
 

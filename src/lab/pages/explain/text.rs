@@ -35,6 +35,7 @@ fn text(explanation: &Explanation) -> String {
         place(&mut text, &explanation.place, "");
     }
     fit(&mut text, explanation);
+    confirm(&mut text, explanation);
     if let Some(ordinary) = &explanation.ordinary {
         text += "\nThe ordinary car\n";
         for line in crate::pages::ordinary::lines(ordinary) {
@@ -131,6 +132,17 @@ fn fit(text: &mut String, explanation: &Explanation) {
         table(text, &["", "plain", "extended", "gain", "95 % interval"].map(str::to_owned), &rows);
     } else {
         table(text, &[const { String::new() }; 5], &rows);
+    }
+}
+
+/// What was found, on other drives.
+fn confirm(text: &mut String, explanation: &Explanation) {
+    if explanation.confirm.is_empty() {
+        return;
+    }
+    *text += "\nOn other drives of the same car, what was found taken over as it is\n";
+    for line in words::confirmed(explanation) {
+        wrapped(text, "  - ", &stopped(&line));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Names and units as a chassis engineer says them.
 
-use crate::explain::{Estimate, Explanation, Finding, Nature, Verdict};
+use crate::explain::{Confirmed, Estimate, Explanation, Finding, Nature, Verdict};
 use crate::identify::Parameter;
 use physics::model::effect::{self, Kind, Spec};
 
@@ -324,6 +324,30 @@ pub fn explained(finding: &Finding) -> String {
         (share >= 1.0).then(|| format!("{} % of the error in {}", number(share, 0), channel(name)))
     });
     list(&all.collect::<Vec<_>>())
+}
+
+/// A drive whose squared error falls by a smaller share, the numbers refitted, says nothing of what was found.
+const LEAST_SHOWN: f64 = 0.02;
+
+/// How what was found does on other drives, a line each.
+pub fn confirmed(explanation: &Explanation) -> Vec<String> {
+    let of = |confirmed: &Confirmed| {
+        let [unchanged, refitted] =
+            [confirmed.gain_unchanged, confirmed.gain_refitted].map(|gain| number(100.0 * gain, 0));
+        let fits = in_order(confirmed.fit.without.keys()).into_iter().filter_map(|name| {
+            let (without, with) = (confirmed.fit.without.get(name)?, confirmed.fit.unchanged.get(name)?);
+            Some(format!("{} {} to {} %", channel(name), number(*without, 1), number(*with, 1)))
+        });
+        let fits = list(&fits.collect::<Vec<_>>());
+        if confirmed.gain_refitted < LEAST_SHOWN {
+            return format!("{}: hardly shows it, whatever its numbers; fit of {fits}", confirmed.log);
+        }
+        format!(
+            "{}: squared error falls by {unchanged} %, with refitted numbers by {refitted} %; fit of {fits}",
+            confirmed.log
+        )
+    };
+    explanation.confirm.iter().map(of).collect()
 }
 
 /// The recordings it is about.

@@ -3,15 +3,18 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::law::Law;
 use crate::Quantity;
 
-/// One quantity, or two that are taken for each other.
+/// One quantity, two that are taken for each other, or what a law is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Channel {
     /// One.
     One(Quantity),
     /// Two, the first one in the order of [`Quantity::ALL`] first.
     Pair(Quantity, Quantity),
+    /// A law: what changes with what.
+    Law(Law),
 }
 
 /// What can be late, wrong in scale or zero.
@@ -40,25 +43,30 @@ impl Channel {
     pub const fn quantity(self) -> Option<Quantity> {
         match self {
             Self::One(quantity) => Some(quantity),
-            Self::Pair(..) => None,
+            Self::Pair(..) | Self::Law(_) => None,
         }
     }
 
     /// All that it is of.
     pub fn quantities(self) -> impl Iterator<Item = Quantity> {
         let (first, second) = match self {
-            Self::One(quantity) => (quantity, None),
-            Self::Pair(first, second) => (first, Some(second)),
+            Self::One(quantity) => (Some(quantity), None),
+            Self::Pair(first, second) => (Some(first), Some(second)),
+            Self::Law(law) => (law.place.sensor(), None),
         };
-        [Some(first), second].into_iter().flatten()
+        [first, second].into_iter().flatten()
     }
 
     /// The unit, and a slowly varying error that such a sensor of series production may have.
     ///
     /// Drive torque is in the bus's unit, which may be of the engine or of the axle: the size suits both
     /// within a small factor.
-    pub const fn usual_error(self) -> Option<(&'static str, f64)> {
-        let Self::One(quantity) = self else { return None };
+    pub fn usual_error(self) -> Option<(&'static str, f64)> {
+        let quantity = match self {
+            Self::One(quantity) => quantity,
+            Self::Pair(..) => return None,
+            Self::Law(law) => return Some(law.usual()),
+        };
         let size = match quantity {
             Quantity::WheelSpeedFl
             | Quantity::WheelSpeedFr
@@ -87,6 +95,7 @@ impl fmt::Display for Channel {
         match self {
             Self::One(quantity) => quantity.fmt(f),
             Self::Pair(first, second) => write!(f, "{first}/{second}"),
+            Self::Law(law) => law.fmt(f),
         }
     }
 }
@@ -95,6 +104,9 @@ impl FromStr for Channel {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
+        if let Some((place, feature)) = text.split_once(": ") {
+            return Law::named(place, feature).map(Self::Law).map_err(|(_, reason)| reason);
+        }
         let Some((first, second)) = text.split_once('/') else { return text.parse().map(Self::One) };
         let (first, second) = (first.parse::<Quantity>()?, second.parse::<Quantity>()?);
         if first == second {
@@ -110,7 +122,7 @@ mod tests {
 
     #[test]
     fn names_come_back() {
-        for text in ["yaw_rate", "wheel_speed_fl/wheel_speed_fr"] {
+        for text in ["yaw_rate", "wheel_speed_fl/wheel_speed_fr", "front slip angle: r/v"] {
             let channel: Channel = text.parse().unwrap();
             assert_eq!(channel.to_string(), text);
         }

@@ -28,7 +28,7 @@
 
 use thiserror::Error;
 
-use super::{Channel, Course, Effect, KINDS, Kind, Scale, Setting, Spec};
+use super::{Channel, Course, Effect, KINDS, Kind, Scale, Setting, Spec, law};
 use crate::model::Uncertain;
 
 /// An effect with its numbers: what an `[[effect]]` table says. All numbers are within their bounds.
@@ -127,7 +127,10 @@ impl EffectConfig {
 
     /// Some in the order in which they act: that of [`KINDS`], among the same kind that of the file.
     pub fn in_order(configs: &[Self]) -> Vec<&Self> {
-        let place = |config: &&Self| KINDS.iter().position(|kind| std::ptr::eq(*kind, config.kind));
+        // Laws come last.
+        let place = |config: &&Self| {
+            KINDS.iter().position(|kind| std::ptr::eq(*kind, config.kind)).unwrap_or(KINDS.len())
+        };
         let mut configs: Vec<_> = configs.iter().collect();
         configs.sort_by_key(place);
         configs
@@ -167,9 +170,15 @@ impl EffectConfig {
     /// The keys that a kind's table takes.
     pub fn keys(kind: &Kind) -> impl Iterator<Item = &'static str> + use<> {
         let of_channel = (!kind.channels.is_empty()).then_some("channel");
+        let of_law: &[&str] = if std::ptr::eq(kind, &law::KIND) { &["place", "expression"] } else { &[] };
         let of_course = if kind.course.is_some() { COURSE_KEYS } else { &[] };
         let parameters = kind.parameters.iter().map(|spec| spec.name);
-        ["kind"].into_iter().chain(of_channel).chain(parameters).chain(of_course.iter().copied())
+        ["kind"]
+            .into_iter()
+            .chain(of_channel)
+            .chain(of_law.iter().copied())
+            .chain(parameters)
+            .chain(of_course.iter().copied())
     }
 
     fn problem(&self) -> Option<(String, String)> {
@@ -178,6 +187,10 @@ impl EffectConfig {
 
     fn channel_problem(&self) -> Option<(String, String)> {
         let allowed = self.kind.channels;
+        if std::ptr::eq(self.kind, &law::KIND) {
+            let is_law = matches!(self.channel, Some(Channel::Law(_)));
+            return (!is_law).then(|| ("place".into(), "is missing: what the law changes".into()));
+        }
         let reason = match self.channel {
             None if allowed.is_empty() => return None,
             Some(channel) if allowed.contains(&channel) => return None,

@@ -29,6 +29,7 @@ mod friction_split;
 mod grip;
 mod kind;
 mod lag;
+pub mod law;
 mod list;
 mod load;
 mod load_transfer;
@@ -153,9 +154,9 @@ pub static KINDS: &[&Kind] = &[
     &channel_swap::KIND,
 ];
 
-/// The effect of this name.
+/// The effect of this name: one of the library, or a [`law`].
 pub fn named(name: &str) -> Option<&'static Kind> {
-    KINDS.iter().copied().find(|kind| kind.name == name)
+    KINDS.iter().copied().chain([&law::KIND]).find(|kind| kind.name == name)
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::config::{COURSE_KEYS, EffectConfig, EffectError, listed, nothing, usual};
-use super::{Channel, Course, KINDS, Kind, Series, named};
+use super::{Channel, Course, KINDS, Kind, Series, law, named};
 use crate::model::Uncertain;
 
 /// Numbers in one line of a series.
@@ -24,6 +24,10 @@ impl<'de> Deserialize<'de> for EffectConfig {
 struct Table {
     kind: Option<&'static Kind>,
     channel: Option<Channel>,
+    /// Of a law.
+    place: Option<String>,
+    /// … and with what it changes.
+    expression: Option<String>,
     numbers: Vec<(String, Uncertain)>,
     unknown: Vec<String>,
     value: Option<f64>,
@@ -46,11 +50,15 @@ impl<'de> Visitor<'de> for Reader {
             match key.as_str() {
                 "kind" => table.kind = Some(map.next_value::<KindName>()?.0),
                 "channel" => table.channel = Some(map.next_value::<ChannelName>()?.0),
+                "place" => table.place = Some(map.next_value()?),
+                "expression" => table.expression = Some(map.next_value()?),
                 "value" => table.value = Some(map.next_value()?),
                 "intervals" => table.intervals = Some(map.next_value()?),
                 "series" => table.series = Some(map.next_value()?),
                 // Its value may be none that a number could be read from; what is wrong is the key.
-                unknown if !KINDS.iter().any(|kind| kind.place_of(unknown).is_some()) => {
+                unknown
+                    if !KINDS.iter().chain([&&law::KIND]).any(|kind| kind.place_of(unknown).is_some()) =>
+                {
                     map.next_value::<IgnoredAny>()?;
                     table.unknown.push(key);
                 }
@@ -112,11 +120,14 @@ impl Table {
         let given = [self.value.is_some(), self.intervals.is_some(), self.series.is_some()];
         let of_course = COURSE_KEYS.iter().zip(given).filter(|(_, given)| *given).map(|(key, _)| *key);
         let numbers = self.numbers.iter().map(|(key, _)| key);
-        let written = self.unknown.iter().chain(numbers).map(String::as_str).chain(of_course);
+        let of_law = [("place", self.place.is_some()), ("expression", self.expression.is_some())];
+        let of_law = of_law.into_iter().filter(|(_, given)| *given).map(|(key, _)| key);
+        let written = self.unknown.iter().chain(numbers).map(String::as_str).chain(of_course).chain(of_law);
         if let Some(error) = written.into_iter().find_map(|key| unknown_key(kind, key)) {
             return Err(error);
         }
-        let numbers = self.numbers(kind)?;
+        let channel = self.of_what(kind)?;
+        let numbers = self.numbers(kind, channel)?;
         let pair = |interval: &Vec<f64>| {
             let reason = || format!("{interval:?} is no stretch of time; write [from, to], in s");
             interval.as_slice().try_into().map_err(|_| fail(kind, "intervals", reason()))
@@ -139,15 +150,28 @@ impl Table {
                 return Err(fail(kind, "series", reason));
             }
         };
-        EffectConfig::new(kind, self.channel, numbers, course)
+        EffectConfig::new(kind, channel, numbers, course)
+    }
+
+    /// Its channel; of a law what it says.
+    fn of_what(&self, kind: &'static Kind) -> Result<Option<Channel>, EffectError> {
+        if !std::ptr::eq(kind, &law::KIND) {
+            return Ok(self.channel);
+        }
+        let given = |key: &str, value: &Option<String>| {
+            value.clone().ok_or_else(|| fail(kind, key, "is missing".into()))
+        };
+        let (place, expression) = (given("place", &self.place)?, given("expression", &self.expression)?);
+        let law = law::Law::parse(&place, &expression).map_err(|(key, reason)| fail(kind, key, reason))?;
+        Ok(Some(Channel::Law(law)))
     }
 
     /// A number for each parameter: the given one, or what is usual.
-    fn numbers(&self, kind: &'static Kind) -> Result<Vec<Uncertain>, EffectError> {
+    fn numbers(&self, kind: &'static Kind, channel: Option<Channel>) -> Result<Vec<Uncertain>, EffectError> {
         let given = |name: &str| self.numbers.iter().find(|(key, _)| key == name).map(|(_, number)| *number);
         let any_main = kind.parameters.iter().any(|spec| spec.is_main && given(spec.name).is_some());
         let number = |place: usize| {
-            let spec = kind.spec(place, self.channel).unwrap_or(kind.parameters[place]);
+            let spec = kind.spec(place, channel).unwrap_or(kind.parameters[place]);
             let other = match (spec.is_main, any_main) {
                 (false, _) => usual(&spec),
                 (true, true) => nothing(&spec),
@@ -164,8 +188,13 @@ impl Serialize for EffectConfig {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("kind", self.kind().name)?;
-        if let Some(channel) = self.channel() {
-            map.serialize_entry("channel", &channel.to_string())?;
+        match self.channel() {
+            Some(Channel::Law(law)) => {
+                map.serialize_entry("place", law.place.name())?;
+                map.serialize_entry("expression", &law.expression())?;
+            }
+            Some(channel) => map.serialize_entry("channel", &channel.to_string())?,
+            None => {}
         }
         for (spec, number) in self.kind().parameters.iter().zip(self.numbers()) {
             map.serialize_entry(spec.name, number)?;
@@ -187,8 +216,13 @@ impl EffectConfig {
     /// Its table as TOML, heading included. Reading it gives the same to the last bit.
     pub fn to_toml(&self) -> String {
         let mut text = format!("[[effect]]\nkind = \"{}\"\n", self.kind().name);
-        if let Some(channel) = self.channel() {
-            line(&mut text, "channel", format_args!("\"{channel}\""));
+        match self.channel() {
+            Some(Channel::Law(law)) => {
+                line(&mut text, "place", format_args!("\"{}\"", law.place.name()));
+                line(&mut text, "expression", format_args!("\"{}\"", law.expression()));
+            }
+            Some(channel) => line(&mut text, "channel", format_args!("\"{channel}\"")),
+            None => {}
         }
         for (spec, Uncertain { value, std }) in self.kind().parameters.iter().zip(self.numbers()) {
             if *std == 0.0 {

@@ -66,6 +66,10 @@ const MOST_REFITTED: usize = 6;
 /// … if to first order they have this share of the evidence that is needed.
 const LEAST_OF_FIRST_ORDER: f64 = 0.3;
 
+/// What to first order gains less than this share of what the best law does is no rival of it. Tuned by
+/// `shared/trials/unknown`: there the best effect of the library has a tenth.
+const LEAST_BESIDE_A_LAW: f64 = 0.2;
+
 /// By so much held-out −2 ln likelihood must fall. Statistical: odds of e³ on driving that was not looked at.
 const LEAST_HELD_GAIN: f64 = 6.0;
 
@@ -93,6 +97,8 @@ pub struct Question<'q> {
     pub references: usize,
     /// Squared errors of yaw rate and lateral acceleration of the plain model, on held-out rows.
     pub plain: [f64; 2],
+    /// Does something repeat of what such runs leave? That has a reason, in the library or, as a law, in none.
+    pub repeats: &'q (dyn Fn(&[Predicted]) -> bool + Sync),
     /// Of what is drawn at random.
     pub seed: u64,
 }
@@ -104,9 +110,12 @@ pub fn beyond(
     drives: &[FreeDrive],
     question: Question<'_>,
 ) -> Beyond {
-    let Question { kinds, references, plain, seed } = question;
+    let Question { kinds, references, plain, repeats, seed } = question;
     let mut answer = Beyond::default();
-    let trials = trial::trials(found, drives, kinds, scope(references));
+    let mut trials = trial::trials(found, drives, kinds, scope(references));
+    if references == 0 && repeats(&found.predicted) {
+        trials.extend(trial::laws(drives, scope(references)));
+    }
     if trials.is_empty() {
         return answer;
     }
@@ -117,12 +126,15 @@ pub fn beyond(
     let mut taken = BTreeSet::new();
     for round in 0..MOST {
         let (scored, null) = search.scan(&state, &trials, seed);
-        let some: Vec<&Scored> = scored
-            .iter()
-            .filter(|scored| !taken.contains(&scored.trial.name()))
-            .filter(|scored| scored.gain > LEAST_OF_FIRST_ORDER * LEAST_EVIDENCE)
-            .take(MOST_REFITTED)
-            .collect();
+        let most = scored.iter().filter(|scored| scored.trial.is_law()).map(|scored| scored.gain);
+        let least = LEAST_BESIDE_A_LAW * most.fold(0.0, f64::max);
+        let open = |is_law: bool| {
+            let open = scored.iter().filter(move |scored| scored.trial.is_law() == is_law);
+            open.filter(|scored| !taken.contains(&scored.trial.name()))
+                .filter(move |scored| scored.gain > least.max(LEAST_OF_FIRST_ORDER * LEAST_EVIDENCE))
+                .take(MOST_REFITTED)
+        };
+        let some: Vec<&Scored> = open(false).chain(open(true)).collect();
         let refitted = some.into_par_iter().map(|scored| (scored.gain, search.refit(&state, scored)));
         let mut refitted: Vec<(f64, Refitted<'_>)> = refitted.collect();
         let names = refitted.iter().map(|(_, of)| of.trial.name()).collect();
@@ -149,11 +161,13 @@ pub fn beyond(
             answer.ranking = ranking(&refitted, &scored);
         }
         let usual_rivals = || refitted.iter().map(|(_, of)| of).filter(|of| of.trial.is_of_every_car());
+        let of_library = || refitted.iter().map(|(_, of)| of).filter(|of| !of.trial.is_law());
         let is_sure = |(gain, of): &&(f64, Refitted<'_>)| {
             of.evidence > LEAST_EVIDENCE
                 && (references > 0
                     || of.trial.is_of_every_car()
                     || usual_rivals().all(|usual| of.is_told_from(usual)))
+                && (!of.trial.is_law() || of_library().all(|named| of.is_told_from(named)))
                 && of.is_beyond(&healthy)
                 && of.held_gain > least_held_gain(references, &of.trial)
                 && (of.trial.has_time() || *gain > null)
@@ -167,7 +181,11 @@ pub fn beyond(
         answer.is_unusual |= references > 0 || finding.kind != Nature::Ordinary;
         answer.findings.push(finding);
         state = search.with(best);
-        answer.predicted = Some(search.predicted(&state.model, &state.free, &state.at));
+        let predicted = search.predicted(&state.model, &state.free, &state.at);
+        if !repeats(&predicted) {
+            trials.retain(|trial| !trial.is_law());
+        }
+        answer.predicted = Some(predicted);
     }
     answer.is_unusual |= usual.iter().any(|(_, is_unusual)| *is_unusual);
     answer.findings.extend(usual.into_iter().map(|(finding, _)| finding));
@@ -181,11 +199,12 @@ fn scope(references: usize) -> Scope {
     if references > 0 { Scope::Since(references) } else { Scope::Car }
 }
 
-/// How often each name is tried.
+/// How often each name is tried; of a law, how many there are: any of them would have been told.
 fn tried(trials: &[Trial]) -> BTreeMap<String, usize> {
+    let laws = trials.iter().filter(|trial| trial.is_law()).count();
     let mut tried = BTreeMap::new();
     for trial in trials {
-        *tried.entry(trial.name()).or_insert(0) += 1;
+        *tried.entry(trial.name()).or_insert(0) += if trial.is_law() { laws } else { 1 };
     }
     tried
 }
@@ -244,6 +263,22 @@ mod tests {
         assert_eq!((first.effect.as_str(), first.channel.as_deref()), ("sensor_bias", Some("yaw_rate")));
         assert!((first.parameters["bias"].value - 0.03).abs() < 0.004, "{:?}", first.parameters);
         assert!((first.parameters["at_s"].value - 20.0).abs() < 1.0, "{:?}", first.parameters);
+        assert!(beyond.is_unusual && first.explained_share["yaw_rate"] > 0.05, "{:?}", first.explained_share);
+    }
+
+    /// GIVEN a car that pulls to the left when it brakes, as no effect of the library has it THEN that is told as a law, with
+    /// its number.
+    #[test]
+    fn what_no_library_has_is_told_as_a_law() {
+        let pull = "[[effect]]\nkind = \"law\"\nplace = \"front slip angle\"\n\
+                    expression = \"coefficient * a_x\"\ncoefficient = 0.0008\n";
+        let beyond = found(pull);
+        let first = &beyond.findings[0];
+        let law = first.law.as_ref().unwrap();
+        assert_eq!((first.kind, law.place.as_str()), (Nature::Law, "front slip angle"), "{law:?}");
+        assert_eq!(law.terms[0].feature, "a_x");
+        assert_eq!(law.terms[0].unit, "rad/(m/s²)");
+        assert!((law.terms[0].coefficient.value / 0.0008 - 1.0).abs() < 0.15, "{law:?}");
         assert!(beyond.is_unusual && first.explained_share["yaw_rate"] > 0.05, "{:?}", first.explained_share);
     }
 

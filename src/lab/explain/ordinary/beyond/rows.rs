@@ -18,6 +18,9 @@ pub const EVERY: usize = 3;
 /// Blocks of 6 s, rows.
 const BLOCK: usize = 200;
 
+/// A run that says more, rad/s or m/s², or nothing finite, is of no car. Numerical.
+const OUT_OF_BOUNDS: f64 = 1e3;
+
 /// Whitened rows of everything that counts.
 pub struct Rows {
     /// Drive, channel, row.
@@ -81,7 +84,12 @@ impl Search<'_> {
         let (model, sensing) = placed(model, free, at, number);
         let predicted = run(drive, &model.car(), sensing, Compute::Readings);
         let difference = |measured: Option<&[f64]>, predicted: &[f64]| -> Vec<f64> {
-            rows(drive).map(|i| measured.map_or(f64::NAN, |measured| measured[i] - predicted[i])).collect()
+            let error = |measured: f64, predicted: f64| {
+                if predicted.abs() < OUT_OF_BOUNDS { measured - predicted } else { OUT_OF_BOUNDS }
+            };
+            rows(drive)
+                .map(|i| measured.map_or(f64::NAN, |measured| error(measured[i], predicted[i])))
+                .collect()
         };
         let axle = |axle: usize| {
             let by_wheels =

@@ -14,7 +14,7 @@ use super::{LEAST_CLEAR, Search};
 use crate::explain::finding::{TOLD_APART, probability_among};
 use crate::explain::model::Place;
 use crate::explain::predict::delay::Delayed;
-use crate::explain::result::{ByChannel, Estimate, Finding, Nature, Where};
+use crate::explain::result::{ByChannel, Estimate, Finding, FoundLaw, Nature, Where};
 use crate::explain::select::LEAST_EVIDENCE;
 use crate::identify::Parameter;
 use physics::Quantity;
@@ -188,6 +188,10 @@ impl Search<'_> {
         finding.evidence = best.evidence;
         finding.indistinguishable_from = rivals.map(|(name, _)| name.clone()).collect();
         finding.parameters = best.parameters();
+        let channel = best.trial.candidate().and_then(|candidate| candidate.channel);
+        if let (Some(Channel::Law(law)), Some(coefficient)) = (channel, finding.parameters.values().next()) {
+            finding.law = Some(FoundLaw::new(law, *coefficient));
+        }
         finding.explained_share = self.share(&state.errors, &best.errors);
         finding.place.channels = channels;
         finding.place.intervals = intervals;

@@ -5,12 +5,12 @@ use std::collections::BTreeSet;
 use super::super::fit::FreeFit;
 use super::super::inputs::FreeDrive;
 use super::super::numbers::{DELAY, Free, Number, Scope, placed};
-use crate::explain::candidates::{Candidate, library, onsets};
+use crate::explain::candidates::{self, Candidate, library, onsets};
 use crate::explain::model::{Chosen, Model, Place};
 use crate::explain::naming::ways;
 use crate::identify::Parameter;
 use physics::Quantity;
-use physics::model::effect::{Kind, Scale, Spec};
+use physics::model::effect::{Channel, Kind, Scale, Spec};
 
 /// Patches of another road are tried at every so many seconds …
 const PATCH_EVERY_S: f64 = 3.0;
@@ -55,17 +55,35 @@ pub enum What {
     },
 }
 
+/// The recordings that a search is about.
+fn own(drives: &[FreeDrive], of: Scope) -> impl Iterator<Item = &FreeDrive> {
+    drives.iter().enumerate().filter(move |(number, _)| of.has(*number)).map(|(_, drive)| drive)
+}
+
+/// Do they have a quantity?
+fn has(drives: &[FreeDrive], of: Scope, quantity: Quantity) -> bool {
+    match quantity {
+        Quantity::LateralAcceleration => own(drives, of).any(|drive| drive.lateral.is_some()),
+        Quantity::YawRate | Quantity::SteeringWheelAngle => true,
+        wheel if (wheel as usize) < 4 => {
+            own(drives, of).any(|drive| drive.axles[wheel as usize / 2].is_some())
+        }
+        _ => false,
+    }
+}
+
+/// All laws of a grammar that no library has.
+pub fn laws(drives: &[FreeDrive], of: Scope) -> Vec<Trial> {
+    let candidates = candidates::laws(|quantity| has(drives, of, quantity));
+    let trial = |candidate| Trial { what: What::Effect(candidate), of, inverse_friction: 0.0 };
+    candidates.into_iter().map(trial).collect()
+}
+
 /// All that could be there of a fitted car in these recordings.
 pub fn trials(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind], of: Scope) -> Vec<Trial> {
     let (model, _) = placed(&found.model, &found.free, &found.at, 0);
-    let own = || drives.iter().enumerate().filter(|(number, _)| of.has(*number)).map(|(_, drive)| drive);
-    let has = |quantity: Quantity| match quantity {
-        Quantity::LateralAcceleration => own().any(|drive| drive.lateral.is_some()),
-        Quantity::YawRate | Quantity::SteeringWheelAngle => true,
-        wheel if (wheel as usize) < 4 => own().any(|drive| drive.axles[wheel as usize / 2].is_some()),
-        _ => false,
-    };
-    let seconds = own().map(|drive| drive.time(drive.points())).fold(0.0, f64::max);
+    let has = |quantity: Quantity| has(drives, of, quantity);
+    let seconds = own(drives, of).map(|drive| drive.time(drive.points())).fold(0.0, f64::max);
     let is_new = |kind: &&'static Kind| model.effects.iter().all(|chosen| chosen.kind != *kind);
     let kinds: Vec<&'static Kind> = kinds.iter().copied().filter(is_new).collect();
     let inverse_friction = model.values.get(Parameter::Friction).recip();
@@ -199,6 +217,11 @@ impl Trial {
             What::Effect(candidate) => Some(candidate),
             What::Number { .. } => None,
         }
+    }
+
+    /// Is it none of the library's effects, but a law?
+    pub fn is_law(&self) -> bool {
+        self.candidate().is_some_and(|candidate| matches!(candidate.channel, Some(Channel::Law(_))))
     }
 
     /// Is it there within some stretches only?

@@ -142,13 +142,7 @@ fn with<'a>(model: &Model<'a>, effects: &[EffectConfig]) -> Result<Model<'a>, Re
                     chosen.numbers[place] = coordinate.value;
                 }
             }
-            None => model.effects.push(Chosen {
-                kind: effect.kind(),
-                channel: effect.channel(),
-                numbers: coordinates.iter().map(|coordinate| coordinate.value).collect(),
-                free: Vec::new(),
-                course: effect.course().clone(),
-            }),
+            None => model.effects.push(Chosen::configured(effect)),
         }
     }
     let states = |chosen: &Chosen| {

@@ -93,7 +93,7 @@ impl Table {
     fn at(&self, x: f64) -> Option<f64> {
         let place = x.abs() * self.per_piece;
         let piece = place as usize;
-        let [[y0, d0], [y1, d1]] = *self.knots.get(piece..piece + 2)? else { return None };
+        let [[y0, d0], [y1, d1]] = *self.knots.get(piece..piece.checked_add(2)?)? else { return None };
         let (s, rise) = (place - piece as f64, y1 - y0);
         let value = y0 + s * (d0 + s * (3.0 * rise - 2.0 * d0 - d1 + s * (d0 + d1 - 2.0 * rise)));
         Some(value.copysign(x))

@@ -1,5 +1,6 @@
 //! Names and data together: one signal for each quantity, or none.
 
+use super::by_speed;
 use super::corners::Wheels;
 use super::drive::Drive;
 use super::evidence::Verdict;
@@ -63,7 +64,9 @@ impl Chooser<'_> {
             Some(found) => (Some(found.wheels), found.motion, found.others, found.contradicted),
             None => (None, None, Vec::new(), Vec::new()),
         };
-        self.motion = motion;
+        self.motion = motion.or_else(|| by_speed::motion(self.database, self.drive?));
+        // Wheels that stand, or have no value, while another signal says that the car drives.
+        let wheels = wheels.filter(|_| self.motion.as_ref().is_none_or(|motion| motion.confirmed.is_none()));
         self.taken.extend(wheels.iter().flat_map(|wheels| wheels.places));
         let mut picks = Vec::new();
         for quantity in TURNS {
@@ -81,6 +84,10 @@ impl Chooser<'_> {
             (evidence.verdict == Verdict::Fits).then_some(evidence.sign)
         };
         let sensors: Vec<f64> = picks.iter().filter_map(|(_, picks)| fitting(picks)).collect();
+        let by_sensors: f64 = sensors.iter().sum();
+        if wheels.is_none() && by_sensors < 0.0 {
+            self.left = -1.0;
+        }
         let mut choices = Vec::new();
         let mut notes = Vec::new();
         match &wheels {
@@ -193,7 +200,12 @@ impl Chooser<'_> {
                 None if base.contradicted.is_empty() => "nothing fits".to_owned(),
                 None => "what is called so behaves otherwise".to_owned(),
             };
-            return Choice { why, ..base };
+            // What has no value now may have one in another drive: its code for that stands in the comment.
+            let mapping = picks.contradicted.first().filter(|picked| self.has_no_value(&picked.chosen));
+            let mapping = mapping.map(|picked| {
+                entry(self.database, self.drive, quantity, &picked.chosen, None, &mut Vec::new())
+            });
+            return Choice { why, mapping, ..base };
         };
         let mut words = Vec::new();
         words.push(match best.names {

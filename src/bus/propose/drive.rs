@@ -45,9 +45,8 @@ pub(super) struct Channel {
     place: Place,
     codec: Codec,
     mux: Mux,
-    /// Bit patterns at the ends of what the bits can carry, which often mean "not available".
-    ends: Option<[u64; 2]>,
-    at_end: [u64; 2],
+    /// Bit patterns that often mean "not available".
+    special: Option<[Special; 2]>,
     /// How often each raw value came, of signals of up to four bits.
     codes: [u64; CODES],
     values: u64,
@@ -56,6 +55,18 @@ pub(super) struct Channel {
     low: f64,
     high: f64,
     bins: Vec<f32>,
+}
+
+/// A bit pattern that may be a measurement, too: it is one, if others come near it.
+#[derive(Clone, Copy)]
+struct Special {
+    bits: u64,
+    /// What it would be as a measurement, in the file's unit, and how near another one has to come.
+    value: f64,
+    near: f64,
+    /// How often it came, and how often another near it.
+    times: u64,
+    neighbours: u64,
 }
 
 /// Does a counter count?
@@ -231,18 +242,12 @@ impl Drive {
 
 impl Channel {
     fn new(place: Place, codec: Codec, mux: Mux) -> Self {
-        let mask = codec.extractor.mask();
-        let ends = match codec.kind {
-            ValueKind::Unsigned if codec.extractor.size() >= 8 => Some([mask, mask]),
-            ValueKind::Signed if codec.extractor.size() >= 8 => Some([mask / 2 + 1, mask / 2]),
-            _ => None,
-        };
+        let special = Special::of(&codec);
         Self {
             place,
             codec,
             mux,
-            ends,
-            at_end: [0; 2],
+            special,
             codes: [0; CODES],
             values: 0,
             sum: 0.0,
@@ -258,10 +263,8 @@ impl Channel {
             return;
         }
         let Some(bits) = self.codec.bits(data) else { return };
-        if let Some(ends) = self.ends
-            && let Some(end) = ends.iter().position(|end| *end == bits)
-        {
-            self.at_end[end] += 1;
+        if let Some(special) = self.special.iter_mut().flatten().find(|special| special.bits == bits) {
+            special.times += 1;
             return;
         }
         if let Some(code) = usize::try_from(bits).ok().and_then(|bits| self.codes.get_mut(bits)) {
@@ -269,6 +272,9 @@ impl Channel {
         }
         let value = self.codec.physical(bits);
         if value.is_finite() {
+            for special in self.special.iter_mut().flatten() {
+                special.neighbours += u64::from((value - special.value).abs() < special.near);
+            }
             self.values += 1;
             self.sum += value;
             self.count += 1;
@@ -287,14 +293,11 @@ impl Channel {
         (self.values > 0).then_some([self.low, self.high])
     }
 
-    /// The raw code at an end of the range that came while no other value came near it: it means "not available".
+    /// The raw code that came while no other value came near it: it means "not available".
     pub(super) fn not_available(&self) -> Option<i64> {
-        let (end, _) = self.at_end.iter().enumerate().find(|(_, count)| **count > 0)?;
-        let code = self.ends?[end];
-        let at = self.codec.physical(code);
-        let (low, high) = self.codec.range();
-        let near = |value: f64| value.is_finite() && (value - at).abs() < 0.1 * (high - low);
-        (!near(self.low) && !near(self.high)).then(|| self.codec.integer(code))
+        let alone = self.special.iter().flatten().filter(|special| special.neighbours == 0);
+        let usual = alone.max_by_key(|special| special.times).filter(|special| special.times > 0)?;
+        Some(self.codec.integer(usual.bits))
     }
 
     /// The raw value that nearly all frames have.
@@ -307,6 +310,33 @@ impl Channel {
     pub(super) fn share_of(&self, code: u64) -> f64 {
         let count = usize::try_from(code).ok().and_then(|code| self.codes.get(code)).copied().unwrap_or(0);
         if self.values > 0 { count as f64 / self.values as f64 } else { 0.0 }
+    }
+}
+
+impl Special {
+    /// The ends of what the bits can carry. Where they carry no sign, all ones, and the one that would be the lowest if
+    /// they did: some programs write it for everything that they do not have.
+    fn of(codec: &Codec) -> Option<[Self; 2]> {
+        let (mask, size) = (codec.extractor.mask(), codec.extractor.size());
+        let (low, high) = codec.range();
+        let special = |bits: u64| Self {
+            bits,
+            value: codec.physical(bits),
+            near: 0.1 * (high - low),
+            times: 0,
+            neighbours: 0,
+        };
+        match codec.kind {
+            ValueKind::Signed if size >= 8 => Some([special(mask / 2 + 1), special(mask / 2)]),
+            ValueKind::Unsigned if size >= 8 => {
+                let middle = special(mask / 2 + 1);
+                // Where the middle stands for zero, or steps are coarse, it is a measurement like others.
+                let is_zero = middle.value.abs() < 0.25 * low.abs().max(high.abs());
+                let lower = if size < 12 || is_zero { special(mask) } else { middle };
+                Some([special(mask), lower])
+            }
+            _ => None,
+        }
     }
 }
 

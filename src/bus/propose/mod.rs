@@ -14,6 +14,7 @@
 //! A quantity for which nothing fits is not found; nothing is proposed for the sake of proposing.
 
 mod beside;
+mod by_speed;
 mod choose;
 mod corners;
 mod drive;

@@ -15,6 +15,9 @@ use physics::Quantity;
 /// Correlation from which on the data are enough without a name.
 const ALONE: f64 = 0.93;
 
+/// Names that leave no doubt.
+const SURELY_NAMED: f64 = 0.95;
+
 /// A candidate with all that speaks for it and against it.
 #[derive(Clone, Debug)]
 pub(super) struct Picked {
@@ -109,19 +112,32 @@ impl Chooser<'_> {
             f64::from(u8::from(fits(picked))) + picked.names + 0.5 * strength
         };
         candidates.sort_by(|a, b| rank(b).total_cmp(&rank(a)).then(a.chosen.place.cmp(&b.chosen.place)));
+        if candidates.is_empty() && quantity == Quantity::LongitudinalAcceleration {
+            candidates.extend(weak(&mut picks.contradicted));
+        }
         let mut candidates = candidates.into_iter();
         picks.best = candidates.next();
         picks.others = candidates.collect();
         picks
     }
 
+    /// Nothing but "not available" comes.
+    pub(super) fn has_no_value(&self, chosen: &Chosen) -> bool {
+        let channel = self.drive.and_then(|drive| drive.channel(self.database, chosen.place));
+        channel.is_some_and(|channel| channel.range().is_none())
+    }
+
     /// A sensor that has one value, or none, while the car moves, in words.
     fn stands_still(&self, quantity: Quantity, chosen: &Chosen) -> Option<String> {
         let channel = self.drive?.channel(self.database, chosen.place)?;
+        // Without a motion, too.
+        if channel.range().is_none() {
+            return Some("is never available in the recordings".into());
+        }
         let motion = self.motion.as_ref().filter(|motion| motion.moving_s() > 10.0)?;
         let flag = matches!(quantity, Quantity::BrakeActive | Quantity::AbsActive);
         match channel.range() {
-            None => Some("is never available in the recordings".into()),
+            None => None,
             // A value that is always zero may be one that only stays so: brakes that were not used, no curve.
             Some([value, _]) if !flag && !channel.varies() && (value != 0.0 || moved(quantity, motion)) => {
                 Some(format!("is always {value} while the car moves"))
@@ -195,6 +211,24 @@ impl Chooser<'_> {
         });
         (!other).then_some(Picked { chosen, names: 0.0, data: Some(data) })
     }
+}
+
+/// A longitudinal acceleration that is called so beyond doubt and goes with the change of speed, but reads too little of
+/// it: filtered, and late. It is one, if not a good one.
+fn weak(contradicted: &mut Vec<Picked>) -> Option<Picked> {
+    let is_weak = |picked: &Picked| {
+        let follows =
+            |data: &Evidence| data.correlation.is_some_and(|c| c > 0.6) && data.scale.is_some_and(|s| s > 0.2);
+        picked.names >= SURELY_NAMED
+            && matches!(picked.chosen.unit, Unit::Known(_))
+            && picked.data.as_ref().is_some_and(follows)
+    };
+    let mut picked = contradicted.remove(contradicted.iter().position(is_weak)?);
+    if let Some(data) = &mut picked.data {
+        data.verdict = Verdict::Silent;
+        data.words.push_str(": it may be filtered, and late");
+    }
+    Some(picked)
 }
 
 /// Did the car do what the quantity measures?

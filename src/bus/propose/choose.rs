@@ -1,5 +1,7 @@
 //! Names and data together: one signal for each quantity, or none.
 
+use std::collections::BTreeMap;
+
 use super::by_speed;
 use super::corners::Wheels;
 use super::drive::Drive;
@@ -17,9 +19,18 @@ use physics::Quantity;
 /// Alternatives that are mentioned.
 const ALTERNATIVES: usize = 3;
 
+/// Signals that somebody names for a quantity, or none where it is to be left out.
+pub type Wishes = BTreeMap<Quantity, Option<Place>>;
+
 /// Proposes a signal for every quantity; `drive` has gathered the recordings, if there are any.
 pub fn propose(database: &Database, drive: Option<&Drive>) -> Proposal {
-    let mut chooser = Chooser { database, drive, motion: None, taken: Vec::new(), left: 1.0 };
+    propose_with(database, drive, Wishes::new())
+}
+
+/// The same; what is wished for is taken, whatever its name is and however it behaves.
+pub fn propose_with(database: &Database, drive: Option<&Drive>, wishes: Wishes) -> Proposal {
+    let taken = wishes.values().copied().flatten().collect();
+    let mut chooser = Chooser { database, drive, motion: None, taken, left: 1.0, wishes };
     let found = wheels::find(database, drive);
     let mut choices = chooser.wheels_and_turns(found);
     for quantity in Quantity::ALL {
@@ -108,6 +119,9 @@ impl Chooser<'_> {
                     groups.iter().take(ALTERNATIVES).map(name).collect()
                 };
                 for (corner, quantity) in Quantity::ALL.into_iter().take(4).enumerate() {
+                    if self.wishes.contains_key(&quantity) {
+                        continue;
+                    }
                     let mut choice = self.wheel(quantity, wheels, wheels.places[order[corner]], known);
                     choice.alternatives = named(&others, corner);
                     choice.contradicted = named(&contradicted, corner);
@@ -117,13 +131,17 @@ impl Chooser<'_> {
                     notes.push("front and rear wheels are proposed in the order of the file".into());
                 }
             }
-            None => choices.extend(Quantity::ALL.into_iter().take(4).map(|quantity| Choice {
+            None => choices.extend(self.unwished_wheels().map(|quantity| Choice {
                 why: "no four signals are named or behave like wheels".into(),
                 ..nothing(quantity)
             })),
         }
         choices.extend(picks.into_iter().map(|(quantity, picks)| self.choice(quantity, picks)));
         (choices, notes)
+    }
+
+    fn unwished_wheels(&self) -> impl Iterator<Item = Quantity> {
+        Quantity::ALL.into_iter().take(4).filter(|quantity| !self.wishes.contains_key(quantity))
     }
 
     /// One wheel of the group.
@@ -209,6 +227,7 @@ impl Chooser<'_> {
         };
         let mut words = Vec::new();
         words.push(match best.names {
+            _ if self.wishes.contains_key(&quantity) => "named by you".to_owned(),
             0.0 => "no name says so".to_owned(),
             names => format!("named so ({names:.2})"),
         });
@@ -262,7 +281,8 @@ impl Chooser<'_> {
             words.push("its unit is not known".into());
             return Confidence::NotFound;
         }
-        if quantity == Quantity::DriveTorque && !fits {
+        let is_wished = self.wishes.contains_key(&quantity);
+        if quantity == Quantity::DriveTorque && !fits && !is_wished {
             // An engine's torque in front of a gearbox is no axle's.
             let axle = best.chosen.place.spoken(self.database).is_some_and(|spoken| {
                 spoken.signal.any(&["wheel*", "whl*", "axle*", "prpl*", "di", "drive", "antrieb*", "rad*"])
@@ -299,5 +319,6 @@ fn nothing(quantity: Quantity) -> Choice {
         why: String::new(),
         alternatives: Vec::new(),
         contradicted: Vec::new(),
+        repaired: Vec::new(),
     }
 }

@@ -1,6 +1,7 @@
 //! The best candidate for a quantity, by names and data.
 
 use super::beside;
+use super::choose::Wishes;
 use super::drive::Drive;
 use super::evidence::{Evidence, Verdict, weigh};
 use super::mapped::Chosen;
@@ -43,6 +44,8 @@ pub(super) struct Chooser<'a> {
     pub(super) taken: Vec<Place>,
     /// 1 if the motion's first side is the left one, else −1.
     pub(super) left: f64,
+    /// What somebody has named.
+    pub(super) wishes: Wishes,
 }
 
 impl Chooser<'_> {
@@ -75,6 +78,10 @@ impl Chooser<'_> {
     /// The best candidate by names and data.
     pub(super) fn pick(&self, quantity: Quantity) -> Picks {
         let mut picks = Picks::default();
+        if let Some(wish) = self.wishes.get(&quantity) {
+            picks.best = wish.and_then(|place| self.wished(quantity, place));
+            return picks;
+        }
         let mut candidates = Vec::new();
         for Named { place, score, unit } in names::candidates(self.database, quantity) {
             if self.taken.contains(&place) {
@@ -125,6 +132,14 @@ impl Chooser<'_> {
     pub(super) fn has_no_value(&self, chosen: &Chosen) -> bool {
         let channel = self.drive.and_then(|drive| drive.channel(self.database, chosen.place));
         channel.is_some_and(|channel| channel.range().is_none())
+    }
+
+    /// What somebody names is taken, but for a sign and a unit that the recordings tell.
+    fn wished(&self, quantity: Quantity, place: Place) -> Option<Picked> {
+        let (_, signal) = place.find(self.database)?;
+        let sign_bit = beside::sign(self.database, place, quantity);
+        let chosen = Chosen { place, sign_bit, unit: Unit::of(quantity, signal) };
+        Some(Picked { data: self.weigh(quantity, &chosen), names: 1.0, chosen })
     }
 
     /// A sensor that has one value, or none, while the car moves, in words.

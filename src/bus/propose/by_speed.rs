@@ -73,8 +73,7 @@ fn confirmed(database: &Database, drive: &Drive, motion: &Motion) -> Option<Conf
     let mut best: Option<Confirmed> = None;
     for (quantity, law, with, possible) in laws {
         for named in called(database, drive, quantity) {
-            let Some(found) =
-                si(database, drive, &named, quantity).and_then(|series| line(&series, &[&law]))
+            let Some(found) = si(database, drive, &named, quantity).and_then(|series| line(&series, &[&law]))
             else {
                 continue;
             };

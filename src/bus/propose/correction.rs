@@ -120,10 +120,7 @@ mod tests {
             repaired: Vec::new(),
         };
         Proposal {
-            quantities: vec![
-                choice(Quantity::YawRate, "E.Y"),
-                choice(Quantity::LateralAcceleration, "E.A"),
-            ],
+            quantities: vec![choice(Quantity::YawRate, "E.Y"), choice(Quantity::LateralAcceleration, "E.A")],
             notes: Vec::new(),
             driven_s: None,
             fd: false,
@@ -139,12 +136,9 @@ mod tests {
         let mut proposal = proposal();
         let quantity = Quantity::YawRate;
         // Recorded as −1.25 · truth + 0.02, and 85 ms late.
-        for correction in [
-            Correction::Zero(0.02),
-            Correction::Turned,
-            Correction::Times(1.25),
-            Correction::Late(0.0852),
-        ] {
+        for correction in
+            [Correction::Zero(0.02), Correction::Turned, Correction::Times(1.25), Correction::Late(0.0852)]
+        {
             assert!(proposal.correct(quantity, correction, "so"));
         }
         let yaw = mapped(&proposal, quantity);

@@ -164,9 +164,7 @@ fn compare(quantity: Quantity, series: &[f64], unit: &Unit, motion: &Motion) -> 
             };
             match &motion.confirmed {
                 None => follow(quantity, series, unit, &motion.speed, &law),
-                Some(confirmed) => {
-                    by_another(follow(quantity, series, unit, &motion.speed, &law), confirmed)
-                }
+                Some(confirmed) => by_another(follow(quantity, series, unit, &motion.speed, &law), confirmed),
             }
         }
         Quantity::BrakePressure | Quantity::BrakeTorque => brake(series, unit, motion),
@@ -292,7 +290,8 @@ fn moving(motion: &Motion) -> impl Iterator<Item = f64> {
 
 /// Pressed while the car slows down, and else not.
 fn brake(series: &[f64], unit: &Unit, motion: &Motion) -> Evidence {
-    let slowing: Vec<f64> = moving(motion).map(|a| if a.is_nan() { a } else { (-a - 0.3).max(0.0) }).collect();
+    let slowing: Vec<f64> =
+        moving(motion).map(|a| if a.is_nan() { a } else { (-a - 0.3).max(0.0) }).collect();
     let is_there = |i: &usize| slowing[*i].is_finite() && series.get(*i).is_some_and(|x| x.is_finite());
     let (braking, rolling): (Vec<usize>, Vec<usize>) =
         (0..slowing.len()).filter(is_there).partition(|i| slowing[*i] > 0.5);

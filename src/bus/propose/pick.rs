@@ -232,8 +232,9 @@ impl Chooser<'_> {
 /// it: filtered, and late. It is one, if not a good one.
 fn weak(contradicted: &mut Vec<Picked>) -> Option<Picked> {
     let is_weak = |picked: &Picked| {
-        let follows =
-            |data: &Evidence| data.correlation.is_some_and(|c| c > 0.6) && data.scale.is_some_and(|s| s > 0.2);
+        let follows = |data: &Evidence| {
+            data.correlation.is_some_and(|c| c > 0.6) && data.scale.is_some_and(|s| s > 0.2)
+        };
         picked.names >= SURELY_NAMED
             && matches!(picked.chosen.unit, Unit::Known(_))
             && picked.data.as_ref().is_some_and(follows)

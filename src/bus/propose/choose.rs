@@ -298,6 +298,7 @@ impl Chooser<'_> {
                 Confidence::Likely
             }
             (true, _) => Confidence::Unsure,
+            (false, _) if best.is_weak => Confidence::Unsure,
             // Where nothing behaves like wheels, it may be another car's file.
             (false, names) if names >= 0.8 && !self.driven_in_vain() => Confidence::Likely,
             (false, names) if names >= ENOUGH => Confidence::Unsure,

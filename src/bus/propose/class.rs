@@ -147,7 +147,8 @@ impl CarClass {
             ("drag_coefficient_kg_per_m", drag),
             ("rolling_resistance", about(0.012, 0.004)),
             ("friction", friction),
-            ("drive_torque_ratio", about(1.0, 0.3)),
+            // The axle's torque, or that of an engine in front of gears that nobody knows.
+            ("drive_torque_ratio", about(1.0, 0.5)),
         ]
     }
 }

@@ -223,6 +223,22 @@ impl Drive {
         (received.frames > 0).then(|| received.channels.iter().find(|c| c.place == place)).flatten()
     }
 
+    /// The code that other signals of this size have all the time, if it could mean "not available" here, too: whoever
+    /// writes it for what is not there writes it for all.
+    pub(super) fn others_not_available(&self, channel: &Channel) -> Option<i64> {
+        let kind = |channel: &Channel| (channel.codec.extractor.size(), channel.codec.kind);
+        let own = channel.special.iter().flatten().filter(|special| special.neighbours == 0);
+        let is_said = |bits: u64| {
+            let others = self.by_id.values().flat_map(|received| &received.channels);
+            let silent = others.filter(|other| other.values == 0 && kind(other) == kind(channel));
+            let said =
+                |other: &&Channel| other.special.iter().flatten().any(|s| s.bits == bits && s.times > 0);
+            silent.filter(said).count() >= 2
+        };
+        let code = own.map(|special| special.bits).find(|bits| is_said(*bits))?;
+        Some(channel.codec.integer(code))
+    }
+
     /// Did the message come?
     pub(super) fn came(&self, database: &Database, place: Place) -> bool {
         let id = database.messages().get(place.message).map(|message| message.id);

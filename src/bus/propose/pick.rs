@@ -25,6 +25,8 @@ pub(super) struct Picked {
     pub(super) chosen: Chosen,
     pub(super) names: f64,
     pub(super) data: Option<Evidence>,
+    /// It is called so beyond doubt, and behaves poorly.
+    pub(super) is_weak: bool,
 }
 
 /// What was picked and what was not.
@@ -94,7 +96,7 @@ impl Chooser<'_> {
                 continue;
             }
             let data = self.weigh(quantity, &chosen);
-            let picked = Picked { names: score, data, chosen };
+            let picked = Picked { names: score, data, chosen, is_weak: false };
             let still = self.stands_still(quantity, &picked.chosen);
             match (&picked.data, still) {
                 (_, Some(words)) => {
@@ -139,7 +141,7 @@ impl Chooser<'_> {
         let (_, signal) = place.find(self.database)?;
         let sign_bit = beside::sign(self.database, place, quantity);
         let chosen = Chosen { place, sign_bit, unit: Unit::of(quantity, signal) };
-        Some(Picked { data: self.weigh(quantity, &chosen), names: 1.0, chosen })
+        Some(Picked { data: self.weigh(quantity, &chosen), names: 1.0, chosen, is_weak: false })
     }
 
     /// A sensor that has one value, or none, while the car moves, in words.
@@ -224,7 +226,7 @@ impl Chooser<'_> {
                     .weigh(*law, &chosen)
                     .is_some_and(|other| other.verdict == Verdict::Fits && other.strength() > data.strength())
         });
-        (!other).then_some(Picked { chosen, names: 0.0, data: Some(data) })
+        (!other).then_some(Picked { chosen, names: 0.0, data: Some(data), is_weak: false })
     }
 }
 
@@ -240,6 +242,7 @@ fn weak(contradicted: &mut Vec<Picked>) -> Option<Picked> {
             && picked.data.as_ref().is_some_and(follows)
     };
     let mut picked = contradicted.remove(contradicted.iter().position(is_weak)?);
+    picked.is_weak = true;
     if let Some(data) = &mut picked.data {
         data.verdict = Verdict::Silent;
         data.words.push_str(": it may be filtered, and late");

@@ -99,6 +99,11 @@ impl VehicleTable {
         if number.source == Source::Told || !(value.value.is_finite() && value.std.is_finite()) {
             return false;
         }
+        // A drive that tells less than the class of the car does is no better than a guess.
+        let share = |of: Uncertain| of.std / of.value.abs();
+        if number.source == Source::Class && share(value) > share(number.value) {
+            return false;
+        }
         (number.value, number.source) = (rounded(value), Source::Recording(how.to_owned()));
         self.derive();
         true
@@ -212,7 +217,7 @@ impl VehicleTable {
 
 fn entry(out: &mut String, value: &str, words: &str) {
     // Writing to a string cannot fail.
-    let _ = writeln!(out, "{value:<56} # {words}");
+    let _ = writeln!(out, "{value:<60} # {words}");
 }
 
 fn words(source: &Source, class: CarClass) -> String {
@@ -238,7 +243,7 @@ fn influence(key: &str, has: &impl Fn(Quantity) -> bool) -> Option<(f64, &'stati
         "track_front_m" | "track_rear_m" => (0.5, "the yaw rate as the wheels tell it"),
         "cg_height_m" => (0.2, "how the load moves in curves and brakings"),
         "drive_torque_ratio" => (1.0, "the drive force, and so the slip slope"),
-        "brake_torque_per_bar_front_nm" => (0.5, "the brake force"),
+        "brake_torque_per_bar_front_nm" => (0.2, "the brake force"),
         _ => return None,
     })
 }

@@ -14,8 +14,9 @@ use physics::{Quantity, Sample, Wheel};
 
 /// Rounds at most: signs hide scales, scales hide delays, and delays zeros.
 const ROUNDS: usize = 6;
-/// How well the mass and the radius of a class of cars let an acceleration tell a torque, relative.
-const TORQUE_STD: f64 = 0.2;
+/// How well an acceleration tells a torque, relative: mass and radius are a guess, and hills are in it. Tuned: the Zoe's
+/// motor torque comes out at 0.7 of what its gears are known for (`tests/commands/setup`).
+const TORQUE_STD: f64 = 0.35;
 
 /// What is read and written.
 pub struct Files<'a> {

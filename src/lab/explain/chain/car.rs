@@ -1,16 +1,14 @@
 //! Numbers of the car that a drive tells before anybody did: the steering ratio, and which axle is driven.
 
 use super::regression::{FREE, fit, student};
-use super::relations::{not_braking, rows, steering_link};
+use super::relations::{Relation, link, not_braking, rows};
 use super::series::{LEAST_MOVING_S, Series};
 use physics::model::{DrivenAxle, Uncertain, Vehicle};
 use physics::{Quantity, Sample, Wheel};
 
-/// Curves in which the slip angles hardly count, m/s²; the second where there are too few of the first. Physical.
-const GENTLE: [f64; 2] = [2.0, 4.0];
-/// How far steering gears, tires and the wheels' geometry put the ratio off. Tuned: on the seven recordings of five cars
-/// whose ratio is known it comes out 10 % low to 8 % high (`tests/commands/setup`).
-const GEAR: f64 = 0.07;
+/// How far steering gears, tires and the wheels' geometry put the ratio off. Tuned: on seven recordings of four cars whose
+/// ratio is known it comes out 10 % low to 8 % high (`tests/commands/setup`).
+const GEAR: f64 = 0.08;
 /// Driven wheels of any car slip more than this and less than that by acceleration, per m/s². Physical: a slip stiffness of
 /// 25 to 50 times the load on half of the wheels.
 const SLIPS: std::ops::Range<f64> = 0.001..0.02;
@@ -19,8 +17,8 @@ const SLIPS: std::ops::Range<f64> = 0.001..0.02;
 /// and a ratio to begin with. Signs, delays and zeros should be right already.
 pub fn steering_ratio(samples: &[Sample], vehicle: &Vehicle) -> Option<Uncertain> {
     let series = Series::new(samples, vehicle).filter(|s| s.moving_seconds() > LEAST_MOVING_S)?;
-    let mut told = GENTLE.into_iter().filter_map(|gentle| steering_link(&series, gentle));
-    let link = told.find(|link| link.has_scale() && link.gain > 0.0 && link.explained > 0.5)?;
+    let told = link(&series, Relation::Steering);
+    let link = told.filter(|link| link.has_scale() && link.gain > 0.0 && link.explained > 0.5)?;
     let value = vehicle.steering_ratio.value * link.gain;
     // A road car's is 9 to 25; what is connected with the road wheels has 1.
     if !(0.8..40.0).contains(&value) {

@@ -90,17 +90,8 @@ pub(super) struct Link {
 
 /// The gain, and the delay by shifting the response until none is left.
 pub(super) fn link(series: &Series, relation: Relation) -> Option<Link> {
-    settled(|delay| evaluate(series, relation, delay))
-}
-
-/// The steering's, in curves of less than so much lateral acceleration, m/s².
-pub(super) fn steering_link(series: &Series, gentle: f64) -> Option<Link> {
-    settled(|delay| steering(series, delay, |row| series.vr[row].abs() < gentle))
-}
-
-fn settled(evaluate: impl Fn(f64) -> Option<Link>) -> Option<Link> {
     let mut delay = 0.0;
-    let mut link = evaluate(delay)?;
+    let mut link = evaluate(series, relation, delay)?;
     let undelayed = link.alone;
     for _ in 0..4 {
         let step = link.delay;
@@ -108,7 +99,7 @@ fn settled(evaluate: impl Fn(f64) -> Option<Link>) -> Option<Link> {
             return Some(Link { delay: f64::NAN, ..link });
         }
         delay += step;
-        link = evaluate(delay)?;
+        link = evaluate(series, relation, delay)?;
         if step.abs() < 1e-4 {
             break;
         }
@@ -126,7 +117,7 @@ fn evaluate(series: &Series, relation: Relation, shift: f64) -> Option<Link> {
             axle(series, Quantity::WheelSpeedFl, Quantity::WheelSpeedFr, relation, shift)
         }
         Relation::Lateral => lateral(series, shift),
-        Relation::Steering => steering(series, shift, |row| gentle(series, row)),
+        Relation::Steering => steering(series, shift),
         Relation::Longitudinal => longitudinal(series, shift),
     }
 }
@@ -262,7 +253,7 @@ fn rough_gain(series: &Series, lateral_acceleration: &[f64]) -> f64 {
 
 /// δ v/L = r + (κ_F − κ_R) v a_y/L + (κ_F Jz/(m b) + κ_R Jz/(m a)) v r'/L + offsets, δ the road wheel
 /// angle: exact for linear tires at small angles.
-fn steering(series: &Series, shift: f64, gentle: impl Fn(usize) -> bool) -> Option<Link> {
+fn steering(series: &Series, shift: f64) -> Option<Link> {
     let vehicle = &series.vehicle;
     let l = vehicle.wheelbase_m.value;
     let to_yaw = 1.0 / (vehicle.steering_ratio.value * l);
@@ -272,10 +263,16 @@ fn steering(series: &Series, shift: f64, gentle: impl Fn(usize) -> bool) -> Opti
     let felt = series.has(Quantity::LateralAcceleration);
     let ay = if felt { series.smooth(Quantity::LateralAcceleration) } else { series.vr.clone() };
     let ay_gain = rough_gain(series, &ay);
-    let rows = rows(series, &y, shift, gentle, |row| {
-        let (v, r_dot) = (series.v[row], series.r_dot[row]);
-        [series.r[row], r_dot, v * ay[row] / ay_gain / l, v * r_dot / l, v, 1.0]
-    });
+    let rows = rows(
+        series,
+        &y,
+        shift,
+        |row| gentle(series, row),
+        |row| {
+            let (v, r_dot) = (series.v[row], series.r_dot[row]);
+            [series.r[row], r_dot, v * ay[row] / ay_gain / l, v * r_dot / l, v, 1.0]
+        },
+    );
     let (sum_xy, sum_xx) = rows.iter().fold((0.0, 0.0), |(a, b), r| (a + r.x[0] * r.y, b + r.x[0] * r.x[0]));
     let slope = if sum_xx > 0.0 { sum_xy / sum_xx } else { 1.0 };
     let gain = if (0.3..4.0).contains(&slope) { 1.0 } else { slope };

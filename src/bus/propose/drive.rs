@@ -405,3 +405,34 @@ fn fill(series: &mut [f64]) {
         last = Some(place);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a signal of 16 bits says of its codes after these raw values.
+    fn code(signal: &str, values: &[u16]) -> Option<i64> {
+        let dbc = format!("BO_ 257 M: 2 X\n SG_ S : 0|16{signal} [0|0] \"m/s\" X\n");
+        let database = Database::parse(dbc.as_bytes(), "car.dbc").unwrap();
+        let mut drive = Drive::new(&database);
+        let id = CanId::standard(257).unwrap();
+        for (number, value) in values.iter().enumerate() {
+            let time = Micros::from_millis(10 * number as i64);
+            drive.frame(&Frame::data_frame(time, id, &value.to_le_bytes()).unwrap());
+        }
+        drive.end_of_recording();
+        drive.channel(&database, Place { message: 0, signal: 0 }).unwrap().not_available()
+    }
+
+    #[test]
+    fn a_code_is_one_only_where_no_measurement_comes_near_it() {
+        assert_eq!(code("@1- (0.001,0)", &[10, 0x8000, 20]), Some(-0x8000));
+        assert_eq!(code("@1- (0.001,0)", &[10, 0x8000, 0x8003]), None, "a range that is used up");
+        assert_eq!(code("@1+ (0.01,0)", &[10, 0xFFFF, 20]), Some(0xFFFF));
+        assert_eq!(code("@1+ (0.01,0)", &[10, 0x8000, 20]), Some(0x8000), "as if it had a sign");
+        assert_eq!(code("@1+ (0.01,0)", &[10, 0x8000, 0x8100]), None, "a speed like others");
+        assert_eq!(code("@1+ (0.01,-327.68)", &[10, 0x8000, 20]), None, "it is zero");
+        assert_eq!(code("@1+ (0.01,0)", &[0x8000; 3]), Some(0x8000), "nothing but that");
+        assert_eq!(code("@1+ (0.01,0)", &[10, 20]), None);
+    }
+}

@@ -73,7 +73,7 @@ fn a_configuration_that_runs_comes_of_one_line() {
     for command in [
         "replay -c my.toml drive.log -o published.log --estimates estimates.csv",
         "plot -c my.toml drive.log --html drive.html",
-        "explain -c my.toml drive.log --to 60 --json explained.json",
+        "explain -c my.toml drive.log --to 40 --json explained.json",
     ] {
         let mut program = gripd();
         let output = program.current_dir(folder).arg("-q").args(command.split(' ')).output().unwrap();
@@ -140,19 +140,19 @@ fn a_signal_that_is_there_half_of_the_time_has_its_code() {
 /// its signal is named.
 #[test]
 fn what_is_missing_is_told_and_may_be_named() {
-    let mut car = Car::german();
-    car.lines.retain(|line| line.quantity != Quantity::LateralAcceleration);
-    // A counter that goes on is no yaw rate.
-    car.of(Quantity::YawRate).name = "Kennfeld";
-    car.of(Quantity::YawRate).unit = "";
-    let scratch = recorded(&car, &DRIVE.replace("noise_std = 0.003", "noise_std = 0.2"));
+    let car = Car::german();
+    // So noisy that only its name would tell what it is.
+    let scratch = recorded(&car, &DRIVE.replace("noise_std = 0.003", "noise_std = 0.6"));
     let folder = scratch.path();
+    let dbc = std::fs::read_to_string(folder.join("car.dbc")).unwrap();
+    let other = dbc.replace("Giergeschwindigkeit", "Kennfeld");
+    let other = other.lines().filter(|line| !line.contains("Querbeschl")).collect::<Vec<_>>().join("\n");
+    std::fs::write(folder.join("car.dbc"), other).unwrap();
     let output = setup(folder, &["car.dbc", "drive.log", "-o", "my.toml", "--yes"]);
     assert_eq!(output.status.code(), Some(1), "{}", said(&output));
     assert!(said(&output).contains("needed, so nothing is written"), "{}", said(&output));
     assert!(!folder.join("my.toml").exists());
-    let signal = format!("yaw_rate={}", car.place(Quantity::YawRate));
-    let named = ["car.dbc", "drive.log", "-o", "my.toml", "--yes", "--signal", &signal];
+    let named = ["car.dbc", "drive.log", "-o", "my.toml", "--yes", "--signal", "yaw_rate=Sensor_2.Kennfeld"];
     let output = setup(folder, &[&named[..], &["--signal", "drive_torque=none"]].concat());
     let text = said(&output);
     assert!(text.contains("lateral_acceleration: sideslip less surely"), "{text}");

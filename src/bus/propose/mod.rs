@@ -13,8 +13,10 @@
 //!
 //! A quantity for which nothing fits is not found; nothing is proposed for the sake of proposing.
 
+mod along;
 mod beside;
 mod by_speed;
+mod channel;
 mod choose;
 mod class;
 mod corners;

@@ -57,7 +57,7 @@ pub enum Command {
     /// Check a configuration, and on recordings the measurement chain.
     Check(check::Check),
     /// From a DBC and recordings to a configuration that runs: signals found and put right, the car's numbers asked for.
-    Setup(setup::Setup),
+    Setup(Box<setup::Setup>),
     /// Propose a configuration's signals for an unknown car, from its DBC and a recorded drive.
     Map(map::Map),
     /// Write a recording as a page to look into: signals, estimates, handling curve, g-g diagram, track.

@@ -3,7 +3,7 @@
 
 use super::beside;
 use super::drive::Drive;
-use super::motion::{Confirmed, Motion, SLOW, TRACK_M, derivative, deviation, points};
+use super::motion::{Confirmed, FEWEST, Motion, SLOW, TRACK_M, derivative, deviation, points};
 use super::names::{self, ENOUGH, Named};
 use super::regression::line;
 use crate::dbc::Database;
@@ -14,8 +14,6 @@ use physics::Quantity;
 const CONFIRMS: f64 = 0.8;
 /// Candidates of each quantity that are tried.
 const TRIED: usize = 3;
-/// Fewer points (a third of a second each) above walking pace say nothing.
-const FEWEST: usize = 30;
 
 /// The motion by names alone, if a lateral acceleration is in proportion to speed × yaw rate, or a steering angle to the
 /// curvature.

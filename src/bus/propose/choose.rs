@@ -45,7 +45,12 @@ pub fn propose_with(database: &Database, drive: Option<&Drive>, wishes: Wishes) 
     }
     let (mut quantities, mut notes) = choices;
     if chooser.driven_in_vain() {
-        notes.push("no wheels turn in the recordings: is it the right bus, and the right car's file?".into());
+        let are_there = quantities.iter().any(|choice| choice.quantity.wheel().is_some() && is_found(choice));
+        notes.push(if are_there {
+            "the wheels hardly turn in the recordings, which so tell nothing: drive for some minutes".into()
+        } else {
+            "no wheels turn in the recordings: is it the right bus, and the right car's file?".into()
+        });
     }
     quantities.sort_by_key(|choice| choice.quantity);
     if let Some(drive) = drive {
@@ -308,6 +313,10 @@ impl Chooser<'_> {
             }
         }
     }
+}
+
+fn is_found(choice: &Choice) -> bool {
+    choice.confidence > Confidence::NotFound
 }
 
 fn nothing(quantity: Quantity) -> Choice {

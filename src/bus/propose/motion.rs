@@ -29,6 +29,9 @@ const AS_GOOD: f64 = 0.03;
 /// An axle whose wheels differ by less than this share of what the other's do is locked. Physical: tracks differ by a tenth.
 const LOCKED: f64 = 0.3;
 
+/// Fewer points above walking pace say nothing: ten seconds.
+pub(super) const FEWEST: usize = 30;
+
 /// A drive, one point for every 0.3 s; not a number where a wheel is missing or the car is slow.
 pub(super) struct Motion {
     /// Speed, m/s.
@@ -204,7 +207,7 @@ fn scaled(series: &[f64], factor: f64) -> Vec<f64> {
 /// Four wheels of one car turn alike.
 fn agree(wheels: &[Vec<f64>], mean: &[f64]) -> Option<()> {
     let moving: Vec<usize> = (0..mean.len()).filter(|i| mean[*i] > SLOW && mean[*i] < 120.0).collect();
-    if moving.len() < 30 || mean.iter().any(|v| *v > 150.0) {
+    if moving.len() < FEWEST || mean.iter().any(|v| *v > 150.0) {
         return None;
     }
     let off = |wheel: usize, speed: &dyn Fn(usize) -> f64| -> f64 {

@@ -121,8 +121,8 @@ impl Chooser<'_> {
             f64::from(u8::from(fits(picked))) + picked.names + 0.5 * strength
         };
         candidates.sort_by(|a, b| rank(b).total_cmp(&rank(a)).then(a.chosen.place.cmp(&b.chosen.place)));
-        if candidates.is_empty() && quantity == Quantity::LongitudinalAcceleration {
-            candidates.extend(weak(&mut picks.contradicted));
+        if candidates.is_empty() {
+            candidates.extend(weak(quantity, &mut picks.contradicted));
         }
         let mut candidates = candidates.into_iter();
         picks.best = candidates.next();
@@ -230,12 +230,19 @@ impl Chooser<'_> {
     }
 }
 
-/// A longitudinal acceleration that is called so beyond doubt and goes with the change of speed, but reads too little of
-/// it: filtered, and late. It is one, if not a good one.
-fn weak(contradicted: &mut Vec<Picked>) -> Option<Picked> {
+/// A sensor that is called so beyond doubt and moves with what it should follow, but by a factor that no unit explains.
+/// It is one, if not a good one.
+fn weak(quantity: Quantity, contradicted: &mut Vec<Picked>) -> Option<Picked> {
+    let (least, why) = match quantity {
+        Quantity::LongitudinalAcceleration => (0.6, ": it may be filtered, and late"),
+        Quantity::YawRate | Quantity::LateralAcceleration | Quantity::SteeringWheelAngle => {
+            (0.8, ": its scale may be wrong")
+        }
+        _ => return None,
+    };
     let is_weak = |picked: &Picked| {
         let follows = |data: &Evidence| {
-            data.correlation.is_some_and(|c| c > 0.6) && data.scale.is_some_and(|s| s > 0.2)
+            data.strength() > least && data.scale.is_some_and(|scale| (0.2..5.0).contains(&scale.abs()))
         };
         picked.names >= SURELY_NAMED
             && matches!(picked.chosen.unit, Unit::Known(_))
@@ -245,7 +252,7 @@ fn weak(contradicted: &mut Vec<Picked>) -> Option<Picked> {
     picked.is_weak = true;
     if let Some(data) = &mut picked.data {
         data.verdict = Verdict::Silent;
-        data.words.push_str(": it may be filtered, and late");
+        data.words.push_str(why);
     }
     Some(picked)
 }

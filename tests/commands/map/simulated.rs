@@ -262,3 +262,23 @@ fn a_locked_axle_is_left_out_and_not_exchanged() {
     std::fs::write(&log, locked.join("\n")).unwrap();
     all_right(&car, &of_files(&dbc, &[log]));
 }
+
+/// GIVEN a yaw rate that reads twice what it should THEN it is taken with doubt: what is called so and turns with the car
+/// is one.
+#[test]
+fn a_sensor_whose_scale_is_wrong_is_taken_with_doubt() {
+    let car = Car::german();
+    let folder = tempfile::tempdir().unwrap();
+    let (dbc, log) = car.record(folder.path(), DRIVE);
+    let text = std::fs::read_to_string(&dbc).unwrap();
+    let twice = text.replace("(0.01,0) [0|0] \"Grad/s\"", "(0.02,0) [0|0] \"Grad/s\"");
+    assert_ne!(twice, text);
+    std::fs::write(&dbc, twice).unwrap();
+    let proposal = of_files(&dbc, &[log]);
+    tell(&proposal);
+    let yaw_rate = proposal.choice(Quantity::YawRate).unwrap();
+    assert_eq!(yaw_rate.confidence, Confidence::Unsure);
+    assert_eq!(live(&proposal, Quantity::YawRate).unwrap().signals, [car.place(Quantity::YawRate)]);
+    // The wheels tell how the car turned all the same.
+    assert_eq!(proposal.choice(Quantity::LateralAcceleration).unwrap().confidence, Confidence::Sure);
+}

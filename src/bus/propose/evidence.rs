@@ -82,6 +82,10 @@ pub(super) fn weigh(quantity: Quantity, series: &[f64], unit: &Unit, motion: &Mo
     let turns =
         matches!(quantity, Quantity::YawRate | Quantity::LateralAcceleration | Quantity::SteeringWheelAngle);
     let mut evidence = compare(quantity, series, unit, motion);
+    // By a sensor whose own zero is not known, no other's is told.
+    if turns && motion.confirmed.is_some() {
+        evidence.zero = None;
+    }
     // Gentle curves may confirm, but where they do not, noise may be the reason.
     if turns && motion.turning() < CURVY && evidence.verdict == Verdict::Contradicts {
         evidence.verdict = Verdict::Silent;

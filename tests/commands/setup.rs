@@ -160,6 +160,11 @@ fn what_is_missing_is_told_and_may_be_named() {
     let config = Config::load(&folder.join("my.toml")).unwrap();
     assert!(config.signals.quantities.contains_key(&Quantity::YawRate));
     assert!(!config.signals.quantities.contains_key(&Quantity::DriveTorque));
+    // A temperature is no pressure, whoever says so.
+    let wrong = ["--force", "--signal", "brake_pressure=Antrieb_1.Temperatur"];
+    let output = setup(folder, &[&named[..], &wrong].concat());
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    assert!(said(&output).contains("brake_pressure: cannot be taken"), "{}", said(&output));
 }
 
 #[test]

@@ -69,6 +69,16 @@ impl Setup {
         let mut proposal = propose_with(&database, Some(&drive), wishes.clone());
         // The series of all signals are of no use any more.
         drop(drive);
+        for (quantity, _) in wishes.iter().filter(|(_, place)| place.is_some()) {
+            let choice =
+                proposal.choice(*quantity).filter(|choice| choice.confidence == Confidence::NotFound);
+            if let Some(choice) = choice {
+                return Err(Failure::usage(format_args!(
+                    "--signal {quantity}: cannot be taken: {}",
+                    choice.why
+                )));
+            }
+        }
         for note in &proposal.notes {
             tracing::warn!("{note}");
         }

@@ -82,7 +82,7 @@ pub struct DbcConfig {
 pub enum ConfigError {
     /// The file cannot be read.
     #[error("cannot read the configuration {path}: {source}{}", if source.kind() == std::io::ErrorKind::NotFound {
-        "; give its path with -c (`gripd map` proposes one for a car's DBC)"
+        "; give its path with -c (`gripd setup` makes one from a car's DBC and a recorded drive)"
     } else {
         ""
     })]

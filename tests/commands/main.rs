@@ -21,4 +21,5 @@ mod plot;
 mod replay;
 mod results;
 mod rooms;
+mod setup;
 mod view;

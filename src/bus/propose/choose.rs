@@ -1,5 +1,8 @@
 //! Names and data together: one signal for each quantity, or none.
 
+use std::collections::BTreeMap;
+
+use super::by_speed;
 use super::corners::Wheels;
 use super::drive::Drive;
 use super::evidence::Verdict;
@@ -16,9 +19,18 @@ use physics::Quantity;
 /// Alternatives that are mentioned.
 const ALTERNATIVES: usize = 3;
 
+/// Signals that somebody names for a quantity, or none where it is to be left out.
+pub type Wishes = BTreeMap<Quantity, Option<Place>>;
+
 /// Proposes a signal for every quantity; `drive` has gathered the recordings, if there are any.
 pub fn propose(database: &Database, drive: Option<&Drive>) -> Proposal {
-    let mut chooser = Chooser { database, drive, motion: None, taken: Vec::new(), left: 1.0 };
+    propose_with(database, drive, Wishes::new())
+}
+
+/// The same; what is wished for is taken, whatever its name is and however it behaves.
+pub fn propose_with(database: &Database, drive: Option<&Drive>, wishes: Wishes) -> Proposal {
+    let taken = wishes.values().copied().flatten().collect();
+    let mut chooser = Chooser { database, drive, motion: None, taken, left: 1.0, wishes };
     let found = wheels::find(database, drive);
     let mut choices = chooser.wheels_and_turns(found);
     for quantity in Quantity::ALL {
@@ -33,7 +45,12 @@ pub fn propose(database: &Database, drive: Option<&Drive>) -> Proposal {
     }
     let (mut quantities, mut notes) = choices;
     if chooser.driven_in_vain() {
-        notes.push("no wheels turn in the recordings: is it the right bus, and the right car's file?".into());
+        let are_there = quantities.iter().any(|choice| choice.quantity.wheel().is_some() && is_found(choice));
+        notes.push(if are_there {
+            "the wheels hardly turn in the recordings, which so tell nothing: drive for some minutes".into()
+        } else {
+            "no wheels turn in the recordings: is it the right bus, and the right car's file?".into()
+        });
     }
     quantities.sort_by_key(|choice| choice.quantity);
     if let Some(drive) = drive {
@@ -63,7 +80,9 @@ impl Chooser<'_> {
             Some(found) => (Some(found.wheels), found.motion, found.others, found.contradicted),
             None => (None, None, Vec::new(), Vec::new()),
         };
-        self.motion = motion;
+        self.motion = motion.or_else(|| by_speed::motion(self.database, self.drive?));
+        // Wheels that stand, or have no value, while another signal says that the car drives.
+        let wheels = wheels.filter(|_| self.motion.as_ref().is_none_or(|motion| motion.confirmed.is_none()));
         self.taken.extend(wheels.iter().flat_map(|wheels| wheels.places));
         let mut picks = Vec::new();
         for quantity in TURNS {
@@ -81,6 +100,10 @@ impl Chooser<'_> {
             (evidence.verdict == Verdict::Fits).then_some(evidence.sign)
         };
         let sensors: Vec<f64> = picks.iter().filter_map(|(_, picks)| fitting(picks)).collect();
+        let by_sensors: f64 = sensors.iter().sum();
+        if wheels.is_none() && by_sensors < 0.0 {
+            self.left = -1.0;
+        }
         let mut choices = Vec::new();
         let mut notes = Vec::new();
         match &wheels {
@@ -101,6 +124,9 @@ impl Chooser<'_> {
                     groups.iter().take(ALTERNATIVES).map(name).collect()
                 };
                 for (corner, quantity) in Quantity::ALL.into_iter().take(4).enumerate() {
+                    if self.wishes.contains_key(&quantity) {
+                        continue;
+                    }
                     let mut choice = self.wheel(quantity, wheels, wheels.places[order[corner]], known);
                     choice.alternatives = named(&others, corner);
                     choice.contradicted = named(&contradicted, corner);
@@ -110,13 +136,17 @@ impl Chooser<'_> {
                     notes.push("front and rear wheels are proposed in the order of the file".into());
                 }
             }
-            None => choices.extend(Quantity::ALL.into_iter().take(4).map(|quantity| Choice {
+            None => choices.extend(self.unwished_wheels().map(|quantity| Choice {
                 why: "no four signals are named or behave like wheels".into(),
                 ..nothing(quantity)
             })),
         }
         choices.extend(picks.into_iter().map(|(quantity, picks)| self.choice(quantity, picks)));
         (choices, notes)
+    }
+
+    fn unwished_wheels(&self) -> impl Iterator<Item = Quantity> {
+        Quantity::ALL.into_iter().take(4).filter(|quantity| !self.wishes.contains_key(quantity))
     }
 
     /// One wheel of the group.
@@ -193,10 +223,16 @@ impl Chooser<'_> {
                 None if base.contradicted.is_empty() => "nothing fits".to_owned(),
                 None => "what is called so behaves otherwise".to_owned(),
             };
-            return Choice { why, ..base };
+            // What has no value now may have one in another drive: its code for that stands in the comment.
+            let mapping = picks.contradicted.first().filter(|picked| self.has_no_value(&picked.chosen));
+            let mapping = mapping.map(|picked| {
+                entry(self.database, self.drive, quantity, &picked.chosen, None, &mut Vec::new())
+            });
+            return Choice { why, mapping, ..base };
         };
         let mut words = Vec::new();
         words.push(match best.names {
+            _ if self.wishes.contains_key(&quantity) => "named by you".to_owned(),
             0.0 => "no name says so".to_owned(),
             names => format!("named so ({names:.2})"),
         });
@@ -250,7 +286,8 @@ impl Chooser<'_> {
             words.push("its unit is not known".into());
             return Confidence::NotFound;
         }
-        if quantity == Quantity::DriveTorque && !fits {
+        let is_wished = self.wishes.contains_key(&quantity);
+        if quantity == Quantity::DriveTorque && !fits && !is_wished {
             // An engine's torque in front of a gearbox is no axle's.
             let axle = best.chosen.place.spoken(self.database).is_some_and(|spoken| {
                 spoken.signal.any(&["wheel*", "whl*", "axle*", "prpl*", "di", "drive", "antrieb*", "rad*"])
@@ -266,6 +303,7 @@ impl Chooser<'_> {
                 Confidence::Likely
             }
             (true, _) => Confidence::Unsure,
+            (false, _) if best.is_weak => Confidence::Unsure,
             // Where nothing behaves like wheels, it may be another car's file.
             (false, names) if names >= 0.8 && !self.driven_in_vain() => Confidence::Likely,
             (false, names) if names >= ENOUGH => Confidence::Unsure,
@@ -275,6 +313,10 @@ impl Chooser<'_> {
             }
         }
     }
+}
+
+fn is_found(choice: &Choice) -> bool {
+    choice.confidence > Confidence::NotFound
 }
 
 fn nothing(quantity: Quantity) -> Choice {
@@ -287,5 +329,6 @@ fn nothing(quantity: Quantity) -> Choice {
         why: String::new(),
         alternatives: Vec::new(),
         contradicted: Vec::new(),
+        repaired: Vec::new(),
     }
 }

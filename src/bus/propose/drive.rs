@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 
 use super::beside;
+use super::channel::Channel;
 use super::source::Place;
 use crate::can::{CanId, Frame};
-use crate::dbc::{Codec, Database, Mux, ValueKind};
+use crate::dbc::{Codec, Database, ValueKind};
 use physics::Micros;
 
 /// Length of a bin.
@@ -15,8 +16,6 @@ const STRETCH: usize = 256;
 /// Bins kept of each signal, 20 minutes; 48 KiB. Of a longer recording every second stretch is kept, of one
 /// still longer every fourth.
 const MOST: usize = 48 * STRETCH;
-/// Raw values counted of a quality signal.
-const CODES: usize = 16;
 
 /// What a recording says of a database's signals, gathered frame by frame.
 pub struct Drive {
@@ -38,24 +37,6 @@ struct Received {
     frames: u64,
     counter: Option<Counting>,
     channels: Vec<Channel>,
-}
-
-/// One signal's series.
-pub(super) struct Channel {
-    place: Place,
-    codec: Codec,
-    mux: Mux,
-    /// Bit patterns at the ends of what the bits can carry, which often mean "not available".
-    ends: Option<[u64; 2]>,
-    at_end: [u64; 2],
-    /// How often each raw value came, of signals of up to four bits.
-    codes: [u64; CODES],
-    values: u64,
-    sum: f64,
-    count: u32,
-    low: f64,
-    high: f64,
-    bins: Vec<f32>,
 }
 
 /// Does a counter count?
@@ -212,6 +193,22 @@ impl Drive {
         (received.frames > 0).then(|| received.channels.iter().find(|c| c.place == place)).flatten()
     }
 
+    /// The code that other signals of this size have all the time, if it could mean "not available" here, too: whoever
+    /// writes it for what is not there writes it for all.
+    pub(super) fn others_not_available(&self, channel: &Channel) -> Option<i64> {
+        let kind = |channel: &Channel| (channel.codec.extractor.size(), channel.codec.kind);
+        let own = channel.special.iter().flatten().filter(|special| special.neighbours == 0);
+        let is_said = |bits: u64| {
+            let others = self.by_id.values().flat_map(|received| &received.channels);
+            let silent = others.filter(|other| other.values == 0 && kind(other) == kind(channel));
+            let said =
+                |other: &&Channel| other.special.iter().flatten().any(|s| s.bits == bits && s.times > 0);
+            silent.filter(said).count() >= 2
+        };
+        let code = own.map(|special| special.bits).find(|bits| is_said(*bits))?;
+        Some(channel.codec.integer(code))
+    }
+
     /// Did the message come?
     pub(super) fn came(&self, database: &Database, place: Place) -> bool {
         let id = database.messages().get(place.message).map(|message| message.id);
@@ -226,87 +223,6 @@ impl Drive {
             && counter.steps >= 50
             && counter.other * 20 < counter.steps;
         counts.then_some((counter.places.as_slice(), counter.most + 1))
-    }
-}
-
-impl Channel {
-    fn new(place: Place, codec: Codec, mux: Mux) -> Self {
-        let mask = codec.extractor.mask();
-        let ends = match codec.kind {
-            ValueKind::Unsigned if codec.extractor.size() >= 8 => Some([mask, mask]),
-            ValueKind::Signed if codec.extractor.size() >= 8 => Some([mask / 2 + 1, mask / 2]),
-            _ => None,
-        };
-        Self {
-            place,
-            codec,
-            mux,
-            ends,
-            at_end: [0; 2],
-            codes: [0; CODES],
-            values: 0,
-            sum: 0.0,
-            count: 0,
-            low: f64::INFINITY,
-            high: f64::NEG_INFINITY,
-            bins: Vec::new(),
-        }
-    }
-
-    fn take(&mut self, data: &[u8]) {
-        if !self.mux.is_active(data) {
-            return;
-        }
-        let Some(bits) = self.codec.bits(data) else { return };
-        if let Some(ends) = self.ends
-            && let Some(end) = ends.iter().position(|end| *end == bits)
-        {
-            self.at_end[end] += 1;
-            return;
-        }
-        if let Some(code) = usize::try_from(bits).ok().and_then(|bits| self.codes.get_mut(bits)) {
-            *code += 1;
-        }
-        let value = self.codec.physical(bits);
-        if value.is_finite() {
-            self.values += 1;
-            self.sum += value;
-            self.count += 1;
-            self.low = self.low.min(value);
-            self.high = self.high.max(value);
-        }
-    }
-
-    /// Has it more than one value?
-    pub(super) fn varies(&self) -> bool {
-        self.values > 1 && self.high > self.low
-    }
-
-    /// Lowest and highest value, in the file's unit.
-    pub(super) fn range(&self) -> Option<[f64; 2]> {
-        (self.values > 0).then_some([self.low, self.high])
-    }
-
-    /// The raw code at an end of the range that came while no other value came near it: it means "not available".
-    pub(super) fn not_available(&self) -> Option<i64> {
-        let (end, _) = self.at_end.iter().enumerate().find(|(_, count)| **count > 0)?;
-        let code = self.ends?[end];
-        let at = self.codec.physical(code);
-        let (low, high) = self.codec.range();
-        let near = |value: f64| value.is_finite() && (value - at).abs() < 0.1 * (high - low);
-        (!near(self.low) && !near(self.high)).then(|| self.codec.integer(code))
-    }
-
-    /// The raw value that nearly all frames have.
-    pub(super) fn usual_code(&self) -> Option<u64> {
-        let (code, count) = self.codes.iter().enumerate().max_by_key(|(_, count)| **count)?;
-        (*count as f64 >= 0.9 * self.values as f64 && *count > 0).then_some(code as u64)
-    }
-
-    /// The share of frames that have the raw value.
-    pub(super) fn share_of(&self, code: u64) -> f64 {
-        let count = usize::try_from(code).ok().and_then(|code| self.codes.get(code)).copied().unwrap_or(0);
-        if self.values > 0 { count as f64 / self.values as f64 } else { 0.0 }
     }
 }
 
@@ -357,5 +273,36 @@ fn fill(series: &mut [f64]) {
             }
         }
         last = Some(place);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a signal of 16 bits says of its codes after these raw values.
+    fn code(signal: &str, values: &[u16]) -> Option<i64> {
+        let dbc = format!("BO_ 257 M: 2 X\n SG_ S : 0|16{signal} [0|0] \"m/s\" X\n");
+        let database = Database::parse(dbc.as_bytes(), "car.dbc").unwrap();
+        let mut drive = Drive::new(&database);
+        let id = CanId::standard(257).unwrap();
+        for (number, value) in values.iter().enumerate() {
+            let time = Micros::from_millis(10 * number as i64);
+            drive.frame(&Frame::data_frame(time, id, &value.to_le_bytes()).unwrap());
+        }
+        drive.end_of_recording();
+        drive.channel(&database, Place { message: 0, signal: 0 }).unwrap().not_available()
+    }
+
+    #[test]
+    fn a_code_is_one_only_where_no_measurement_comes_near_it() {
+        assert_eq!(code("@1- (0.001,0)", &[10, 0x8000, 20]), Some(-0x8000));
+        assert_eq!(code("@1- (0.001,0)", &[10, 0x8000, 0x8003]), None, "a range that is used up");
+        assert_eq!(code("@1+ (0.01,0)", &[10, 0xFFFF, 20]), Some(0xFFFF));
+        assert_eq!(code("@1+ (0.01,0)", &[10, 0x8000, 20]), Some(0x8000), "as if it had a sign");
+        assert_eq!(code("@1+ (0.01,0)", &[10, 0x8000, 0x8100]), None, "a speed like others");
+        assert_eq!(code("@1+ (0.01,-327.68)", &[10, 0x8000, 20]), None, "it is zero");
+        assert_eq!(code("@1+ (0.01,0)", &[0x8000; 3]), Some(0x8000), "nothing but that");
+        assert_eq!(code("@1+ (0.01,0)", &[10, 20]), None);
     }
 }

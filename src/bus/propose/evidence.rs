@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
-use super::motion::{Motion, TRACK_M};
+use super::along;
+use super::motion::{Confirmed, Motion, TRACK_M};
 use super::regression::{Line, line};
-use super::source::{RADIUS_M, Unit};
+use super::source::Unit;
 use physics::Quantity;
 
 /// What the recordings say of a signal as a quantity.
@@ -41,7 +42,7 @@ pub enum Verdict {
 }
 
 impl Evidence {
-    fn silent(unit: &Unit, words: String) -> Self {
+    pub(super) fn silent(unit: &Unit, words: String) -> Self {
         Self {
             verdict: Verdict::Silent,
             correlation: None,
@@ -81,6 +82,10 @@ pub(super) fn weigh(quantity: Quantity, series: &[f64], unit: &Unit, motion: &Mo
     let turns =
         matches!(quantity, Quantity::YawRate | Quantity::LateralAcceleration | Quantity::SteeringWheelAngle);
     let mut evidence = compare(quantity, series, unit, motion);
+    // By a sensor whose own zero is not known, no other's is told.
+    if turns && motion.confirmed.is_some() {
+        evidence.zero = None;
+    }
     // Gentle curves may confirm, but where they do not, noise may be the reason.
     if turns && motion.turning() < CURVY && evidence.verdict == Verdict::Contradicts {
         evidence.verdict = Verdict::Silent;
@@ -109,7 +114,19 @@ fn compare(quantity: Quantity, series: &[f64], unit: &Unit, motion: &Motion) -> 
         {
             Evidence::silent(unit, "the speed hardly changes in the recording".into())
         }
-        Quantity::YawRate => yaw_rate(series, unit, motion),
+        Quantity::YawRate => match &motion.confirmed {
+            None => yaw_rate(series, unit, motion),
+            Some(confirmed) => {
+                let law = Law {
+                    follows: "the one that is called so",
+                    enough: [0.95, 0.8],
+                    scales: [0.9, 1.1],
+                    turns: true,
+                    units: &["deg/s", "rad/s"],
+                };
+                by_another(follow(quantity, series, unit, &motion.turn, &law), confirmed)
+            }
+        },
         Quantity::LateralAcceleration => {
             let law = Law {
                 follows: "speed × yaw rate",
@@ -150,11 +167,14 @@ fn compare(quantity: Quantity, series: &[f64], unit: &Unit, motion: &Motion) -> 
                 turns: false,
                 units: &["km/h", "m/s", "mph"],
             };
-            follow(quantity, series, unit, &motion.speed, &law)
+            match &motion.confirmed {
+                None => follow(quantity, series, unit, &motion.speed, &law),
+                Some(confirmed) => by_another(follow(quantity, series, unit, &motion.speed, &law), confirmed),
+            }
         }
-        Quantity::BrakePressure | Quantity::BrakeTorque => brake(series, unit, motion),
-        Quantity::DriveTorque => torque(series, unit, motion),
-        Quantity::BrakeActive => pedal(series, unit, motion),
+        Quantity::BrakePressure | Quantity::BrakeTorque => along::brake(series, unit, motion),
+        Quantity::DriveTorque => along::torque(series, unit, motion),
+        Quantity::BrakeActive => along::pedal(series, unit, motion),
         Quantity::AbsActive => Evidence::silent(unit, "recordings of ordinary driving do not show it".into()),
         Quantity::WheelSpeedFl | Quantity::WheelSpeedFr | Quantity::WheelSpeedRl | Quantity::WheelSpeedRr => {
             Evidence::silent(unit, "judged four at a time".into())
@@ -254,91 +274,15 @@ fn yaw_rate(series: &[f64], unit: &Unit, motion: &Motion) -> Evidence {
     evidence
 }
 
-/// Pressed while the car slows down, and else not.
-fn brake(series: &[f64], unit: &Unit, motion: &Motion) -> Evidence {
-    let slowing: Vec<f64> = motion.change.iter().map(|a| (-a - 0.3).max(0.0)).collect();
-    let braked = slowing.iter().filter(|a| **a > 0.5).count();
-    if braked < 5 {
-        return Evidence::silent(unit, "hardly any braking in the recording".into());
+/// Where no wheels tell, a signal fits as well as another one confirmed it; where it should be zero is not known.
+fn by_another(mut evidence: Evidence, confirmed: &Confirmed) -> Evidence {
+    if evidence.verdict == Verdict::Fits {
+        evidence.correlation = Some(evidence.sign * confirmed.correlation);
+        evidence.zero = None;
+        evidence.words = format!(
+            "no wheels to compare with, but {} agrees with speed and yaw rate, correlation {:.2}",
+            confirmed.with, confirmed.correlation
+        );
     }
-    let Some(found) = line(series, &[&slowing]) else {
-        let words = "does not move while the car brakes".to_owned();
-        return Evidence { verdict: Verdict::Contradicts, ..Evidence::silent(unit, words) };
-    };
-    let fits = found.correlation > 0.6;
-    let verdict = match found.correlation {
-        _ if fits => Verdict::Fits,
-        c if c < 0.25 => Verdict::Contradicts,
-        _ => Verdict::Silent,
-    };
-    Evidence {
-        verdict,
-        correlation: Some(found.correlation),
-        words: format!("correlation {:.2} with slowing down", found.correlation),
-        ..Evidence::silent(unit, String::new())
-    }
-}
-
-/// In proportion to acceleration and drag while the brakes rest.
-fn torque(series: &[f64], unit: &Unit, motion: &Motion) -> Evidence {
-    let driven: Vec<f64> = motion.change.iter().map(|a| if *a > -0.5 { *a } else { f64::NAN }).collect();
-    let square: Vec<f64> = motion.speed.iter().map(|v| v * v).collect();
-    let Some(found) = line(series, &[&driven, &square]) else {
-        return Evidence::silent(unit, "does not move with acceleration".into());
-    };
-    let per_acceleration = unit.to_si().map(|to_si| to_si * found.factors[0]);
-    let verdict = match found.correlation {
-        c if c > 0.75 => Verdict::Fits,
-        c if c < 0.3 => Verdict::Contradicts,
-        _ => Verdict::Silent,
-    };
-    let size = per_acceleration.map_or_else(String::new, |size| {
-        format!(", {size:.0} N m for 1 m/s² (an axle of a car of 1,500 kg: {:.0})", 1500.0 * RADIUS_M)
-    });
-    Evidence {
-        verdict,
-        correlation: Some(found.correlation),
-        scale: per_acceleration.map(|size| size / (1500.0 * RADIUS_M)),
-        words: format!("correlation {:.2} with acceleration{size}", found.correlation),
-        ..Evidence::silent(unit, String::new())
-    }
-}
-
-/// On while the car slows down, off while it gains speed.
-fn pedal(series: &[f64], unit: &Unit, motion: &Motion) -> Evidence {
-    let mut table = [[0_u32; 2]; 2];
-    for (value, change) in series.iter().zip(&motion.change) {
-        if !(value.is_finite() && change.is_finite()) {
-            continue;
-        }
-        let on = *value > 0.5;
-        // What is neither braking nor the contrary may be either.
-        if *change < -0.8 || *change > -0.1 {
-            table[usize::from(on)][usize::from(*change < -0.8)] += 1;
-        }
-    }
-    let [[off_going, off_braking], [on_going, on_braking]] = table.map(|row| row.map(f64::from));
-    let (on, off) = (on_going + on_braking, off_going + off_braking);
-    let (going, braking) = (off_going + on_going, off_braking + on_braking);
-    if on < 4.0 || off < 4.0 || braking < 4.0 {
-        let words =
-            if on < 4.0 { "never on while driving" } else { "not on and off while driving and braking" };
-        return Evidence::silent(unit, words.into());
-    }
-    let matched = (on_braking * off_going - on_going * off_braking) / (on * off * going * braking).sqrt();
-    let verdict = match matched {
-        m if m > 0.55 => Verdict::Fits,
-        m if m < 0.15 => Verdict::Contradicts,
-        _ => Verdict::Silent,
-    };
-    Evidence {
-        verdict,
-        correlation: Some(matched),
-        words: format!(
-            "on in {:.0} % of braking and {:.0} % of the rest",
-            100.0 * on_braking / braking,
-            100.0 * on_going / going.max(1.0)
-        ),
-        ..Evidence::silent(unit, String::new())
-    }
+    evidence
 }

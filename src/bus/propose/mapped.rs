@@ -58,11 +58,16 @@ pub(super) fn entry(
         }
     }
     quality(database, drive, place, &mut mapped, words);
-    if let Some(channel) = drive.and_then(|drive| drive.channel(database, place))
-        && let Some(code) = channel.not_available()
+    if let Some((drive, channel)) =
+        drive.and_then(|drive| drive.channel(database, place).map(|channel| (drive, channel)))
     {
-        words.push(format!("the raw value {code} comes and is far from all others"));
-        mapped.not_available.push(code);
+        if let Some(code) = channel.not_available() {
+            words.push(format!("the raw value {code} comes and is far from all others"));
+            mapped.not_available.push(code);
+        } else if let Some(code) = drive.others_not_available(channel) {
+            words.push(format!("other signals of its size have the raw value {code} where they have none"));
+            mapped.not_available.push(code);
+        }
     }
     mapped
 }

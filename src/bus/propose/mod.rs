@@ -13,9 +13,14 @@
 //!
 //! A quantity for which nothing fits is not found; nothing is proposed for the sake of proposing.
 
+mod along;
 mod beside;
+mod by_speed;
+mod channel;
 mod choose;
+mod class;
 mod corners;
+mod correction;
 mod drive;
 mod evidence;
 mod mapped;
@@ -26,12 +31,17 @@ mod proposal;
 mod regression;
 mod source;
 mod table;
+mod vehicle;
 mod vocabulary;
 mod wheels;
 mod words;
 
-pub use choose::propose;
+pub use choose::{Wishes, propose, propose_with};
+pub use class::CarClass;
+pub use correction::Correction;
 pub use drive::Drive;
 pub use evidence::{Evidence, Verdict};
 pub use proposal::{Alternative, Choice, Confidence, Mapped, Proposal};
-pub use table::table;
+pub use source::Place;
+pub use table::{signals, table};
+pub use vehicle::{Number, Source, VehicleTable};

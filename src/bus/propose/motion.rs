@@ -13,9 +13,24 @@ const EVERY: usize = 3;
 /// A track that fits all cars to 15 %, m.
 pub(super) const TRACK_M: f64 = 1.55;
 /// Below this speed nothing is concluded from curves, m/s.
-const SLOW: f64 = 2.5;
+pub(super) const SLOW: f64 = 2.5;
 /// Understeer of an ordinary car: the steering angle for a curve grows by this times the speed squared, s²/m².
 const UNDERSTEER: f64 = 0.0015;
+
+/// The three ways to halve four wheels, in the order of a group: front left, front right, rear left, rear right.
+const WAYS: [[[usize; 2]; 2]; 3] = [[[0, 2], [1, 3]], [[0, 3], [1, 2]], [[0, 1], [2, 3]]];
+/// Half of the time wheels that roll differ by less than this from the car, or from their side. Tuned: the recordings of
+/// `tests/commands/map`.
+const ALIKE: f64 = 0.06;
+/// The same of both sides in circles of 5 m and more.
+const APART: f64 = 0.2;
+/// Correlations that differ by less tell nothing. Tuned: a race car whose rear axle is locked, `tests/commands/map`.
+const AS_GOOD: f64 = 0.03;
+/// An axle whose wheels differ by less than this share of what the other's do is locked. Physical: tracks differ by a tenth.
+const LOCKED: f64 = 0.3;
+
+/// Fewer points above walking pace say nothing: ten seconds.
+pub(super) const FEWEST: usize = 30;
 
 /// A drive, one point for every 0.3 s; not a number where a wheel is missing or the car is slow.
 pub(super) struct Motion {
@@ -33,6 +48,17 @@ pub(super) struct Motion {
     pub(super) turned: bool,
     /// The rotation that front wheels show beyond rear ones, within the sides.
     pub(super) front: Option<Front>,
+    /// Where the wheels do not tell, what the yaw rate's sensor was confirmed by.
+    pub(super) confirmed: Option<Confirmed>,
+}
+
+/// How well a sensor agrees with the others, where no wheels tell.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Confirmed {
+    /// Correlation, 0 to 1.
+    pub(super) correlation: f64,
+    /// With what, in words.
+    pub(super) with: &'static str,
 }
 
 /// Which wheels are in front, by the larger circles they run on.
@@ -65,15 +91,21 @@ impl Motion {
             (0..raw[0].len()).map(|i| to_mps * raw.iter().map(|wheel| wheel[i]).sum::<f64>() / 4.0).collect();
         let change = derivative(&raw_mean);
         let (sides, turned) = sides(&smooth, &speed, &change, turning);
+        let axles = open_axles(&smooth, &speed, sides);
         let difference: Vec<f64> = (0..mean.len())
             .map(|i| {
-                let side = |wheels: [usize; 2]| wheels.iter().map(|w| smooth[*w][i]).sum::<f64>() / 2.0;
+                let side = |wheels: [usize; 2]| {
+                    let open = axles.iter().map(|axle| smooth[wheels[*axle]][i]);
+                    open.sum::<f64>() / axles.len() as f64
+                };
                 if speed[i].is_nan() { f64::NAN } else { side(sides[1]) - side(sides[0]) }
             })
             .collect();
         let turn = scaled(&without_radii(&difference, &speed), 1.0 / TRACK_M);
-        let mut motion = Self { speed, change, difference, turn, sides, turned, front: None };
-        motion.front = motion.in_front(&smooth);
+        let mut motion =
+            Self { speed, change, difference, turn, sides, turned, front: None, confirmed: None };
+        // A locked axle says nothing of circles.
+        motion.front = if axles.len() == 2 { motion.in_front(&smooth) } else { None };
         Some(motion)
     }
 
@@ -150,7 +182,7 @@ pub(super) fn points(series: &[f64]) -> Vec<f64> {
 }
 
 /// The same for a change per second.
-fn derivative(series: &[f64]) -> Vec<f64> {
+pub(super) fn derivative(series: &[f64]) -> Vec<f64> {
     (0..series.len())
         .step_by(EVERY)
         .map(|centre| {
@@ -175,15 +207,25 @@ fn scaled(series: &[f64], factor: f64) -> Vec<f64> {
 /// Four wheels of one car turn alike.
 fn agree(wheels: &[Vec<f64>], mean: &[f64]) -> Option<()> {
     let moving: Vec<usize> = (0..mean.len()).filter(|i| mean[*i] > SLOW && mean[*i] < 120.0).collect();
-    if moving.len() < 30 || mean.iter().any(|v| *v > 150.0) {
+    if moving.len() < FEWEST || mean.iter().any(|v| *v > 150.0) {
         return None;
     }
-    for wheel in wheels {
-        let mut off: Vec<f64> = moving.iter().map(|i| (wheel[*i] / mean[*i] - 1.0).abs()).collect();
+    let off = |wheel: usize, speed: &dyn Fn(usize) -> f64| -> f64 {
+        let mut off: Vec<f64> = moving.iter().map(|i| (wheels[wheel][*i] / speed(*i) - 1.0).abs()).collect();
         off.sort_by(f64::total_cmp);
-        if off.get(off.len() / 2).is_none_or(|middle| *middle > 0.06) {
-            return None;
-        }
+        off.get(off.len() / 2).copied().unwrap_or(f64::INFINITY)
+    };
+    let alike = (0..4).all(|wheel| off(wheel, &|i| mean[i]) <= ALIKE);
+    // Going round in tight circles only, the wheels of one side agree, and both sides roughly.
+    let circling = || {
+        let of_a_side = |side: &[usize; 2]| {
+            let speed = |i: usize| 0.5 * (wheels[side[0]][i] + wheels[side[1]][i]);
+            side.iter().all(|wheel| off(*wheel, &speed) <= ALIKE && off(*wheel, &|i| mean[i]) <= APART)
+        };
+        WAYS.iter().any(|way| way.iter().all(of_a_side))
+    };
+    if !(alike || circling()) {
+        return None;
     }
     // Copies of one signal are not four wheels.
     let apart =
@@ -191,6 +233,27 @@ fn agree(wheels: &[Vec<f64>], mean: &[f64]) -> Option<()> {
     let pairs = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
     let unlike = pairs.iter().filter(|(a, b)| apart(*a, *b)).count();
     (unlike >= 5 && deviation(mean) > 0.05).then_some(())
+}
+
+/// The axles whose wheels may turn unlike each other, as places in the sides: both, but where one is locked.
+fn open_axles(wheels: &[Vec<f64>], speed: &[f64], sides: [[usize; 2]; 2]) -> Vec<usize> {
+    let difference = |axle: usize| -> Vec<f64> {
+        let pairs = wheels[sides[1][axle]].iter().zip(&wheels[sides[0][axle]]).zip(speed);
+        pairs.map(|((right, left), v)| if v.is_nan() { f64::NAN } else { right - left }).collect()
+    };
+    let [first, second] = [0, 1].map(|axle| without_radii(&difference(axle), speed));
+    let slope = |of: &[f64], against: &[f64]| {
+        line(of, &[against]).and_then(|found| found.factors.first().copied()).unwrap_or(1.0)
+    };
+    // Of what hardly differs at all nothing is told.
+    let differs = |axle: &[f64]| deviation(axle) > 0.03 * TRACK_M;
+    if differs(&first) && slope(&second, &first).abs() < LOCKED {
+        vec![0]
+    } else if differs(&second) && slope(&first, &second).abs() < LOCKED {
+        vec![1]
+    } else {
+        vec![0, 1]
+    }
 }
 
 /// Which two wheels are on one side: of the three ways to halve the four, the one whose halves differ as a sensor of
@@ -201,8 +264,6 @@ fn sides(
     change: &[f64],
     turning: &[Vec<f64>],
 ) -> ([[usize; 2]; 2], bool) {
-    // In the order of a group: front left, front right, rear left, rear right.
-    const WAYS: [[[usize; 2]; 2]; 3] = [[[0, 2], [1, 3]], [[0, 3], [1, 2]], [[0, 1], [2, 3]]];
     let differences: Vec<Vec<f64>> = WAYS
         .iter()
         .map(|[one, other]| {
@@ -221,7 +282,10 @@ fn sides(
         with.map(|found| found.correlation.abs()).fold(0.0, f64::max)
     };
     let told: Vec<f64> = differences.iter().map(told).collect();
-    let sure = (0..3).max_by(|a, b| told[*a].total_cmp(&told[*b])).filter(|way| told[*way] > 0.7);
+    let best = (0..3).max_by(|a, b| told[*a].total_cmp(&told[*b])).unwrap_or(0);
+    // With an axle that is locked, halves with one of its wheels exchanged differ as much: then the names count.
+    let way = if told[0] > told[best] - AS_GOOD { 0 } else { best };
+    let sure = Some(way).filter(|way| told[*way] > 0.7);
     if let Some(way) = sure {
         return (WAYS[way], true);
     }

@@ -32,7 +32,9 @@ pub(super) fn candidates(database: &Database, quantity: Quantity) -> Vec<Named> 
 /// How well a signal's name, unit and range fit.
 pub(super) fn judge(database: &Database, place: Place, quantity: Quantity) -> Option<Named> {
     let (_, signal) = place.find(database)?;
-    if is_flag(quantity) { signal.size == 1 } else { is_number(signal) }.then_some(())?;
+    // A flag may have more bits than it needs, if the file says that it is 0 or 1.
+    let is_bit = signal.size == 1 || (signal.min, signal.max, signal.factor) == (0.0, 1.0, 1.0);
+    if is_flag(quantity) { is_bit } else { is_number(signal) }.then_some(())?;
     let words = vocabulary::of(quantity).score(&place.spoken(database)?, is_flag(quantity));
     if words <= 0.0 {
         return None;

@@ -1,6 +1,7 @@
 //! The best candidate for a quantity, by names and data.
 
 use super::beside;
+use super::choose::Wishes;
 use super::drive::Drive;
 use super::evidence::{Evidence, Verdict, weigh};
 use super::mapped::Chosen;
@@ -15,12 +16,17 @@ use physics::Quantity;
 /// Correlation from which on the data are enough without a name.
 const ALONE: f64 = 0.93;
 
+/// Names that leave no doubt.
+const SURELY_NAMED: f64 = 0.95;
+
 /// A candidate with all that speaks for it and against it.
 #[derive(Clone, Debug)]
 pub(super) struct Picked {
     pub(super) chosen: Chosen,
     pub(super) names: f64,
     pub(super) data: Option<Evidence>,
+    /// It is called so beyond doubt, and behaves poorly.
+    pub(super) is_weak: bool,
 }
 
 /// What was picked and what was not.
@@ -40,6 +46,8 @@ pub(super) struct Chooser<'a> {
     pub(super) taken: Vec<Place>,
     /// 1 if the motion's first side is the left one, else −1.
     pub(super) left: f64,
+    /// What somebody has named.
+    pub(super) wishes: Wishes,
 }
 
 impl Chooser<'_> {
@@ -72,6 +80,10 @@ impl Chooser<'_> {
     /// The best candidate by names and data.
     pub(super) fn pick(&self, quantity: Quantity) -> Picks {
         let mut picks = Picks::default();
+        if let Some(wish) = self.wishes.get(&quantity) {
+            picks.best = wish.and_then(|place| self.wished(quantity, place));
+            return picks;
+        }
         let mut candidates = Vec::new();
         for Named { place, score, unit } in names::candidates(self.database, quantity) {
             if self.taken.contains(&place) {
@@ -84,7 +96,7 @@ impl Chooser<'_> {
                 continue;
             }
             let data = self.weigh(quantity, &chosen);
-            let picked = Picked { names: score, data, chosen };
+            let picked = Picked { names: score, data, chosen, is_weak: false };
             let still = self.stands_still(quantity, &picked.chosen);
             match (&picked.data, still) {
                 (_, Some(words)) => {
@@ -109,19 +121,40 @@ impl Chooser<'_> {
             f64::from(u8::from(fits(picked))) + picked.names + 0.5 * strength
         };
         candidates.sort_by(|a, b| rank(b).total_cmp(&rank(a)).then(a.chosen.place.cmp(&b.chosen.place)));
+        if candidates.is_empty() {
+            candidates.extend(weak(quantity, &mut picks.contradicted));
+        }
         let mut candidates = candidates.into_iter();
         picks.best = candidates.next();
         picks.others = candidates.collect();
         picks
     }
 
+    /// Nothing but "not available" comes.
+    pub(super) fn has_no_value(&self, chosen: &Chosen) -> bool {
+        let channel = self.drive.and_then(|drive| drive.channel(self.database, chosen.place));
+        channel.is_some_and(|channel| channel.range().is_none())
+    }
+
+    /// What somebody names is taken, but for a sign and a unit that the recordings tell.
+    fn wished(&self, quantity: Quantity, place: Place) -> Option<Picked> {
+        let (_, signal) = place.find(self.database)?;
+        let sign_bit = beside::sign(self.database, place, quantity);
+        let chosen = Chosen { place, sign_bit, unit: Unit::of(quantity, signal) };
+        Some(Picked { data: self.weigh(quantity, &chosen), names: 1.0, chosen, is_weak: false })
+    }
+
     /// A sensor that has one value, or none, while the car moves, in words.
     fn stands_still(&self, quantity: Quantity, chosen: &Chosen) -> Option<String> {
         let channel = self.drive?.channel(self.database, chosen.place)?;
+        // Without a motion, too.
+        if channel.range().is_none() {
+            return Some("is never available in the recordings".into());
+        }
         let motion = self.motion.as_ref().filter(|motion| motion.moving_s() > 10.0)?;
         let flag = matches!(quantity, Quantity::BrakeActive | Quantity::AbsActive);
         match channel.range() {
-            None => Some("is never available in the recordings".into()),
+            None => None,
             // A value that is always zero may be one that only stays so: brakes that were not used, no curve.
             Some([value, _]) if !flag && !channel.varies() && (value != 0.0 || moved(quantity, motion)) => {
                 Some(format!("is always {value} while the car moves"))
@@ -193,8 +226,35 @@ impl Chooser<'_> {
                     .weigh(*law, &chosen)
                     .is_some_and(|other| other.verdict == Verdict::Fits && other.strength() > data.strength())
         });
-        (!other).then_some(Picked { chosen, names: 0.0, data: Some(data) })
+        (!other).then_some(Picked { chosen, names: 0.0, data: Some(data), is_weak: false })
     }
+}
+
+/// A sensor that is called so beyond doubt and moves with what it should follow, but by a factor that no unit explains.
+/// It is one, if not a good one.
+fn weak(quantity: Quantity, contradicted: &mut Vec<Picked>) -> Option<Picked> {
+    let (least, why) = match quantity {
+        Quantity::LongitudinalAcceleration => (0.6, ": it may be filtered, and late"),
+        Quantity::YawRate | Quantity::LateralAcceleration | Quantity::SteeringWheelAngle => {
+            (0.8, ": its scale may be wrong")
+        }
+        _ => return None,
+    };
+    let is_weak = |picked: &Picked| {
+        let follows = |data: &Evidence| {
+            data.strength() > least && data.scale.is_some_and(|scale| (0.2..5.0).contains(&scale.abs()))
+        };
+        picked.names >= SURELY_NAMED
+            && matches!(picked.chosen.unit, Unit::Known(_))
+            && picked.data.as_ref().is_some_and(follows)
+    };
+    let mut picked = contradicted.remove(contradicted.iter().position(is_weak)?);
+    picked.is_weak = true;
+    if let Some(data) = &mut picked.data {
+        data.verdict = Verdict::Silent;
+        data.words.push_str(why);
+    }
+    Some(picked)
 }
 
 /// Did the car do what the quantity measures?

@@ -38,6 +38,9 @@ pub struct Choice {
     pub alternatives: Vec<Alternative>,
     /// Signals that are called so and do not behave so.
     pub contradicted: Vec<Alternative>,
+    /// What was put right since it was proposed, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub repaired: Vec<String>,
 }
 
 /// How sure a choice is.
@@ -96,6 +99,9 @@ pub struct Mapped {
     pub unit: Option<String>,
     /// Raw codes that are no measurements.
     pub not_available: Vec<i64>,
+    /// How late a value is in its frame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delay_ms: Option<f64>,
     /// The message's counter, least significant part first.
     pub counter: Vec<String>,
     /// At how much it starts over, where its bits could hold more.
@@ -110,8 +116,12 @@ fn name<S: Serializer>(quantity: &Quantity, serializer: S) -> Result<S::Ok, S::E
 impl Proposal {
     /// What is required and not found, each as its alternatives.
     pub fn missing(&self) -> Vec<Vec<Quantity>> {
-        let found = |choice: &Choice| choice.confidence != Confidence::NotFound;
-        Quantity::lacking(|quantity| self.choice(quantity).is_some_and(found))
+        Quantity::lacking(|quantity| self.has(quantity))
+    }
+
+    /// Is a signal proposed for it?
+    pub fn has(&self, quantity: Quantity) -> bool {
+        self.choice(quantity).is_some_and(|choice| choice.confidence > Confidence::NotFound)
     }
 
     /// What is proposed for a quantity.

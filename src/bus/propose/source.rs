@@ -32,6 +32,11 @@ impl Place {
         Some((message, message.signals.get(self.signal)?))
     }
 
+    /// The place of `MESSAGE.Signal`, if the database has one of that name.
+    pub fn of(database: &Database, name: &str) -> Option<Self> {
+        Self::all(database).find(|place| place.name(database) == name)
+    }
+
     /// `MESSAGE.Signal`.
     pub fn name(self, database: &Database) -> String {
         self.find(database)

@@ -8,15 +8,18 @@ use super::proposal::{Alternative, Choice, Confidence, Mapped, Proposal};
 /// A configuration that gripd itself accepts, as far as the required quantities were found. `dbc` as it is to stand
 /// in it: relative to the file.
 pub fn table(proposal: &Proposal, dbc: &[&Path]) -> String {
+    let by = "Proposed by `gripd map` from";
+    signals(proposal, dbc, by, "Look at every line before you use it.") + VEHICLE + "\n"
+}
+
+/// Everything before `[vehicle]`, with a first comment that begins and ends so.
+pub fn signals(proposal: &Proposal, dbc: &[&Path], by: &str, end: &str) -> String {
     let mut out = String::new();
     let founded = match proposal.driven_s {
         Some(seconds) => format!("names and {seconds:.0} s of driving"),
         None => "names alone: with a recorded drive signs and units could be told".to_owned(),
     };
-    line(
-        &mut out,
-        &format!("# Proposed by `gripd map` from {founded}. Look at every line before you use it."),
-    );
+    comment(&mut out, &format!("{by} {founded}. {end}"));
     for note in &proposal.notes {
         let end = if note.ends_with(['.', '?', '!']) { "" } else { "." };
         comment(&mut out, &format!("Note: {note}{end}"));
@@ -29,7 +32,6 @@ pub fn table(proposal: &Proposal, dbc: &[&Path]) -> String {
     for choice in &proposal.quantities {
         entry(&mut out, choice);
     }
-    line(&mut out, VEHICLE);
     out
 }
 
@@ -47,6 +49,9 @@ driven_axle = \"front\"";
 fn entry(out: &mut String, choice: &Choice) {
     let name = choice.quantity.name();
     comment(out, &format!("{name}: {}: {}.", choice.confidence.name(), choice.why));
+    for repaired in &choice.repaired {
+        comment(out, &format!("{name}, put right: {repaired}"));
+    }
     for other in &choice.contradicted {
         comment(out, &format!("not {}, though it is called so: {}", other.signal, reason(other)));
     }
@@ -91,6 +96,7 @@ fn value(mapped: &Mapped) -> String {
     if !mapped.not_available.is_empty() {
         keys.push(format!("not_available = {:?}", mapped.not_available));
     }
+    keys.extend(mapped.delay_ms.map(|late| format!("delay_ms = {late:?}")));
     if !mapped.counter.is_empty() {
         keys.push(format!("counter = {}", one_or_list(&mapped.counter)));
     }
@@ -127,11 +133,14 @@ fn quoted(text: &str) -> String {
     out
 }
 
+/// Columns of a comment.
+const WIDTH: usize = 97;
+
 /// A comment, broken into lines.
-fn comment(out: &mut String, text: &str) {
+pub(super) fn comment(out: &mut String, text: &str) {
     let mut width = 0;
     for word in text.split_whitespace() {
-        if width == 0 || width + word.chars().count() > 112 {
+        if width == 0 || width + word.chars().count() > WIDTH {
             out.push_str(if width == 0 { "#" } else { "\n#  " });
             width = 1;
         }

@@ -3,9 +3,9 @@
 use super::beside;
 use super::corners::{self, Wheels};
 use super::drive::Drive;
-use super::motion::{Motion, points};
+use super::motion::{FEWEST, Motion, SLOW, points};
 use super::names;
-use super::source::{Place, Unit};
+use super::source::{Place, RADIUS_M, Unit};
 use crate::dbc::Database;
 use physics::Quantity;
 
@@ -31,7 +31,10 @@ pub(super) fn find(database: &Database, drive: Option<&Drive>) -> Option<Found> 
         let best = (!named.is_empty()).then(|| named.remove(0))?;
         return Some(Found { wheels: best, motion: None, others: named, contradicted: Vec::new() });
     };
-    let came = |wheels: &Wheels| wheels.places.iter().all(|place| drive.came(database, *place));
+    // What has no value all the time is not there.
+    let has_values =
+        |place: &Place| drive.channel(database, *place).is_some_and(|channel| channel.range().is_some());
+    let came = |wheels: &Wheels| wheels.places.iter().all(has_values);
     let mut groups: Vec<Wheels> = named.into_iter().filter(came).collect();
     let known = groups.len();
     groups.extend(corners::nameless(database).into_iter().filter(came));
@@ -51,7 +54,7 @@ pub(super) fn find(database: &Database, drive: Option<&Drive>) -> Option<Found> 
         }
         match Motion::of(database, drive, &wheels, &turning) {
             Some(motion) => judged.push((place, wheels, motion)),
-            None if place < known && moves(database, drive, &wheels) => contradicted.push(wheels),
+            None if place < known && drives(database, drive, &wheels) => contradicted.push(wheels),
             None if place < known => silent.push(wheels),
             None => {}
         }
@@ -93,10 +96,14 @@ fn called_turning(database: &Database, drive: &Drive) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Do any of them change at all?
-fn moves(database: &Database, drive: &Drive, wheels: &Wheels) -> bool {
-    let varies = |place: &Place| drive.channel(database, *place).is_some_and(|channel| channel.varies());
-    wheels.places.iter().any(varies)
+/// Do they turn long enough to be compared, if they are wheels?
+fn drives(database: &Database, drive: &Drive, wheels: &Wheels) -> bool {
+    let to_mps = RADIUS_M * wheels.unit.to_si().unwrap_or(1.0);
+    let turns = |place: &Place| {
+        let series = drive.series(database, *place).unwrap_or_default();
+        points(&series).iter().filter(|value| *value * to_mps > SLOW).count() >= FEWEST
+    };
+    wheels.places.iter().any(turns)
 }
 
 /// The unit of wheels that have none, by a speed that has one.
@@ -117,9 +124,7 @@ fn unit_by_speed(database: &Database, drive: &Drive, wheels: &Wheels) -> Option<
     let ratio = *ratios.get(ratios.len() / 2).filter(|_| ratios.len() > 20)?;
     let units =
         ["km/h", "m/s", "rad/s", "mph", "rpm"].map(|unit| Unit::guessed(Quantity::WheelSpeedFl, unit));
-    let off = |unit: &Unit| {
-        unit.to_si().map_or(f64::INFINITY, |to_si| (to_si * super::source::RADIUS_M / ratio).ln().abs())
-    };
+    let off = |unit: &Unit| unit.to_si().map_or(f64::INFINITY, |to_si| (to_si * RADIUS_M / ratio).ln().abs());
     units.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).filter(|unit| off(unit) < 0.15)
 }
 

@@ -45,7 +45,12 @@ impl Map {
             )));
         }
         let database = Database::load(&self.dbc).map_err(Failure::usage)?;
-        let (drive, broken) = if self.logs.is_empty() { (None, None) } else { self.drive(&database)? };
+        let (drive, broken) = if self.logs.is_empty() {
+            (None, None)
+        } else {
+            let (drive, broken) = gather(&self.logs, self.part, &database)?;
+            (Some(drive), broken)
+        };
         let proposal = propose(&database, drive.as_ref());
         let out = self.out.as_deref().unwrap_or(Path::new("-"));
         let dbc = relative(&self.dbc, out);
@@ -96,49 +101,52 @@ impl Map {
         let hint = if has_nearest { "the comments say what is nearest" } else { "nothing is called so" };
         Err(Failure::Work(format!("not found, and needed: {}; {hint}", missing.join(", "))))
     }
+}
 
-    /// Reads the recordings once. What could be read of a broken one is used; the reason comes second.
-    fn drive(&self, database: &Database) -> Result<(Option<Drive>, Option<String>), Failure> {
-        let mut drive = Drive::new(database);
-        let mut broken = None;
-        let progress = Progress::of_files(&self.logs);
-        for path in &self.logs {
-            let mut reader = self.part.open(path)?;
-            loop {
-                match reader.next_frame() {
-                    Ok(Some(frame)) => {
-                        drive.frame(&frame);
-                        progress.advance(reader.stats().lines);
-                    }
-                    Ok(None) => break,
-                    Err(error) => {
-                        broken = Some(error.to_string());
-                        break;
-                    }
+/// Reads the recordings once. What could be read of a broken one is used; the reason comes second.
+pub(super) fn gather(
+    logs: &[PathBuf],
+    part: Part,
+    database: &Database,
+) -> Result<(Drive, Option<String>), Failure> {
+    let mut drive = Drive::new(database);
+    let mut broken = None;
+    let progress = Progress::of_files(logs);
+    for path in logs {
+        let mut reader = part.open(path)?;
+        loop {
+            match reader.next_frame() {
+                Ok(Some(frame)) => {
+                    drive.frame(&frame);
+                    progress.advance(reader.stats().lines);
+                }
+                Ok(None) => break,
+                Err(error) => {
+                    broken = Some(error.to_string());
+                    break;
                 }
             }
-            drive.end_of_recording();
-            recordings::warn(&reader);
-            let stats = reader.stats();
-            if stats.frames == 0 {
-                return Err(Failure::Work(recordings::nothing_in(&reader)));
-            }
         }
-        progress.finish();
-        if drive.frames() == 0 {
-            return Err(Failure::Work(format!(
-                "{}: none of the recorded frames has an identifier of {}; is it the right bus, and the right car?",
-                self.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>().join(", "),
-                self.dbc.display()
-            )));
+        drive.end_of_recording();
+        recordings::warn(&reader);
+        let stats = reader.stats();
+        if stats.frames == 0 {
+            return Err(Failure::Work(recordings::nothing_in(&reader)));
         }
-        Ok((Some(drive), broken))
     }
+    progress.finish();
+    if drive.frames() == 0 {
+        return Err(Failure::Work(format!(
+            "{}: none of the recorded frames has an identifier of the DBC; is it the right bus, and the right car?",
+            logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>().join(", "),
+        )));
+    }
+    Ok((drive, broken))
 }
 
 /// The DBC's path as a configuration at `out` has to name it: relative to its folder, absolute where that is
 /// elsewhere.
-fn relative(dbc: &Path, out: &Path) -> PathBuf {
+pub(super) fn relative(dbc: &Path, out: &Path) -> PathBuf {
     let folder = match out.parent() {
         Some(folder) if out.as_os_str() != "-" && !folder.as_os_str().is_empty() => folder,
         _ => return dbc.to_owned(),

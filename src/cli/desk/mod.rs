@@ -23,6 +23,7 @@ mod recordings;
 mod replay;
 mod reproduce;
 mod samples;
+mod setup;
 mod simulate;
 mod tables;
 mod view;
@@ -55,6 +56,8 @@ pub enum Command {
     Calibrate(calibrate::Calibrate),
     /// Check a configuration, and on recordings the measurement chain.
     Check(check::Check),
+    /// From a DBC and recordings to a configuration that runs: signals found and put right, the car's numbers asked for.
+    Setup(Box<setup::Setup>),
     /// Propose a configuration's signals for an unknown car, from its DBC and a recorded drive.
     Map(map::Map),
     /// Write a recording as a page to look into: signals, estimates, handling curve, g-g diagram, track.
@@ -88,6 +91,7 @@ impl Command {
             Self::Reproduce(command) => command.run(),
             Self::Calibrate(command) => command.run(),
             Self::Check(command) => command.run(),
+            Self::Setup(command) => command.run(),
             Self::Map(command) => command.run(),
             Self::Plot(command) => command.run(),
             Self::Convert(command) => command.run(),

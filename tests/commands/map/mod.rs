@@ -1,6 +1,6 @@
 //! `gripd map`: the right signals of unknown cars, with the right signs and units, and none where there are none.
 
-mod car;
+pub mod car;
 mod command;
 mod real;
 mod simulated;

@@ -210,3 +210,75 @@ fn a_long_recording_takes_no_more_memory_and_says_the_same() {
     let seconds = proposal.driven_s.unwrap();
     assert!((300.0..1300.0).contains(&seconds), "{seconds}");
 }
+
+/// GIVEN a car of whose speed only one signal tells THEN what turns confirms one another, and is turned the right way.
+#[test]
+fn without_wheels_the_vehicles_speed_tells() {
+    let mut car = Car::german();
+    car.of(Quantity::LateralAcceleration).gain = -1.0;
+    let folder = tempfile::tempdir().unwrap();
+    let (dbc, log) = car.record(folder.path(), DRIVE);
+    let text = std::fs::read_to_string(&dbc).unwrap();
+    // A wheel's revolutions as the speed of the car: 2π/60 · 0.316 m · 3.6.
+    let mut speed = text.replace(
+        "Raddrehz_VL : 0|16@1- (0.05,0) [0|0] \"U/min\"",
+        "Fzg_Geschw : 0|16@1- (0.0059565,0) [0|0] \"km/h\"",
+    );
+    assert_ne!(speed, text);
+    speed = speed.lines().filter(|line| !line.contains("Raddrehz")).collect::<Vec<_>>().join("\n");
+    std::fs::write(&dbc, speed).unwrap();
+    let proposal = of_files(&dbc, &[log]);
+    tell(&proposal);
+    for quantity in [Quantity::VehicleSpeed, Quantity::YawRate, Quantity::SteeringWheelAngle] {
+        assert_eq!(proposal.choice(quantity).unwrap().confidence, Confidence::Sure, "{quantity}");
+        assert_eq!(live(&proposal, quantity).unwrap().gain, None, "{quantity}");
+    }
+    assert_eq!(live(&proposal, Quantity::LateralAcceleration).unwrap().gain, Some(-1.0));
+    assert!(live(&proposal, Quantity::BrakePressure).is_some());
+    assert!(proposal.notes.is_empty(), "{:?}", proposal.notes);
+}
+
+/// GIVEN a rear axle that is locked THEN its wheels are not exchanged, and the front ones tell the yaw rate.
+#[test]
+fn a_locked_axle_is_left_out_and_not_exchanged() {
+    let car = Car::german();
+    let folder = tempfile::tempdir().unwrap();
+    let (dbc, log) = car.record(folder.path(), DRIVE);
+    let text = std::fs::read_to_string(&log).unwrap();
+    let mut alternating = false;
+    let locked: Vec<String> = text
+        .lines()
+        .map(|line| match line.split_once(" 120#") {
+            // Rear left and rear right are bytes 4 and 5, 6 and 7; one step apart, so that they are two sensors.
+            Some((head, data)) if data.len() >= 16 => {
+                let low = u8::from_str_radix(&data[8..10], 16).unwrap();
+                alternating = !alternating;
+                let other = low ^ u8::from(alternating);
+                format!("{head} 120#{}{other:02X}{}", &data[..12], &data[10..12])
+            }
+            _ => line.to_owned(),
+        })
+        .collect();
+    std::fs::write(&log, locked.join("\n")).unwrap();
+    all_right(&car, &of_files(&dbc, &[log]));
+}
+
+/// GIVEN a yaw rate that reads twice what it should THEN it is taken with doubt: what is called so and turns with the car
+/// is one.
+#[test]
+fn a_sensor_whose_scale_is_wrong_is_taken_with_doubt() {
+    let car = Car::german();
+    let folder = tempfile::tempdir().unwrap();
+    let (dbc, log) = car.record(folder.path(), DRIVE);
+    let text = std::fs::read_to_string(&dbc).unwrap();
+    let twice = text.replace("(0.01,0) [0|0] \"Grad/s\"", "(0.02,0) [0|0] \"Grad/s\"");
+    assert_ne!(twice, text);
+    std::fs::write(&dbc, twice).unwrap();
+    let proposal = of_files(&dbc, &[log]);
+    tell(&proposal);
+    let yaw_rate = proposal.choice(Quantity::YawRate).unwrap();
+    assert_eq!(yaw_rate.confidence, Confidence::Unsure);
+    assert_eq!(live(&proposal, Quantity::YawRate).unwrap().signals, [car.place(Quantity::YawRate)]);
+    // The wheels tell how the car turned all the same.
+    assert_eq!(proposal.choice(Quantity::LateralAcceleration).unwrap().confidence, Confidence::Sure);
+}

@@ -252,7 +252,7 @@ fn used_twice(signals: &SignalsConfig) -> Vec<String> {
 }
 
 /// What the estimators lose without a quantity.
-fn cost(quantity: Quantity) -> &'static str {
+pub fn cost(quantity: Quantity) -> &'static str {
     match quantity {
         _ if quantity.wheel().is_some() => {
             "no slip slope of this wheel, nor of the driven one that it is compared with; no check of one wheel by the \

@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 
-use self::configuration::{ConfigurationReport, Parts};
-use self::recording::{Recorder, RecordingReport};
+use self::configuration::ConfigurationReport;
+use self::recording::Recorder;
 use super::Failure;
 use super::output::{check_outputs, write_json};
 use super::part::Part;
@@ -22,6 +22,9 @@ use bus::service::sensors;
 use bus::signals::{Inputs, Sampler, SamplerConfig, SignalsConfig};
 use lab::explain::chain::{self, ChainReport};
 use physics::{Quantity, Sample};
+
+pub(super) use self::configuration::{Parts, cost};
+pub(super) use self::recording::RecordingReport;
 
 /// Without recordings: configuration and DBC. With them: the measurement chain, too.
 #[derive(Args)]
@@ -105,7 +108,8 @@ fn failure(recordings: &RecordingReport) -> Result<(), Failure> {
     if reasons.is_empty() { Ok(()) } else { Err(Failure::Work(list(&reasons))) }
 }
 
-fn list(problems: &[String]) -> String {
+/// One or several problems, in words.
+pub(super) fn list(problems: &[String]) -> String {
     match problems {
         [only] => only.clone(),
         several => format!("{} problems:\n  {}", several.len(), several.join("\n  ")),
@@ -114,7 +118,7 @@ fn list(problems: &[String]) -> String {
 
 /// Reads all recordings once: as the service would see them, and without its plausibility limits, which
 /// would hide a wrong unit from the audit.
-fn read(
+pub(super) fn read(
     logs: &[PathBuf],
     part: Part,
     config: &Config,

@@ -21,6 +21,7 @@
 //! blocks. Where the drive did not excite a relation the answer is "unclear", with what to drive.
 
 mod attribution;
+mod car;
 mod delays;
 mod foreign;
 mod gains;
@@ -40,6 +41,7 @@ mod wheels;
 use physics::model::Vehicle;
 use physics::{Quantity, Sample, Sensors};
 
+pub use car::{driven_axle, steering_ratio};
 pub use report::{AuditFinding, ChainReport, Confidence, Offset, RelationReport, Unclear};
 
 use self::series::Series;

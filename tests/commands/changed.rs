@@ -86,8 +86,9 @@ fn a_law_is_found_confirmed_and_applied() {
     let folder = drives(&[]);
     let law = "\n[[effect]]\nkind = 'law'\nplace = 'front slip angle'\nexpression = 'coefficient * a_x'\n\
                coefficient = 0.001\n";
-    let scenario = std::fs::read_to_string(project("tests/data/steered.toml")).unwrap();
-    std::fs::write(folder.path().join("pulls.toml"), scenario + law).unwrap();
+    let demo = std::fs::read_to_string(project("config/scenarios/demo.toml")).unwrap();
+    let asphalt = demo.replace("duration_s = 120.0", "duration_s = 44.0");
+    std::fs::write(folder.path().join("pulls.toml"), asphalt + law).unwrap();
     for (name, seed) in [("one.log", "5"), ("other.log", "6")] {
         run(folder.path(), &["-q", "simulate", "pulls.toml", "-o", name, "--seed", seed]);
     }
@@ -100,8 +101,9 @@ fn a_law_is_found_confirmed_and_applied() {
     assert!((coefficient / 0.001 - 1.0).abs() < 0.2, "{first}");
     let confirmed = &answer["confirm"][0];
     let gain = |key: &str| confirmed[key].as_f64().unwrap();
-    assert!(gain("gain_refitted") > 0.1, "{confirmed}");
-    assert!(gain("gain_unchanged") > 0.8 * gain("gain_refitted"), "{confirmed}");
+    // Other things are in this drive, too, than what is hidden.
+    assert!(gain("gain_unchanged") > 0.05, "{confirmed}");
+    assert!(gain("gain_refitted") > gain("gain_unchanged"), "{confirmed}");
     run(folder.path(), &["-q", "replay", "-c", "car.toml", "other.log", "--estimates", "estimates.csv"]);
 }
 

@@ -96,14 +96,11 @@ impl Explain {
             self.could_tell(&case)?;
             return read.whole();
         }
+        // What cannot be read is told before minutes of searching.
+        let others = recordings::read(&self.confirm, |_| Part::default(), &config)?;
         let progress = Progress::of_share();
         let mut answer = case.explain(&|stage, share| progress.at(stage, share));
-        if !self.confirm.is_empty() {
-            progress.at("other drives", 0.0);
-            let others = recordings::read(&self.confirm, |_| Part::default(), &config)?;
-            answer.explanation.confirm = confirmed(&case, &answer.explanation.findings, &others.recordings)?;
-            others.whole()?;
-        }
+        answer.explanation.confirm = confirmed(&case, &answer.explanation.findings, &others.recordings)?;
         progress.finish();
         let explanation = &answer.explanation;
         if self.prints_text() {
@@ -120,7 +117,7 @@ impl Explain {
         if let Some(path) = &self.apply {
             write_text(path, &apply::toml(&self.config, path, &answer)?)?;
         }
-        read.whole()
+        others.whole().and_then(|()| read.whole())
     }
 
     /// With `--json -` the standard output is for programs.

@@ -18,6 +18,7 @@ mod colour;
 mod power;
 mod references;
 mod refit;
+mod round;
 mod rows;
 mod scan;
 mod told;
@@ -25,20 +26,17 @@ mod trial;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rayon::prelude::*;
-
 use super::fit::FreeFit;
 use super::inputs::FreeDrive;
 use super::numbers::Scope;
 use super::run::Predicted;
 use crate::explain::result::{Finding, Nature, Ranked};
-use crate::explain::select::LEAST_EVIDENCE;
 use physics::model::Vehicle;
 use physics::model::effect::Kind;
 
 use climb::State;
 use refit::Refitted;
-use scan::Scored;
+use round::Round;
 use trial::Trial;
 
 pub use power::{Power, Powers, powers};
@@ -59,22 +57,6 @@ pub struct Beyond {
 
 /// Most findings of the search.
 const MOST: usize = 3;
-
-/// Of a scan so many are fitted together with everything else …
-const MOST_REFITTED: usize = 6;
-
-/// … if to first order they have this share of the evidence that is needed.
-const LEAST_OF_FIRST_ORDER: f64 = 0.3;
-
-/// What to first order gains less than this share of what the best law does is no rival of it. Tuned by
-/// `shared/trials/unknown`: there the best effect of the library has a tenth.
-const LEAST_BESIDE_A_LAW: f64 = 0.2;
-
-/// By so much held-out −2 ln likelihood must fall. Statistical: odds of e³ on driving that was not looked at.
-const LEAST_HELD_GAIN: f64 = 6.0;
-
-/// So many deviations a main number must be from nothing.
-const LEAST_CLEAR: f64 = 4.0;
 
 /// What a search works with.
 struct Search<'s> {
@@ -112,79 +94,44 @@ pub fn beyond(
 ) -> Beyond {
     let Question { kinds, references, plain, repeats, seed } = question;
     let mut answer = Beyond::default();
-    let mut trials = trial::trials(found, drives, kinds, scope(references));
-    if references == 0 && repeats(&found.predicted) {
-        trials.extend(trial::laws(drives, scope(references)));
-    }
+    let trials = trial::trials(found, drives, kinds, scope(references));
     if trials.is_empty() {
         return answer;
     }
-    let search = Search { drives, vehicle, tried: tried(&trials), plain, references };
+    let laws = if references > 0 { Vec::new() } else { trial::laws(drives, scope(references)) };
+    let search = Search { drives, vehicle, tried: tried(&trials, &laws), plain, references };
     let mut state = search.start(found);
     // Of a car's numbers and sensors the references have the same.
     let usual = if references > 0 { Vec::new() } else { search.usual(&state) };
     let mut taken = BTreeSet::new();
+    let mut repeating = repeats(&found.predicted);
     for round in 0..MOST {
-        let (scored, null) = search.scan(&state, &trials, seed);
-        let most = scored.iter().filter(|scored| scored.trial.is_law()).map(|scored| scored.gain);
-        let least = LEAST_BESIDE_A_LAW * most.fold(0.0, f64::max);
-        let open = |is_law: bool| {
-            let open = scored.iter().filter(move |scored| scored.trial.is_law() == is_law);
-            open.filter(|scored| !taken.contains(&scored.trial.name()))
-                .filter(move |scored| scored.gain > least.max(LEAST_OF_FIRST_ORDER * LEAST_EVIDENCE))
-                .take(MOST_REFITTED)
-        };
-        let some: Vec<&Scored> = open(false).chain(open(true)).collect();
-        let refitted = some.into_par_iter().map(|scored| (scored.gain, search.refit(&state, scored)));
-        let mut refitted: Vec<(f64, Refitted<'_>)> = refitted.collect();
-        let names = refitted.iter().map(|(_, of)| of.trial.name()).collect();
+        let asks_laws = !laws.is_empty() && repeating;
+        let mut tried = Round::default();
+        if asks_laws {
+            tried.add(&search, &state, &laws, &taken, seed);
+        }
+        tried.add(&search, &state, &trials, &taken, seed);
+        let names = tried.refitted.iter().map(|(_, of)| of.trial.name()).collect();
         let healthy = search.healthy(&state, &trials, &names, seed);
-        for (_, of) in &mut refitted {
-            of.evidence = of.evidence_beyond(&healthy);
+        tried.count_against(&healthy);
+        // What seems unusual may be another thing's shadow.
+        let is_forced = |best: &Refitted<'_>| !best.trial.is_of_every_car();
+        if !asks_laws && !laws.is_empty() && tried.sure(&healthy, references).is_some_and(is_forced) {
+            tried.add(&search, &state, &laws, &taken, seed);
         }
-        refitted.sort_by(|a, b| b.1.evidence.total_cmp(&a.1.evidence));
-        for (gain, refitted) in &refitted {
-            tracing::debug!(
-                name = refitted.trial.name(),
-                onset = ?refitted.trial.onset(),
-                stretches = ?refitted.trial.stretches(),
-                distance = ?refitted.distance(&healthy),
-                gain,
-                null,
-                evidence = refitted.evidence,
-                held_gain = refitted.held_gain,
-                numbers = ?refitted.parameters(),
-                "beyond the ordinary car"
-            );
-        }
+        tried.log(&healthy);
         if round == 0 {
-            answer.ranking = ranking(&refitted, &scored);
+            answer.ranking = tried.ranking();
         }
-        let usual_rivals = || refitted.iter().map(|(_, of)| of).filter(|of| of.trial.is_of_every_car());
-        let of_library = || refitted.iter().map(|(_, of)| of).filter(|of| !of.trial.is_law());
-        let is_sure = |(gain, of): &&(f64, Refitted<'_>)| {
-            of.evidence > LEAST_EVIDENCE
-                && (references > 0
-                    || of.trial.is_of_every_car()
-                    || usual_rivals().all(|usual| of.is_told_from(usual)))
-                && (!of.trial.is_law() || of_library().all(|named| of.is_told_from(named)))
-                && of.is_beyond(&healthy)
-                && of.held_gain > least_held_gain(references, &of.trial)
-                && (of.trial.has_time() || *gain > null)
-                && of.clearest() > LEAST_CLEAR
-                && !of.is_at_bound()
-        };
-        let Some((_, best)) = refitted.iter().find(is_sure) else { break };
-        let all: Vec<(String, f64)> = refitted.iter().map(|(_, of)| (of.trial.name(), of.evidence)).collect();
+        let Some(best) = tried.sure(&healthy, references) else { break };
         taken.insert(best.trial.name());
-        let finding = search.finding(&state, best, &all);
+        let finding = search.finding(&state, best, &tried.evidence());
         answer.is_unusual |= references > 0 || finding.kind != Nature::Ordinary;
         answer.findings.push(finding);
         state = search.with(best);
         let predicted = search.predicted(&state.model, &state.free, &state.at);
-        if !repeats(&predicted) {
-            trials.retain(|trial| !trial.is_law());
-        }
+        repeating = repeats(&predicted);
         answer.predicted = Some(predicted);
     }
     answer.is_unusual |= usual.iter().any(|(_, is_unusual)| *is_unusual);
@@ -200,12 +147,12 @@ fn scope(references: usize) -> Scope {
 }
 
 /// How often each name is tried; of a law, how many there are: any of them would have been told.
-fn tried(trials: &[Trial]) -> BTreeMap<String, usize> {
-    let laws = trials.iter().filter(|trial| trial.is_law()).count();
+fn tried(trials: &[Trial], laws: &[Trial]) -> BTreeMap<String, usize> {
     let mut tried = BTreeMap::new();
     for trial in trials {
-        *tried.entry(trial.name()).or_insert(0) += if trial.is_law() { laws } else { 1 };
+        *tried.entry(trial.name()).or_insert(0) += 1;
     }
+    tried.extend(laws.iter().map(|law| (law.name(), laws.len())));
     tried
 }
 
@@ -217,27 +164,6 @@ impl Search<'_> {
             references => self.begin(&references::expecting(found, references)),
         }
     }
-}
-
-/// Where references tell a number, other numbers may take its place at the price of being unlike theirs: then the evidence
-/// is in that price, and held-out driving must not speak against it.
-fn least_held_gain(references: usize, trial: &Trial) -> f64 {
-    if references > 0 && trial.is_always_there() { -LEAST_HELD_GAIN } else { LEAST_HELD_GAIN }
-}
-
-fn ranking(refitted: &[(f64, Refitted<'_>)], scored: &[Scored]) -> Vec<Ranked> {
-    let ranked = |trial: &Trial, score: f64, refitted: bool| Ranked {
-        effect: trial.candidate().map_or_else(|| trial.name(), |candidate| candidate.kind.name.into()),
-        channel: trial.candidate().and_then(|candidate| Some(candidate.channel?.to_string())),
-        score,
-        refitted,
-    };
-    let mut all: Vec<Ranked> = refitted.iter().map(|(_, of)| ranked(&of.trial, of.evidence, true)).collect();
-    let least = all.last().map_or(f64::INFINITY, |last| last.score);
-    let names: BTreeSet<String> = refitted.iter().map(|(_, of)| of.trial.name()).collect();
-    let others = scored.iter().filter(|scored| !names.contains(&scored.trial.name()));
-    all.extend(others.map(|scored| ranked(&scored.trial, scored.gain.min(least), false)));
-    all
 }
 
 #[cfg(test)]

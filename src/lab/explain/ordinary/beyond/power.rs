@@ -11,9 +11,10 @@ use super::super::fit::FreeFit;
 use super::super::inputs::FreeDrive;
 use super::super::numbers::{Free, placed};
 use super::climb::State;
+use super::round::LEAST_HELD_GAIN;
 use super::rows::{Rows, normal, weights};
 use super::trial::{Trial, trials};
-use super::{LEAST_HELD_GAIN, Question, Search, references};
+use super::{Question, Search, references};
 use crate::explain::select::LEAST_EVIDENCE;
 use physics::model::Vehicle;
 
@@ -73,7 +74,7 @@ pub fn powers(
 ) -> Powers {
     let Question { kinds, references, plain, .. } = question;
     let all = trials(found, drives, kinds, super::scope(references));
-    let search = Search { drives, vehicle, tried: super::tried(&all), plain, references };
+    let search = Search { drives, vehicle, tried: super::tried(&all, &[]), plain, references };
     let state = search.start(found);
     let middle = 0.5 * drives.iter().map(|drive| drive.time(drive.points())).fold(0.0, f64::max);
     let traces = search.traces(&state, &typical(&all, middle));

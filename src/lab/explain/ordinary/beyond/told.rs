@@ -6,11 +6,12 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::super::numbers::{Free, Number, Scope};
+use super::Search;
 use super::climb::State;
 use super::colour::{CHANNELS, Series};
 use super::refit::Refitted;
+use super::round::LEAST_CLEAR;
 use super::trial::{What, is_of_sensor};
-use super::{LEAST_CLEAR, Search};
 use crate::explain::finding::{TOLD_APART, probability_among};
 use crate::explain::model::Place;
 use crate::explain::predict::delay::Delayed;

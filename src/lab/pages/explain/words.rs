@@ -43,6 +43,10 @@ pub fn intervals(intervals: &[[f64; 2]], most: usize) -> String {
 
 /// A quantity, or two.
 pub fn channel(name: &str) -> String {
+    // What a law says is a formula.
+    if name.contains(": ") {
+        return name.into();
+    }
     let one = |name: &str| match name {
         "wheel_speed_fl" => "front left wheel speed".into(),
         "wheel_speed_fr" => "front right wheel speed".into(),
@@ -96,6 +100,9 @@ pub fn effect(name: &str, of: Option<&str>) -> String {
 
 /// A name that may have its channel with it, as `sensor_delay of yaw_rate` or `sensor_delay(yaw_rate)`.
 pub fn effect_named(text: &str) -> String {
+    if let Some(law) = text.trim().strip_prefix("law:") {
+        return effect("law", Some(law));
+    }
     let text = text.trim().trim_end_matches(')');
     // A number of an effect that every car has.
     if let Some((name, _)) = text.split_once('.').filter(|(name, _)| effect::named(name).is_some()) {
@@ -391,6 +398,10 @@ mod tests {
         );
         assert_eq!(effect_named("sensor_delay of yaw_rate"), "late yaw rate");
         assert_eq!(effect_named("sensor_scale(yaw_rate)"), "wrong scale of yaw rate");
+        assert_eq!(
+            effect_named("law:yaw moment: memory(a_y, 0.3 s)"),
+            "law of the yaw moment: memory(a_y, 0.3 s)"
+        );
         assert_eq!(effect_named("road_bank"), "road bank");
         assert_eq!(effect_named("a softer front axle"), "a softer front axle");
         for kind in effect::KINDS {

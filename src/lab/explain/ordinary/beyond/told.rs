@@ -191,7 +191,15 @@ impl Search<'_> {
         finding.parameters = best.parameters();
         let channel = best.trial.candidate().and_then(|candidate| candidate.channel);
         if let (Some(Channel::Law(law)), Some(coefficient)) = (channel, finding.parameters.values().next()) {
-            finding.law = Some(FoundLaw::new(law, *coefficient));
+            let found = FoundLaw::new(law, *coefficient);
+            finding.about = format!(
+                "the {} changes in proportion to {}, as no effect of the library has it",
+                found.place,
+                law.feature.name()
+            );
+            finding.equation = format!("Δ({}) = {}", found.place, found.expression);
+            finding.place.equation.clone_from(&found.place);
+            finding.law = Some(found);
         }
         finding.explained_share = self.share(&state.errors, &best.errors);
         finding.place.channels = channels;

@@ -37,7 +37,7 @@ pub struct Fits {
 
 impl Case<'_> {
     /// Looks for what was found in another drive of the same car; none where it tells nothing of the car, or where
-    /// nothing was found that another drive could have ([`carried`]).
+    /// nothing was found that another drive could have as well.
     ///
     /// # Errors
     /// Numbers that no table takes.

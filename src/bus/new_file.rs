@@ -153,8 +153,11 @@ impl Aside {
     fn create(target: &Path, mode: u32) -> io::Result<(File, Self)> {
         let target = target.to_owned();
         let temporary = temporary_name(&target).ok_or(io::ErrorKind::InvalidFilename)?;
+        // Until it is known, no signal may end the program.
+        let mut begun = begun();
         let file = OpenOptions::new().write(true).create_new(true).mode(mode).open(&temporary)?;
-        begun().push(temporary.clone());
+        begun.push(temporary.clone());
+        drop(begun);
         Ok((file, Self { temporary, target }))
     }
 

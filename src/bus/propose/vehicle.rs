@@ -204,11 +204,7 @@ impl VehicleTable {
             };
             entry(&mut out, &value, &words(source, class));
         }
-        let axle = match self.driven.0 {
-            DrivenAxle::Front => "front",
-            DrivenAxle::Rear => "rear",
-            DrivenAxle::All => "all",
-        };
+        let axle = self.driven.0.name();
         entry(&mut out, &format!("driven_axle = \"{axle}\""), &words(&self.driven.1, class));
         entry(&mut out, "tire = \"brush\"", "tires that slide at their limit");
         out

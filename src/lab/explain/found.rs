@@ -36,7 +36,7 @@ fn effect(finding: &Finding) -> Option<Result<EffectConfig, EffectError>> {
 
 /// How a message of the speed is measured has no table.
 fn takes(kind: &Kind, channel: &Channel) -> bool {
-    kind.channels.contains(channel) || matches!(channel, Channel::Law(_))
+    kind.channels.contains(channel) || kind.is_law()
 }
 
 /// Six significant digits are more than anyone knows.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use physics::model::effect::law::{self, Law};
+use physics::model::effect::law::Law;
 use physics::model::effect::{Channel, Kind};
 use serde::Serialize;
 
@@ -67,7 +67,7 @@ pub enum Nature {
 impl Nature {
     /// Of an effect.
     pub fn of(kind: &Kind) -> Self {
-        if *kind == law::KIND {
+        if kind.is_law() {
             Self::Law
         } else if kind.is_of_measurement() {
             Self::Measurement

@@ -13,6 +13,7 @@ mod page;
 mod plot;
 mod shifts;
 mod timeline;
+mod wrap;
 
 pub use color::Color;
 pub use intervals::Interval;
@@ -21,3 +22,4 @@ pub use page::Page;
 pub use plot::{Mark, Marker, Plot, PlotError, Segment, Span, Stroke};
 pub use shifts::Shift;
 pub use timeline::{Panel, Row, Timeline};
+pub use wrap::{WIDTH, wrapped};

@@ -27,7 +27,7 @@ struct Tuning {
     rate_times_step: f64,
     /// … and no more of them than this.
     most_steps: u32,
-    /// The yaw rate is differentiated over this time, s. Tuned with the test `effects_taken_out`.
+    /// The yaw rate is differentiated over this time, s. Tuned with the test `effects::taken_out`.
     yaw_acceleration_s: f64,
 }
 

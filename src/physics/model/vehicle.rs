@@ -70,6 +70,23 @@ pub enum DrivenAxle {
 }
 
 impl DrivenAxle {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Front, Self::Rear, Self::All];
+
+    /// As a table has it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Front => "front",
+            Self::Rear => "rear",
+            Self::All => "all",
+        }
+    }
+
+    /// The one of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|axle| axle.name() == name)
+    }
+
     /// Is this wheel driven?
     pub const fn drives(self, wheel: crate::Wheel) -> bool {
         match self {

@@ -2,7 +2,7 @@
 
 use gripd::estimate::{EstimatorsConfig, Pipeline, PlainReadings};
 use gripd::model::{Scenario, Simulation, Uncertain};
-use gripd::{Micros, Quantity, Sample, Sensors};
+use gripd::{Micros, Sample};
 
 const SCENARIO: &str = include_str!("../../../config/scenarios/asphalt_gravel.toml");
 
@@ -29,13 +29,7 @@ fn drive(effect: &str, is_told: bool) -> Errors {
     let mut vehicle = scenario.vehicle.clone();
     vehicle.lateral_stiffness_front = Uncertain { value: 12.0, std: 3.0 };
     vehicle.lateral_stiffness_rear = Uncertain { value: 13.0, std: 3.0 };
-    let mut sensors = Sensors::default();
-    for quantity in Quantity::ALL {
-        if let Some(sensor) = scenario.sensors.get(quantity) {
-            sensors.add(quantity, Some(sensor.noise_std).filter(|std| *std > 0.0));
-        }
-    }
-    let mut pipeline = Pipeline::new(&vehicle, &sensors, &EstimatorsConfig::default());
+    let mut pipeline = Pipeline::new(&vehicle, &scenario.sensors.promised(), &EstimatorsConfig::default());
     if is_told {
         pipeline = pipeline.with_effects(&vehicle, &scenario.effect);
     }

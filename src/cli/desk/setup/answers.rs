@@ -17,8 +17,8 @@ pub struct Answers {
         .try_map(|name| name.parse::<CarClass>()))]
     pub class: Option<CarClass>,
     /// The driven axle.
-    #[arg(long, value_parser = PossibleValuesParser::new(["front", "rear", "all"])
-        .map(|name| axle(&name).unwrap_or(DrivenAxle::Front)))]
+    #[arg(long, value_parser = PossibleValuesParser::new(DrivenAxle::ALL.map(DrivenAxle::name))
+        .try_map(|name| DrivenAxle::named(&name).ok_or("no axle is called so")))]
     pub driven: Option<DrivenAxle>,
     /// Mass with driver and load, kg.
     #[arg(long, value_name = "KG", value_parser = number)]
@@ -57,16 +57,6 @@ impl Answers {
             ("steering_ratio", self.steering_ratio),
         ];
         all.into_iter().filter_map(|(key, value)| Some((key, value?))).collect()
-    }
-}
-
-/// The axle of that name.
-pub fn axle(name: &str) -> Option<DrivenAxle> {
-    match name {
-        "front" => Some(DrivenAxle::Front),
-        "rear" => Some(DrivenAxle::Rear),
-        "all" => Some(DrivenAxle::All),
-        _ => None,
     }
 }
 

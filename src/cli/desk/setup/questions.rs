@@ -2,7 +2,7 @@
 
 use std::io::{self, BufRead, Write};
 
-use super::answers::{Answers, axle, number};
+use super::answers::{Answers, number};
 use super::is_unsure;
 use crate::cli::printable::printable;
 use bus::propose::{CarClass, Confidence, Proposal};
@@ -59,14 +59,9 @@ impl<R: BufRead, W: Write> Questions<R, W> {
         }
         let class = answers.class.unwrap_or_default();
         if answers.driven.is_none() {
-            let usual = match class.driven() {
-                DrivenAxle::Front => "front",
-                DrivenAxle::Rear => "rear",
-                DrivenAxle::All => "all",
-            };
             let question = "Which axle is driven: front, rear, all";
-            let default = format!("as the recording says, else {usual}");
-            let known = |text: &str| axle(text).ok_or_else(|| "front, rear or all".to_owned());
+            let default = format!("as the recording says, else {}", class.driven().name());
+            let known = |text: &str| DrivenAxle::named(text).ok_or_else(|| "front, rear or all".to_owned());
             answers.driven = self.ask(question, &default, known)?;
         }
         let unknown = format!("not known: that of a {class}");

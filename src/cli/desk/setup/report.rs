@@ -7,11 +7,9 @@ use super::rounds::{Files, Settled};
 use crate::cli::desk::check::cost;
 use bus::propose::{Choice, Confidence as Found, Proposal, Source, VehicleTable};
 use lab::explain::chain::Confidence;
+use lab::report::{self, WIDTH};
 use physics::Quantity;
-use physics::model::{DrivenAxle, Uncertain};
-
-/// Columns of a terminal that is not wide.
-const WIDTH: usize = 100;
+use physics::model::Uncertain;
 
 /// All there is to say.
 pub struct Report<'a> {
@@ -136,12 +134,7 @@ impl Report<'_> {
             lines[place(&number.source)].push(format!("{} {}", number.key, plain(number.value)));
         }
         let (axle, source) = self.vehicle.driven();
-        let axle = match axle {
-            DrivenAxle::Front => "front",
-            DrivenAxle::Rear => "rear",
-            DrivenAxle::All => "all",
-        };
-        lines[place(source)].push(format!("driven_axle {axle}"));
+        lines[place(source)].push(format!("driven_axle {}", axle.name()));
         let class = format!("guessed, as a {} has them: ", self.vehicle.class());
         for (title, lines) in ["told by you: ", "from the recording: ", &class].into_iter().zip(&lines) {
             if !lines.is_empty() {
@@ -201,22 +194,8 @@ fn plain(number: Uncertain) -> String {
 }
 
 /// A text after a beginning, in lines; those that follow are indented.
-fn wrapped(out: &mut impl Write, begin: &str, indent: usize, text: &str) -> io::Result<()> {
-    let mut line = begin.to_owned();
-    let mut is_empty = true;
-    for word in text.split_whitespace() {
-        if !is_empty && line.chars().count() + 1 + word.chars().count() > WIDTH {
-            writeln!(out, "{}", line.trim_end())?;
-            line = " ".repeat(indent);
-            is_empty = true;
-        }
-        if !is_empty {
-            line.push(' ');
-        }
-        line.push_str(word);
-        is_empty = false;
-    }
-    writeln!(out, "{}", line.trim_end())
+fn wrapped(out: &mut impl Write, begin: &str, indent: usize, words: &str) -> io::Result<()> {
+    out.write_all(report::wrapped(begin, indent, words).as_bytes())
 }
 
 /// A command that a shell takes, over several lines where it is long.

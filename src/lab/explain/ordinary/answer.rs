@@ -180,8 +180,14 @@ impl Ordinary {
             seconds: drives.iter().map(|drive| drive.points() as f64 * STEP_S).sum(),
         };
         if answer.is_the_car() && searches(&answer) {
-            let question =
-                Question { kinds: library, references, plain: plain_squares, repeats: &repeats, seed };
+            let question = Question {
+                kinds: library,
+                references,
+                plain: plain_squares,
+                repeating: answer.remaining.values().any(Remaining::repeats),
+                repeats: &repeats,
+                seed,
+            };
             answer.beyond = beyond(&found, &own, &drives, question);
         }
         let with_found = answer.beyond.predicted.clone();
@@ -243,8 +249,14 @@ pub fn could_tell(
     if fits.holdout.get(Quantity::YawRate.name()).is_none_or(|fit| *fit < LEAST_FIT) {
         return None;
     }
-    let question =
-        Question { kinds: asked.library, references, plain: [0.0; 2], repeats: &|_| false, seed: asked.seed };
+    let question = Question {
+        kinds: asked.library,
+        references,
+        plain: [0.0; 2],
+        repeating: false,
+        repeats: &|_| false,
+        seed: asked.seed,
+    };
     Some(powers(&found, &own, &drives, question))
 }
 

@@ -5,9 +5,8 @@ use std::io::{self, Write};
 use super::tried::Tried;
 use super::words::{self, number, sentence, signed, stopped};
 use crate::explain::{ByChannel, Explanation, Finding, Ranked, Where};
+use crate::report;
 
-/// Lines are broken before this column.
-const WIDTH: usize = 100;
 /// So many candidates of the ranking are named.
 const MOST_RANKED: usize = 5;
 /// So many stretches of time are named.
@@ -188,26 +187,7 @@ fn ranking(text: &mut String, explanation: &Explanation) {
 pub(super) fn wrapped(text: &mut String, head: &str, words: &str) {
     let blank = head.chars().take_while(|letter| matches!(letter, ' ' | '-')).count();
     let indent = if blank == head.chars().count() { blank } else { blank + 2 };
-    let mut line = head.trim_end().to_owned();
-    let mut is_first = head.trim().is_empty();
-    if is_first {
-        line = head.to_owned();
-    }
-    for word in words.split_whitespace() {
-        if !is_first && line.chars().count() + 1 + word.chars().count() > WIDTH {
-            *text += line.trim_end();
-            text.push('\n');
-            line = " ".repeat(indent);
-            is_first = true;
-        }
-        if !is_first {
-            line.push(' ');
-        }
-        line += word;
-        is_first = false;
-    }
-    *text += line.trim_end();
-    text.push('\n');
+    *text += &report::wrapped(head, indent, words);
 }
 
 /// Columns as wide as their widest cell; the first to the left, numbers to the right.
@@ -250,7 +230,7 @@ mod tests {
             assert!(text.contains(part), "{part} is missing in\n{text}");
         }
         assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
-        assert!(text.lines().all(|line| line.chars().count() <= WIDTH), "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= report::WIDTH), "{text}");
         assert!(text.lines().count() < 50, "{text}");
     }
 
@@ -270,6 +250,6 @@ mod tests {
         wrapped(&mut text, "  - ", &"word ".repeat(40));
         let lines: Vec<&str> = text.lines().collect();
         assert!(lines.len() > 1 && lines[0].starts_with("  - word") && lines[1].starts_with("    word"));
-        assert!(lines.iter().all(|line| line.len() <= WIDTH));
+        assert!(lines.iter().all(|line| line.len() <= report::WIDTH));
     }
 }

@@ -28,7 +28,7 @@
 
 use thiserror::Error;
 
-use super::{Channel, Course, Effect, KINDS, Kind, Scale, Setting, Spec, law};
+use super::{Channel, Course, Effect, KINDS, Kind, Scale, Setting, Spec};
 use crate::model::Uncertain;
 
 /// An effect with its numbers: what an `[[effect]]` table says. All numbers are within their bounds.
@@ -170,7 +170,7 @@ impl EffectConfig {
     /// The keys that a kind's table takes.
     pub fn keys(kind: &Kind) -> impl Iterator<Item = &'static str> + use<> {
         let of_channel = (!kind.channels.is_empty()).then_some("channel");
-        let of_law: &[&str] = if std::ptr::eq(kind, &law::KIND) { &["place", "expression"] } else { &[] };
+        let of_law: &[&str] = if kind.is_law() { &["place", "expression"] } else { &[] };
         let of_course = if kind.course.is_some() { COURSE_KEYS } else { &[] };
         let parameters = kind.parameters.iter().map(|spec| spec.name);
         ["kind"]
@@ -187,7 +187,7 @@ impl EffectConfig {
 
     fn channel_problem(&self) -> Option<(String, String)> {
         let allowed = self.kind.channels;
-        if std::ptr::eq(self.kind, &law::KIND) {
+        if self.kind.is_law() {
             let is_law = matches!(self.channel, Some(Channel::Law(_)));
             return (!is_law).then(|| ("place".into(), "is missing: what the law changes".into()));
         }

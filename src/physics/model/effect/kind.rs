@@ -1,7 +1,7 @@
 //! What is to be said of a kind of effect.
 
 use super::spec::OF_CHANNEL;
-use super::{Channel, Course, Disturbance, Effect, SearchHints, Spec};
+use super::{Channel, Course, Disturbance, Effect, SearchHints, Spec, law};
 use crate::Quantity;
 
 /// A kind of effect.
@@ -78,6 +78,11 @@ impl Kind {
     /// Is it an error of the measurement, not physics of the car?
     pub fn is_of_measurement(&self) -> bool {
         !self.channels.is_empty()
+    }
+
+    /// Is it none of the library, but a [law](super::law)?
+    pub fn is_law(&self) -> bool {
+        *self == law::KIND
     }
 
     /// Is it there or not, with no number that says how much?

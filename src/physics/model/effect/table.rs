@@ -155,7 +155,7 @@ impl Table {
 
     /// Its channel; of a law what it says.
     fn of_what(&self, kind: &'static Kind) -> Result<Option<Channel>, EffectError> {
-        if !std::ptr::eq(kind, &law::KIND) {
+        if !kind.is_law() {
             return Ok(self.channel);
         }
         let given = |key: &str, value: &Option<String>| {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::{Problem, finite, positive};
-use crate::Quantity;
+use crate::{Quantity, Sensors};
 
 /// The group name that stands for all four wheel speeds.
 const WHEELS: &str = "wheel_speed";
@@ -103,6 +103,17 @@ impl SensorsConfig {
     pub fn get(&self, quantity: Quantity) -> Option<&SensorConfig> {
         let own = self.by_name.get(quantity.name());
         if quantity.wheel().is_some() { own.or_else(|| self.by_name.get(WHEELS)) } else { own }
+    }
+
+    /// What is measured, and how noisy, as a data sheet would promise it.
+    pub fn promised(&self) -> Sensors {
+        let mut sensors = Sensors::default();
+        for quantity in Quantity::ALL {
+            if let Some(config) = self.get(quantity) {
+                sensors.add(quantity, (config.noise_std > 0.0).then_some(config.noise_std));
+            }
+        }
+        sensors
     }
 
     pub(super) fn validate(&self, problems: &mut Vec<Problem>) {

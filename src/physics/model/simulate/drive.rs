@@ -2,7 +2,7 @@
 
 use super::{Simulation, Truth};
 use crate::model::{Scenario, Vehicle};
-use crate::{Quantity, Sample, Sensors};
+use crate::{Sample, Sensors};
 
 /// A drive: samples, and what was true at each of them.
 #[derive(Clone, Debug)]
@@ -25,12 +25,7 @@ impl SimulatedDrive {
     /// What is wrong with the scenario.
     pub fn simulate(scenario: &Scenario, seed: u64) -> Result<Self, String> {
         let mut simulation = Simulation::new(scenario, seed).map_err(|e| e.to_string())?;
-        let mut sensors = Sensors::default();
-        for quantity in Quantity::ALL {
-            if let Some(config) = scenario.sensors.get(quantity) {
-                sensors.add(quantity, (config.noise_std > 0.0).then_some(config.noise_std));
-            }
-        }
+        let sensors = scenario.sensors.promised();
         let elapsed_s = f64::from(scenario.truth_period_ms) * 1e-3;
         let mut drive = Self { vehicle: scenario.vehicle.clone(), sensors, samples: vec![], truth: vec![] };
         while let Some(tick) = simulation.next_tick() {

@@ -79,7 +79,9 @@ pub struct Question<'q> {
     pub references: usize,
     /// Squared errors of yaw rate and lateral acceleration of the plain model, on held-out rows.
     pub plain: [f64; 2],
-    /// Does something repeat of what such runs leave? That has a reason, in the library or, as a law, in none.
+    /// Does something repeat of what the fitted car leaves? That has a reason, in the library or, as a law, in none.
+    pub repeating: bool,
+    /// Does something of what other runs leave?
     pub repeats: &'q (dyn Fn(&[Predicted]) -> bool + Sync),
     /// Of what is drawn at random.
     pub seed: u64,
@@ -92,28 +94,26 @@ pub fn beyond(
     drives: &[FreeDrive],
     question: Question<'_>,
 ) -> Beyond {
-    let Question { kinds, references, plain, repeats, seed } = question;
+    let Question { kinds, references, plain, mut repeating, repeats, seed } = question;
     let mut answer = Beyond::default();
     let trials = trial::trials(found, drives, kinds, scope(references));
     if trials.is_empty() {
         return answer;
     }
-    let laws = if references > 0 { Vec::new() } else { trial::laws(drives, scope(references)) };
+    let laws = if references > 0 { Vec::new() } else { trial::laws(drives, Scope::Car) };
     let search = Search { drives, vehicle, tried: tried(&trials, &laws), plain, references };
     let mut state = search.start(found);
     // Of a car's numbers and sensors the references have the same.
     let usual = if references > 0 { Vec::new() } else { search.usual(&state) };
     let mut taken = BTreeSet::new();
-    let mut repeating = repeats(&found.predicted);
     for round in 0..MOST {
-        let asks_laws = !laws.is_empty() && repeating;
         let mut tried = Round::default();
+        let asks_laws = repeating && !laws.is_empty();
         if asks_laws {
             tried.add(&search, &state, &laws, &taken, seed);
         }
         tried.add(&search, &state, &trials, &taken, seed);
-        let names = tried.refitted.iter().map(|(_, of)| of.trial.name()).collect();
-        let healthy = search.healthy(&state, &trials, &names, seed);
+        let healthy = search.healthy(&state, &trials, &tried.names(), seed);
         tried.count_against(&healthy);
         // What seems unusual may be another thing's shadow.
         let is_forced = |best: &Refitted<'_>| !best.trial.is_of_every_car();
@@ -131,7 +131,7 @@ pub fn beyond(
         answer.findings.push(finding);
         state = search.with(best);
         let predicted = search.predicted(&state.model, &state.free, &state.at);
-        repeating = repeats(&predicted);
+        repeating = !laws.is_empty() && repeats(&predicted);
         answer.predicted = Some(predicted);
     }
     answer.is_unusual |= usual.iter().any(|(_, is_unusual)| *is_unusual);

@@ -38,11 +38,12 @@ pub struct Round<'a> {
     /// … and the most that decoys do.
     null: f64,
     /// The best of it, fitted with everything else: its gain to first order before.
-    pub refitted: Vec<(f64, Refitted<'a>)>,
+    refitted: Vec<(f64, Refitted<'a>)>,
 }
 
 impl<'a> Round<'a> {
-    /// Tries some more.
+    /// Tries some more. Laws that are asked for from the beginning come first: what gains little beside them is not
+    /// refitted.
     pub fn add(
         &mut self,
         search: &Search<'_>,
@@ -73,6 +74,11 @@ impl<'a> Round<'a> {
 
     fn sort(&mut self) {
         self.refitted.sort_by(|a, b| b.1.evidence.total_cmp(&a.1.evidence));
+    }
+
+    /// What was refitted.
+    pub fn names(&self) -> BTreeSet<String> {
+        self.refitted.iter().map(|(_, of)| of.trial.name()).collect()
     }
 
     /// Names with their evidence, best first.
@@ -114,7 +120,7 @@ impl<'a> Round<'a> {
         let refitted = self.refitted.iter().map(|(_, of)| ranked(&of.trial, of.evidence, true));
         let mut all: Vec<Ranked> = refitted.collect();
         let least = all.last().map_or(f64::INFINITY, |last| last.score);
-        let names: BTreeSet<String> = self.refitted.iter().map(|(_, of)| of.trial.name()).collect();
+        let names = self.names();
         let mut others: Vec<&Scored> =
             self.scored.iter().filter(|scored| !names.contains(&scored.trial.name())).collect();
         others.sort_by(|a, b| b.gain.total_cmp(&a.gain));

@@ -10,7 +10,7 @@ use crate::explain::model::{Chosen, Model, Place};
 use crate::explain::naming::ways;
 use crate::identify::Parameter;
 use physics::Quantity;
-use physics::model::effect::{Channel, Kind, Scale, Spec};
+use physics::model::effect::{Kind, Scale, Spec};
 
 /// Patches of another road are tried at every so many seconds …
 const PATCH_EVERY_S: f64 = 3.0;
@@ -221,7 +221,7 @@ impl Trial {
 
     /// Is it none of the library's effects, but a law?
     pub fn is_law(&self) -> bool {
-        self.candidate().is_some_and(|candidate| matches!(candidate.channel, Some(Channel::Law(_))))
+        self.candidate().is_some_and(|candidate| candidate.kind.is_law())
     }
 
     /// Is it there within some stretches only?

@@ -14,6 +14,7 @@
 //! everything else, and the most probable one is taken. Then the next one is searched, until held-out data confirm
 //! none.
 
+mod align;
 mod answer;
 #[cfg(test)]
 mod bench;
@@ -32,6 +33,7 @@ mod finding;
 mod fit;
 pub mod found;
 mod learn;
+mod left_out;
 mod locate;
 mod long_recording;
 mod model;
@@ -52,6 +54,7 @@ mod verdict;
 pub use case::{Answer, Case};
 pub use confirm::{Confirmed, Fits};
 pub use model::{Chosen, Model};
+pub use ordinary::{Incomparable, Simulated};
 pub use predict::Recording;
 pub use result::{
     Block, ByChannel, CourseEstimate, Estimate, Explanation, Finding, FoundLaw, Missing, Models, Nature,

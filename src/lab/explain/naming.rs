@@ -365,6 +365,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "long: the whole library scanned"]
     fn where_nothing_is_concealed_nothing_is_worth_a_name() {
         let (name, evidence, _) = best("");
         assert!(evidence < super::super::select::LEAST_EVIDENCE, "{name}: {evidence}");

@@ -7,7 +7,7 @@ use physics::model::effect::{Channel, Kind};
 use serde::Serialize;
 
 use super::confirm::Confirmed;
-use super::ordinary::{FreeTrace, Number, Ordinary, Remaining};
+use super::ordinary::{FreeTrace, Number, Ordinary, Remaining, Simulated};
 
 /// What the comparison came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -274,6 +274,9 @@ pub struct Explanation {
     /// Recordings that the others are compared with.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub references: Vec<String>,
+    /// Somebody's simulation, where the answer is what that leaves out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub simulation: Option<Simulated>,
     /// What was found, on other drives of the same car.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub confirm: Vec<Confirmed>,
@@ -316,6 +319,7 @@ impl Explanation {
             equations: Models::default(),
             measurement_chain: Vec::new(),
             references: Vec::new(),
+            simulation: None,
             confirm: Vec::new(),
             split: Vec::new(),
             seconds: 0.0,

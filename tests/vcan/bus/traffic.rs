@@ -19,13 +19,17 @@ impl Candump {
             let mut line = String::new();
             output.read_line(&mut line).map(|_| output)
         });
-        loop {
+        let output = loop {
             send(sender, data(standard(0x7FF), &[])).await;
             match timeout(Duration::from_millis(50), &mut first).await {
-                Ok(output) => return Self(child, output.unwrap().unwrap()),
+                Ok(output) => break output.unwrap().unwrap(),
                 Err(_) => continue,
             }
-        }
+        };
+        // The kernel begins to stamp frames a moment after the first socket has asked for it, in a work queue; until then each
+        // socket stamps what it reads.
+        sleep(Duration::from_millis(300)).await;
+        Self(child, output)
     }
 
     fn line(&mut self) -> String {

@@ -2,6 +2,7 @@
 
 mod apply;
 mod recordings;
+mod simulation;
 
 pub use recordings::read;
 
@@ -36,6 +37,13 @@ pub struct Explain {
     /// A healthy drive of the same car (repeatable). Then the answer is what the recordings have that these have not.
     #[arg(long, value_name = "LOG")]
     reference: Vec<PathBuf>,
+    /// The output of your own simulation of the recorded drive. Then the answer is what the simulation leaves out: a CSV file
+    /// with the columns `t [s]`, `yaw_rate [rad/s]` and what else it has of the configuration's quantities
+    /// (`lateral_acceleration [m/s^2]`, `steering_wheel_angle [deg]`, …), or any recording with the signals of the
+    /// configuration.
+    #[arg(long, value_name = "FILE",
+          conflicts_with_all = ["reference", "holdout", "confirm", "sensitivity", "isolability"])]
+    simulation: Option<PathBuf>,
     /// Another drive of the same car (repeatable): does what was found help there, too, its numbers unchanged?
     #[arg(long, value_name = "LOG", conflicts_with_all = ["reference", "sensitivity", "isolability"])]
     confirm: Vec<PathBuf>,
@@ -64,6 +72,11 @@ pub struct Explain {
 impl Explain {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
+        if self.simulation.is_some() && self.logs.len() > 1 {
+            return Err(Failure::usage(
+                "--simulation takes the one recording that was simulated; name one LOG",
+            ));
+        }
         let config = configuration::load(&self.config)?;
         check_outputs(
             self.logs
@@ -71,6 +84,7 @@ impl Explain {
                 .chain(&self.holdout)
                 .chain(&self.reference)
                 .chain(&self.confirm)
+                .chain(&self.simulation)
                 .chain([&self.config])
                 .chain(config.files()),
             self.json.iter().chain(&self.html).chain(&self.apply),
@@ -98,8 +112,16 @@ impl Explain {
         }
         // What cannot be read is told before minutes of searching.
         let others = recordings::read(&self.confirm, |_| Part::default(), &config)?;
+        let simulation =
+            self.simulation.as_deref().map(|path| simulation::read(path, &config)).transpose()?;
         let progress = Progress::of_share();
-        let mut answer = case.explain(&|stage, share| progress.at(stage, share));
+        let at = |stage: &str, share: f64| progress.at(stage, share);
+        let mut answer = match &simulation {
+            Some(simulation) => case.left_out(simulation, &at).map_err(|why| {
+                Failure::work(format_args!("{} beside {}: {why}", simulation.name, self.logs[0].display()))
+            })?,
+            None => case.explain(&at),
+        };
         answer.explanation.confirm = confirmed(&case, &answer.explanation.findings, &others.recordings)?;
         progress.finish();
         let explanation = &answer.explanation;

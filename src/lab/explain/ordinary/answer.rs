@@ -110,7 +110,7 @@ pub(super) const LEAST_FIT: f64 = 60.0;
 
 /// Of all recordings together so many seconds are run, of each at least so many: a fit takes some seconds of computing
 /// for a minute of driving, and tires do not change.
-const MOST_S: f64 = 600.0;
+pub(super) const MOST_S: f64 = 600.0;
 const LEAST_OF_EACH_S: f64 = 60.0;
 
 /// Of so many points of a trace one is kept: twenty a second are more than a page can show.
@@ -141,7 +141,6 @@ impl Ordinary {
         recordings: &[Recording],
         asked: Asked<'_>,
     ) -> Option<Self> {
-        let Asked { library, searches, seed, .. } = asked;
         let own = with_bend(vehicle);
         let Drives { drives, references, left_out } = Drives::of(&own, recordings, asked)?;
         let model = as_configured(&own, effects);
@@ -150,66 +149,8 @@ impl Ordinary {
             || fit_ordinary(&model, &own, &drives),
             || fit(&plain, on_time(free(&plain, vehicle, &drives)), &drives),
         );
-        let predicted = &found.predicted;
-        let plain_squares = CHANNELS.map(|channel| held_square(&drives, &plain.predicted, channel));
-        let error = |channel: Quantity| {
-            move |drive: &FreeDrive, own: &Predicted, i: usize| {
-                measured(drive, channel).map_or(f64::NAN, |of| of[i] - said(own, channel)[i])
-            }
-        };
-        let repeating = |predicted: &[Predicted]| -> BTreeMap<String, Remaining> {
-            let of = |channel: Quantity| {
-                Some((channel.name().to_owned(), remaining(&drives, predicted, error(channel), seed)?))
-            };
-            CHANNELS.into_iter().filter_map(of).collect()
-        };
-        let repeats = |predicted: &[Predicted]| repeating(predicted).values().any(Remaining::repeats);
-        let mut answer = Self {
-            fit: fits(&drives, predicted),
-            plain_fit: fits(&drives, &plain.predicted),
-            found_fit: Parts::default(),
-            numbers: numbers(&found, &drives),
-            plain_numbers: numbers(&plain, &drives),
-            disturbances: BTreeMap::new(),
-            remaining: repeating(predicted),
-            left_out,
-            traces: Vec::new(),
-            beyond: Beyond::default(),
-            shaking_mps2: shaking(&drives, predicted),
-            sideslip: drives.iter().zip(predicted).map(|(drive, own)| sideslip(drive, own)).collect(),
-            seconds: drives.iter().map(|drive| drive.points() as f64 * STEP_S).sum(),
-        };
-        if answer.is_the_car() && searches(&answer) {
-            let question = Question {
-                kinds: library,
-                references,
-                plain: plain_squares,
-                repeating: answer.remaining.values().any(Remaining::repeats),
-                repeats: &repeats,
-                seed,
-            };
-            answer.beyond = beyond(&found, &own, &drives, question);
-        }
-        let with_found = answer.beyond.predicted.clone();
-        let with_found = with_found.as_deref().unwrap_or(predicted);
-        answer.found_fit = fits(&drives, with_found);
-        tracing::debug!(shaking_mps2 = answer.shaking_mps2, "the ordinary car");
-        for (place, channel) in CHANNELS.into_iter().enumerate() {
-            if drives.iter().all(|drive| measured(drive, channel).is_none()) {
-                continue;
-            }
-            let name = channel.name().to_owned();
-            let disturbance = Disturbance {
-                std: found.noise[place],
-                unit: channel.unit().into(),
-                time_constant_s: found.time_constants_s[place],
-            };
-            answer.disturbances.insert(name, disturbance);
-            let both = with_found.iter().zip(&plain.predicted);
-            let traces = drives.iter().zip(both).filter_map(|(drive, both)| trace(drive, both, channel));
-            answer.traces.extend(traces);
-        }
-        Some(answer)
+        let fitted = Fitted { vehicle: &own, drives: &drives, found: &found, plain: &plain, simulated: None };
+        Some(Self { left_out, ..fitted.answer(Asked { references, ..asked }) })
     }
 
     /// What it comes to, where the plain model and its effects leave much.
@@ -234,6 +175,99 @@ impl Ordinary {
     }
 }
 
+/// An ordinary car fitted to drives.
+pub(super) struct Fitted<'f> {
+    /// The vehicle it is of.
+    pub vehicle: &'f Vehicle,
+    /// The drives.
+    pub drives: &'f [FreeDrive],
+    /// The car.
+    pub found: &'f FreeFit<'f>,
+    /// What it is compared with.
+    pub plain: &'f FreeFit<'f>,
+    /// See [`Question::simulated`].
+    pub simulated: Option<&'f FreeFit<'f>>,
+}
+
+impl Fitted<'_> {
+    /// What it says; `asked.references` of the drives are references.
+    pub(super) fn answer(&self, asked: Asked<'_>) -> Ordinary {
+        let Asked { library, searches, references, seed, .. } = asked;
+        let &Self { vehicle, drives, found, plain, simulated } = self;
+        let predicted = &found.predicted;
+        let plain_squares = CHANNELS.map(|channel| held_square(drives, &plain.predicted, channel));
+        let error = |channel: Quantity| {
+            move |drive: &FreeDrive, own: &Predicted, i: usize| {
+                measured(drive, channel).map_or(f64::NAN, |of| of[i] - said(own, channel)[i])
+            }
+        };
+        let repeating = |predicted: &[Predicted]| -> BTreeMap<String, Remaining> {
+            let of = |channel: Quantity| {
+                Some((channel.name().to_owned(), remaining(drives, predicted, error(channel), seed)?))
+            };
+            CHANNELS.into_iter().filter_map(of).collect()
+        };
+        let repeats = |predicted: &[Predicted]| repeating(predicted).values().any(Remaining::repeats);
+        let mut answer = Ordinary {
+            fit: fits(drives, predicted),
+            plain_fit: fits(drives, &plain.predicted),
+            found_fit: Parts::default(),
+            numbers: numbers(found, drives),
+            plain_numbers: numbers(plain, drives),
+            disturbances: BTreeMap::new(),
+            remaining: repeating(predicted),
+            left_out: Vec::new(),
+            traces: Vec::new(),
+            beyond: Beyond::default(),
+            shaking_mps2: shaking(drives, predicted),
+            sideslip: drives.iter().zip(predicted).map(|(drive, own)| sideslip(drive, own)).collect(),
+            seconds: drives.iter().map(|drive| drive.points() as f64 * STEP_S).sum(),
+        };
+        if answer.is_the_car() && searches(&answer) {
+            let question = Question {
+                kinds: library,
+                references,
+                simulated,
+                plain: plain_squares,
+                repeating: answer.remaining.values().any(Remaining::repeats),
+                repeats: &repeats,
+                seed,
+            };
+            answer.beyond = beyond(found, vehicle, drives, question);
+        }
+        let with_found = answer.beyond.predicted.clone();
+        let with_found = with_found.as_deref().unwrap_or(predicted);
+        answer.found_fit = fits(drives, with_found);
+        if simulated.is_some() && answer.beyond.predicted.is_some() {
+            answer.remaining = repeating(with_found);
+        }
+        tracing::debug!(shaking_mps2 = answer.shaking_mps2, "the ordinary car");
+        for (place, channel) in CHANNELS.into_iter().enumerate() {
+            if drives.iter().all(|drive| measured(drive, channel).is_none()) {
+                continue;
+            }
+            let name = channel.name().to_owned();
+            let disturbance = Disturbance {
+                std: found.noise[place],
+                unit: channel.unit().into(),
+                time_constant_s: found.time_constants_s[place],
+            };
+            answer.disturbances.insert(name, disturbance);
+        }
+        answer.traces = traces(drives, with_found, &plain.predicted);
+        answer
+    }
+}
+
+/// What was measured of each drive and channel beside what two cars say.
+pub(super) fn traces(drives: &[FreeDrive], found: &[Predicted], plain: &[Predicted]) -> Vec<FreeTrace> {
+    let of = |channel: Quantity| {
+        let both = found.iter().zip(plain);
+        drives.iter().zip(both).filter_map(move |(drive, both)| trace(drive, both, channel))
+    };
+    CHANNELS.into_iter().flat_map(of).collect()
+}
+
 /// What the recordings could tell of each effect, and of each number of the car beside references. None where no recording
 /// can be used, or where the ordinary car does not predict them.
 pub fn could_tell(
@@ -252,6 +286,7 @@ pub fn could_tell(
     let question = Question {
         kinds: asked.library,
         references,
+        simulated: None,
         plain: [0.0; 2],
         repeating: false,
         repeats: &|_| false,
@@ -351,7 +386,7 @@ fn held_square(drives: &[FreeDrive], predicted: &[Predicted], channel: Quantity)
 }
 
 /// Fit over all drives, %, by channel.
-fn fits(drives: &[FreeDrive], predicted: &[Predicted]) -> Parts<ByChannel> {
+pub(super) fn fits(drives: &[FreeDrive], predicted: &[Predicted]) -> Parts<ByChannel> {
     let fit = |channel: Quantity, held: bool| {
         let rows = drives.iter().zip(predicted).flat_map(|(drive, own)| {
             let measured = measured(drive, channel).unwrap_or_default();

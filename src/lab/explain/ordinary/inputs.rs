@@ -104,24 +104,13 @@ impl FreeDrive {
         let (begin, points) = liveliest(yaw, (first, begin, end - begin), (most_s / STEP_S) as usize);
         let from_s = first + begin as f64 * STEP_S;
         let time = |i: usize| from_s + i as f64 * STEP_S;
-        let lateral = track(Quantity::LateralAcceleration).ok().map(|track| {
-            let margin = MEAN_POINTS;
-            let raw = resampled(track, from_s - margin as f64 * STEP_S, points + 2 * margin);
-            mean(&raw, MEAN_POINTS)[margin..margin + points].to_vec()
-        });
-        let axles = std::array::from_fn(|axle| {
-            let pair = [Wheel::ALL[2 * axle], Wheel::ALL[2 * axle + 1]].map(Quantity::wheel_speed);
-            let [left, right] = pair.map(|side| track(side).ok());
-            let (left, right) = (left?, right?);
-            let [left, right] = [left, right].map(|side| resampled(side, from_s, points));
-            Some(turning(vehicle, axle, &left, &right))
-        });
+        let Compared { yaw_rate, lateral, axles } = Compared::of(recording, vehicle, from_s, points);
         let per_block = (BLOCK_S / STEP_S) as usize;
         Ok(Self {
             name: recording.name.clone(),
             from_s,
             steering: steering.to_vec(),
-            yaw_rate: resampled(yaw, from_s, points),
+            yaw_rate,
             lateral,
             axles,
             held: (0..points)
@@ -160,6 +149,38 @@ impl FreeDrive {
         (0..2 * self.points() + 2)
             .map(|i| interpolated(&self.steering, &mut cursor, self.from_s + delay + i as f64 * half).0)
             .collect()
+    }
+}
+
+/// What is compared of a record at grid points.
+pub struct Compared {
+    /// See [`FreeDrive::yaw_rate`].
+    pub yaw_rate: Vec<f64>,
+    /// See [`FreeDrive::lateral`].
+    pub lateral: Option<Vec<f64>>,
+    /// See [`FreeDrive::axles`].
+    pub axles: [Option<Vec<f64>>; 2],
+}
+
+impl Compared {
+    /// Of a record, at so many points from a time on.
+    pub fn of(recording: &Recording, vehicle: &Vehicle, from_s: f64, points: usize) -> Self {
+        let track = |quantity: Quantity| {
+            recording.has(quantity).then(|| recording.tracks[quantity as usize].as_slice())
+        };
+        let lateral = track(Quantity::LateralAcceleration).map(|track| {
+            let margin = MEAN_POINTS;
+            let raw = resampled(track, from_s - margin as f64 * STEP_S, points + 2 * margin);
+            mean(&raw, MEAN_POINTS)[margin..margin + points].to_vec()
+        });
+        let axles = std::array::from_fn(|axle| {
+            let pair = [Wheel::ALL[2 * axle], Wheel::ALL[2 * axle + 1]].map(Quantity::wheel_speed);
+            let [left, right] = pair.map(track);
+            let [left, right] = [left?, right?].map(|side| resampled(side, from_s, points));
+            Some(turning(vehicle, axle, &left, &right))
+        });
+        let yaw_rate = resampled(&recording.tracks[Quantity::YawRate as usize], from_s, points);
+        Self { yaw_rate, lateral, axles }
     }
 }
 
@@ -226,11 +247,16 @@ fn at(grid: &[f64], t: f64) -> f64 {
     grid[before] + (place - before as f64) * (grid[(before + 1).min(grid.len() - 1)] - grid[before])
 }
 
-/// A track on a grid from a time on; not a number in gaps.
+/// A track on the grid from a time on; not a number in gaps.
 pub fn resampled(track: &[(f64, f64)], from_s: f64, points: usize) -> Vec<f64> {
+    resampled_every(STEP_S, track, from_s, points)
+}
+
+/// The same on a grid of other steps, s.
+pub fn resampled_every(step_s: f64, track: &[(f64, f64)], from_s: f64, points: usize) -> Vec<f64> {
     let mut cursor = 1;
     let value = |i: usize| {
-        let (value, gap) = interpolated(track, &mut cursor, from_s + i as f64 * STEP_S);
+        let (value, gap) = interpolated(track, &mut cursor, from_s + i as f64 * step_s);
         if gap > GAP_S { f64::NAN } else { value }
     };
     (0..points).map(value).collect()

@@ -17,7 +17,10 @@ mod numbers;
 mod remaining;
 mod robust;
 mod run;
+mod simulated;
 
 pub use answer::{Asked, FreeTrace, Number, Ordinary, could_tell};
 pub use beyond::{Beyond, Power, Powers};
+pub(super) use inputs::resampled_every;
 pub use remaining::Remaining;
+pub use simulated::{Incomparable, Simulated};

@@ -29,7 +29,7 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
         escape(words::verdict(explanation.verdict)),
         escape(&words::headline(explanation))
     ));
-    for paragraph in lead(explanation) {
+    for paragraph in lead(explanation).into_iter().chain(explanation.simulation.as_ref().map(words::beside)) {
         page.raw(&format!("<p class=\"lead\">{}</p>", escape(&paragraph)));
     }
     if explanation.verdict == Verdict::InsufficientExcitation {
@@ -77,6 +77,10 @@ fn lead(explanation: &Explanation) -> Vec<String> {
             .map(|finding| format!("{}{}", about(finding), class(finding)))
             .into_iter()
             .collect(),
+        Verdict::Adequate if explanation.simulation.is_some() => vec![format!(
+            "The recording minus the simulation is what sensors, road and noise leave: none of {tried}, and no other number \
+             of the car, adds anything that data held out of the fit confirm."
+        )],
         Verdict::Adequate if explanation.is_by_ordinary => vec![format!(
             "Driven by steering and measured speed alone, a car with what every car has predicts driving it was not \
              fitted to; none of {tried} adds anything that data held out of the fit confirm, and what is left does not \

@@ -15,7 +15,7 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
         let title = if is_usual { "What every car has, and yours" } else { "What is missing" };
         page.section("missing", title, "");
         for finding in &explanation.findings {
-            card(page, finding, explanation.findings.len() > 1);
+            card(page, explanation, finding);
         }
     }
     let is_told_already = explanation.verdict == Verdict::InsufficientExcitation;
@@ -30,7 +30,8 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
     ordinary(page, explanation);
 }
 
-fn card(page: &mut Page, finding: &Finding, is_one_of_many: bool) {
+fn card(page: &mut Page, explanation: &Explanation, finding: &Finding) {
+    let is_one_of_many = explanation.findings.len() > 1;
     page.raw("<article class=\"finding\">");
     page.raw(&format!("<p>{}</p>", escape(&answer::about(finding))));
     if !finding.equation.is_empty() {
@@ -44,6 +45,9 @@ fn card(page: &mut Page, finding: &Finding, is_one_of_many: bool) {
     page.raw("<dl class=\"place\">");
     let entry = |term: &str, text: &str| format!("<div><dt>{term}</dt><dd>{}</dd></div>", escape(text));
     page.raw(&entry("Probability", &words::probability(finding.probability)));
+    if let Some(was) = words::reference(finding) {
+        page.raw(&entry(&format!("In {}", words::compared_with(explanation)), &was));
+    }
     let explained = words::explained(finding);
     if !explained.is_empty() {
         page.raw(&entry("Explains, on held-out driving", &stopped(&explained)));

@@ -26,9 +26,12 @@ pub fn print(explanation: &Explanation, output: &mut impl Write) -> io::Result<(
 fn text(explanation: &Explanation) -> String {
     let verdict = words::verdict(explanation.verdict);
     let mut text = format!("{verdict} ({})\n{}\n", words::subject(explanation), words::headline(explanation));
+    if let Some(simulated) = &explanation.simulation {
+        wrapped(&mut text, "", &words::beside(simulated));
+    }
     for finding in &explanation.findings {
         text.push('\n');
-        one(&mut text, finding, explanation.findings.len() > 1);
+        one(&mut text, explanation, finding);
     }
     if explanation.findings.iter().all(|it| it.place == Where::default()) {
         place(&mut text, &explanation.place, "");
@@ -58,7 +61,8 @@ fn text(explanation: &Explanation) -> String {
     text
 }
 
-fn one(text: &mut String, finding: &Finding, has_others: bool) {
+fn one(text: &mut String, explanation: &Explanation, finding: &Finding) {
+    let has_others = explanation.findings.len() > 1;
     let name = words::effect(&finding.effect, finding.channel.as_deref());
     *text += &format!("{} (probability {})\n", sentence(&name), words::probability(finding.probability));
     if !finding.about.is_empty() {
@@ -68,7 +72,7 @@ fn one(text: &mut String, finding: &Finding, has_others: bool) {
         wrapped(text, "  ", &format!("{} {}", row.name, row.value()));
     }
     if let Some(was) = words::reference(finding) {
-        wrapped(text, "  in the references: ", &was);
+        wrapped(text, &format!("  in {}: ", words::compared_with(explanation)), &was);
     }
     let explained = words::explained(finding);
     if !explained.is_empty() {
@@ -128,7 +132,11 @@ fn fit(text: &mut String, explanation: &Explanation) {
     };
     let rows: Vec<[String; 5]> = words::in_order(before.keys()).into_iter().map(row).collect();
     if is_extended {
-        table(text, &["", "plain", "extended", "gain", "95 % interval"].map(str::to_owned), &rows);
+        let names = match explanation.simulation {
+            Some(_) => ["", "simulation", "with that", "gain", "95 % interval"],
+            None => ["", "plain", "extended", "gain", "95 % interval"],
+        };
+        table(text, &names.map(str::to_owned), &rows);
     } else {
         table(text, &[const { String::new() }; 5], &rows);
     }

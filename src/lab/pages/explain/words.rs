@@ -1,6 +1,6 @@
 //! Names and units as a chassis engineer says them.
 
-use crate::explain::{Confirmed, Estimate, Explanation, Finding, Nature, Verdict};
+use crate::explain::{Confirmed, Estimate, Explanation, Finding, Nature, Simulated, Verdict};
 use crate::identify::Parameter;
 use physics::model::effect::{self, Kind, Spec};
 
@@ -275,7 +275,13 @@ pub fn headline(explanation: &Explanation) -> String {
         Verdict::MissingPhysics if !explanation.references.is_empty() => {
             format!("Changed since the references: {}", names(explanation.findings.iter()))
         }
+        Verdict::MissingPhysics if explanation.simulation.is_some() => {
+            format!("Your simulation leaves out: {}", names(explanation.findings.iter()))
+        }
         Verdict::MissingPhysics => found(&explanation.findings),
+        Verdict::Adequate if explanation.simulation.is_some() => {
+            "Your simulation leaves out nothing that this drive shows".into()
+        }
         Verdict::Adequate if explanation.needs_ordinary => {
             "What every car has explains it; what is left does not repeat".into()
         }
@@ -315,7 +321,38 @@ fn names<'f>(findings: impl Iterator<Item = &'f Finding>) -> String {
     list(&names)
 }
 
-/// What the references have of a number that has changed; nothing of other findings.
+/// How somebody's simulation lies beside the recording.
+pub fn beside(simulated: &Simulated) -> String {
+    let clock = match simulated.time_offset_s {
+        0.0 => "begins with the recording".to_owned(),
+        offset => format!(
+            "begins {} s {} the recording",
+            three(offset.abs()),
+            if offset > 0.0 { "after" } else { "before" }
+        ),
+    };
+    let steered = match simulated.steered_alike {
+        Some(true) => {
+            "It was steered as the recorded car was, so its difference from the recording is looked at."
+        }
+        Some(false) => {
+            "It was steered otherwise than the recorded car, so the car that drives like it is compared, steered as recorded."
+        }
+        None => "It does not tell how it was steered: as recorded, it is supposed.",
+    };
+    let fits = in_order(simulated.emulated_fit.keys())
+        .into_iter()
+        .map(|name| format!("{} % of its {}", number(simulated.emulated_fit[name], 1), channel(name)));
+    let fits: Vec<String> = fits.collect();
+    format!("The simulation {clock}. {steered} The ordinary car that drives like it gives {}.", list(&fits))
+}
+
+/// What a recording is compared with.
+pub fn compared_with(explanation: &Explanation) -> &'static str {
+    if explanation.simulation.is_some() { "the simulation" } else { "the references" }
+}
+
+/// What the references or the simulation have of a number that is another one now; nothing of other findings.
 pub fn reference(finding: &Finding) -> Option<String> {
     let was = finding.reference_value?;
     let name = finding.parameters.keys().next()?;

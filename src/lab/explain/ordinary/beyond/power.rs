@@ -73,8 +73,9 @@ pub fn powers(
     question: Question<'_>,
 ) -> Powers {
     let Question { kinds, references, plain, .. } = question;
-    let all = trials(found, drives, kinds, super::scope(references));
-    let search = Search { drives, vehicle, tried: super::tried(&all, &[]), plain, references };
+    let all = trials(found, drives, kinds, question.scope());
+    let search =
+        Search { drives, vehicle, tried: super::tried(&all, &[]), plain, references, is_simulated: false };
     let state = search.start(found);
     let middle = 0.5 * drives.iter().map(|drive| drive.time(drive.points())).fold(0.0, f64::max);
     let traces = search.traces(&state, &typical(&all, middle));

@@ -95,11 +95,12 @@ impl<'a> Round<'a> {
         // A name that fits hardly better than a form without one, which has paid for all its rivals, is a forced fit.
         let laws = all().filter(|of| of.trial.is_law()).map(|of| of.evidence);
         let best_law = laws.fold(f64::NEG_INFINITY, f64::max);
+        let may_be_forced = |trial: &Trial| !trial.is_law() && !trial.is_of_every_car() && !trial.is_number();
         let is_sure = |(gain, of): &&(f64, Refitted<'a>)| {
             of.evidence > LEAST_EVIDENCE
                 && (references > 0 || of.trial.is_of_every_car() || is_told_from(of, Trial::is_of_every_car))
                 && (!of.trial.is_law() || is_told_from(of, |trial| !trial.is_law()))
-                && (of.trial.is_law() || of.trial.is_of_every_car() || of.evidence > best_law + TOLD_APART)
+                && (!may_be_forced(&of.trial) || of.evidence > best_law + TOLD_APART)
                 && of.is_beyond(healthy)
                 && of.held_gain > least_held_gain(references, &of.trial)
                 && (of.trial.has_time() || *gain > self.null)

@@ -182,7 +182,7 @@ impl Search<'_> {
         let channels = gains.into_iter().map(|(channel, _)| channel.name().to_owned()).collect();
         let mut finding = match &best.trial.what {
             What::Effect(candidate) => Finding::of(candidate.kind, candidate.channel),
-            What::Number { name, .. } => number_changed(name),
+            What::Number { name, .. } => another_number(name, self.is_simulated),
         };
         finding.reference_value = best.unchanged();
         finding.probability = probability_among(best.evidence, others().map(|(_, evidence)| *evidence));
@@ -249,6 +249,8 @@ impl Search<'_> {
         let free = &state.free[place];
         let told = Told::of(state, free)?;
         let at = state.at[place];
+        // Beside a simulation, what makes no difference is what the car has that drives like it.
+        let neutral = if self.is_simulated { free.prior.0 } else { told.neutral };
         if free.is_at_bound(at) {
             return None;
         }
@@ -258,24 +260,24 @@ impl Search<'_> {
         without.at.remove(place);
         without.slopes.remove(place);
         without.errors = {
-            let mut neutral = state.at.clone();
-            neutral[place] = told.neutral;
-            self.errors(&state.model, &state.free, &neutral)
+            let mut there = state.at.clone();
+            there[place] = neutral;
+            self.errors(&state.model, &state.free, &there)
         };
         let mut fixed = *free;
-        fixed.prior = (told.neutral, 1e-9);
-        fixed.bounds = (told.neutral, told.neutral);
+        fixed.prior = (neutral, 1e-9);
+        fixed.bounds = (neutral, neutral);
         let mut numbers = without.free.clone();
         numbers.push(fixed);
         let mut from = without.at.clone();
-        from.push(told.neutral);
+        from.push(neutral);
         let climbed = self.climb(&without, &state.colour, &state.model, &numbers, from);
         let evidence = climbed.cost - state.cost;
         let prior = (at - free.prior.0) / free.prior.1;
         let is_offset = told.kind.name == "sensor_bias";
         let std = state.covariance[(place, place)].max(0.0).sqrt();
         // By the slope here, too: a search may stop halfway.
-        let from_neutral = ((at - told.neutral) / std).powi(2);
+        let from_neutral = ((at - neutral) / std).powi(2);
         if evidence.min(from_neutral) < LEAST_EVIDENCE || is_offset && prior.abs() < LEAST_OFFSET {
             return None;
         }
@@ -285,7 +287,7 @@ impl Search<'_> {
         }
         finding.probability = 1.0 / (1.0 + (-0.5 * evidence).exp());
         finding.evidence = evidence;
-        let (value, slope) = told.value(free, at);
+        let (value, slope) = told.value(free, at - neutral + told.neutral);
         // What of the effect its number alone does not tell.
         let by_model = told.model_error(free) * value;
         finding.parameters.insert(told.number.into(), Estimate { value, std: (std * slope).hypot(by_model) });
@@ -302,27 +304,36 @@ impl Search<'_> {
     }
 }
 
-/// A number of the ordinary car that is another one than in the references.
-fn number_changed(name: &str) -> Finding {
+/// A number of the ordinary car that is another one than in the references, or than in somebody's simulation.
+fn another_number(name: &str, is_simulated: bool) -> Finding {
     if let Some((kind, channel)) = name.split_once(':')
         && let Some(kind) = named(kind)
     {
         return Finding::of(kind, channel.parse().ok());
     }
     if let Some(kind) = name.split_once('.').and_then(|(kind, _)| named(kind)) {
-        return Finding {
-            about: format!("{}; now it is another one", kind.about),
-            ..Finding::of(kind, None)
-        };
+        let how =
+            if is_simulated { "the simulation has none, or another one" } else { "now it is another one" };
+        return Finding { about: format!("{}; {how}", kind.about), ..Finding::of(kind, None) };
     }
-    let (about, equation) = match name {
-        "lateral_stiffness_front" => {
-            ("the cornering stiffness of the front axle has changed", "front slip angle")
-        }
-        _ => ("the cornering stiffness of the rear axle has changed", "rear slip angle"),
+    let (what, equation) = match name {
+        "lateral_stiffness_front" => ("the cornering stiffness of the front axle", "front slip angle"),
+        "lateral_stiffness_rear" => ("the cornering stiffness of the rear axle", "rear slip angle"),
+        "yaw_inertia_kgm2" => ("the yaw inertia", "yaw moment"),
+        "friction" => ("the friction of tires and road", "limit of the tires"),
+        "magic_formula_shape" => ("the shape of the tires' curve", "limit of the tires"),
+        "cg_to_front_m" => ("the place of the centre of gravity", "loads of the axles"),
+        _ => ("the mass", "lateral force"),
     };
+    let how = if is_simulated { "is another one than in the simulation" } else { "has changed" };
     let place = Where { equation: equation.into(), ..Where::default() };
-    Finding { effect: name.into(), kind: Nature::Ordinary, about: about.into(), place, ..Finding::default() }
+    Finding {
+        effect: name.into(),
+        kind: Nature::Ordinary,
+        about: format!("{what} {how}"),
+        place,
+        ..Finding::default()
+    }
 }
 
 /// A number of the ordinary car as an effect of the library.

@@ -102,7 +102,7 @@ pub fn trials(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind]
         }
         let free: Vec<usize> = (0..candidate.kind.parameters.len()).collect();
         // What is there from the beginning is the ordinary road, where there is no other to compare it with.
-        let whole = (of != Scope::Car).then_some([f64::NEG_INFINITY, f64::INFINITY]);
+        let whole = matches!(of, Scope::Since(1..)).then_some([f64::NEG_INFINITY, f64::INFINITY]);
         for stretch in stretches(seconds).into_iter().chain(whole) {
             let candidate = Candidate {
                 free: free.clone(),
@@ -116,7 +116,9 @@ pub fn trials(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind]
     }
     if of != Scope::Car {
         let changes = found.free.iter().filter_map(|free| changed(found, free, of));
-        all.extend(changes.chain(speed_changed(of)).map(|what| Trial { what, of, inverse_friction }));
+        // Of a single drive the speed's measurement is free anyway.
+        let of_speed = speed_changed(of).into_iter().filter(|_| of != Scope::Since(0));
+        all.extend(changes.chain(of_speed).map(|what| Trial { what, of, inverse_friction }));
     }
     all
 }
@@ -129,7 +131,12 @@ fn changed(found: &FreeFit<'_>, free: &Free, of: Scope) -> Option<What> {
     }
     let std = match place {
         // The search is for its logarithm.
-        Place::Ordinary(parameter) => CHANGING.iter().find(|(of, _)| *of == parameter)?.1,
+        Place::Ordinary(parameter) => match CHANGING.iter().find(|(of, _)| *of == parameter) {
+            Some((_, std)) => *std,
+            // Of somebody's simulation any number may be wrong.
+            None if of == Scope::Since(0) => free.prior.1,
+            None => return None,
+        },
         // What breaks or is replaced may be further off than cars of the class are from each other.
         Place::Effect(..) => 2.0 * free.prior.1,
         Place::Delay(_) | Place::BendAlong => return None,
@@ -222,6 +229,11 @@ impl Trial {
     /// Is it none of the library's effects, but a law?
     pub fn is_law(&self) -> bool {
         self.candidate().is_some_and(|candidate| candidate.kind.is_law())
+    }
+
+    /// Is it no effect, but another number of the car?
+    pub fn is_number(&self) -> bool {
+        matches!(self.what, What::Number { .. })
     }
 
     /// Is it there within some stretches only?

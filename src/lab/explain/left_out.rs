@@ -1,0 +1,108 @@
+//! What somebody's simulation of a drive leaves out of its recording.
+
+use super::answer::chain_words;
+use super::case::{Answer, Case};
+use super::model::Model;
+use super::ordinary::{Asked, Incomparable, Ordinary, Remaining};
+use super::predict::Recording;
+use super::result::{Explanation, Verdict};
+
+impl<'a> Case<'a> {
+    /// Explains what the first recording has that a simulation of the same drive has not.
+    ///
+    /// # Errors
+    /// Why the two cannot be compared.
+    pub fn left_out(
+        &self,
+        simulation: &Recording,
+        progress: &(dyn Fn(&str, f64) + Sync),
+    ) -> Result<Answer<'a>, Incomparable> {
+        progress("a car that drives like the simulation", 0.0);
+        let asked = Asked { searches: &|_| true, ..self.asked(&|_| true) };
+        let both = (&self.recordings[0], simulation);
+        let (ordinary, simulated) = Ordinary::beside(self.vehicle, self.effects, both, asked)?;
+        let verdict = match () {
+            () if !ordinary.is_the_car() => Verdict::UnknownPhysics,
+            () if !ordinary.beyond.findings.is_empty() => Verdict::MissingPhysics,
+            () if ordinary.remaining.values().any(Remaining::repeats) => Verdict::UnknownPhysics,
+            () => Verdict::Adequate,
+        };
+        let mut explanation = Explanation::empty(verdict);
+        explanation.measurement_chain = self.chain.iter().flat_map(chain_words).collect();
+        explanation.seconds = ordinary.seconds;
+        explanation.simulation = Some(simulated);
+        explanation.take_ordinary(&ordinary, Some(verdict));
+        let undecided =
+            explanation.findings.iter().filter(|finding| !finding.indistinguishable_from.is_empty());
+        explanation.to_drive = undecided.map(|finding| finding.to_tell_apart.clone()).collect();
+        Ok(Answer { explanation, model: Model::plain(self.vehicle, false).with_configured(self.effects) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bench::recorded_as;
+    use super::*;
+    use physics::Quantity;
+    use physics::model::Scenario;
+    use physics::model::effect::KINDS;
+
+    /// What a simulation of the bench's drive, as another simulator would write it (no noise, no wheels), leaves out of a
+    /// recording with these effects.
+    fn left_out(effects: &str, change: impl FnOnce(&mut Scenario)) -> Explanation {
+        let silent = |scenario: &mut Scenario| {
+            scenario.sensors.by_name.values_mut().for_each(|sensor| sensor.noise_std = 0.0);
+        };
+        let (_, mut simulation) = recorded_as("", silent);
+        for quantity in Quantity::ALL {
+            if !matches!(quantity, Quantity::YawRate | Quantity::LateralAcceleration) {
+                simulation.tracks[quantity as usize].clear();
+            }
+        }
+        let (vehicle, recording) = recorded_as(effects, change);
+        let case = Case {
+            vehicle: &vehicle,
+            effects: &[],
+            recordings: &[recording],
+            references: 0,
+            held_out: 0,
+            chain: &[],
+            library: KINDS,
+            seed: 1,
+        };
+        case.left_out(&simulation, &|_, _| {}).unwrap().explanation
+    }
+
+    /// GIVEN a simulation of the car as it is THEN it leaves out nothing.
+    #[test]
+    #[ignore = "long: a car fitted to a simulation"]
+    fn of_the_same_car_nothing_is_left_out() {
+        let answer = left_out("", |scenario| scenario.seed = 12);
+        assert_eq!(answer.verdict, Verdict::Adequate, "{:?}", answer.findings);
+    }
+
+    /// GIVEN a car whose tires relax THEN that is what the simulation leaves out.
+    #[test]
+    fn a_relaxing_tire_is_left_out() {
+        let answer = left_out("[[effect]]\nkind = \"relaxation_length\"\nlength_m = 0.6\n", |_| {});
+        assert_eq!(answer.verdict, Verdict::MissingPhysics);
+        let first = &answer.findings[0];
+        assert_eq!(first.effect, "relaxation_length", "{:?}", answer.findings);
+        let length = first.parameters["length_m"];
+        assert!((length.value - 0.6).abs() < 0.15, "{length:?}");
+        let before = answer.fit.baseline.holdout["yaw_rate"];
+        assert!(answer.fit.extended.holdout["yaw_rate"] > before, "{:?}", answer.fit);
+    }
+
+    /// GIVEN a simulation with softer front tires than the car's THEN these are told, with both numbers.
+    #[test]
+    #[ignore = "long: a car fitted to a simulation"]
+    fn a_wrong_stiffness_is_told_with_both_numbers() {
+        let answer = left_out("", |scenario| scenario.vehicle.lateral_stiffness_front.value = 13.5);
+        let first = &answer.findings[0];
+        assert_eq!(first.effect, "lateral_stiffness_front", "{:?}", answer.findings);
+        let (is, was) =
+            (first.parameters["lateral_stiffness_front"].value, first.reference_value.unwrap().value);
+        assert!((is / was / (13.5 / 11.0) - 1.0).abs() < 0.06, "{is} for {was}");
+    }
+}

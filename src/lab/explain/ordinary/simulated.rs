@@ -1,0 +1,306 @@
+//! Somebody's simulation beside a recording of the same drive: what the recording has that the simulation has not.
+//!
+//! ```text
+//! simulation ─► the ordinary car that drives like it ──┬──────────────► run ─┐
+//! recording − simulation ──────────────────────────────┼─► + what it says ───┴─► search beside that car
+//! recorded steering and speed ─────────────────────────┘
+//! ```
+//!
+//! Effects act as differences around the simulated motion. The ordinary car is fitted to the simulation first, far beyond
+//! what cars are: a simulation may have no load transfer at all. What it then still lacks of the simulation drops out,
+//! because the search is not for the recording itself: it is for what that car says, and the recording minus the
+//! simulation. Where the simulation was steered otherwise (by a driver model), there is no such difference point by point,
+//! and the car that drives like it stands for it.
+
+use physics::Quantity;
+use physics::model::effect::EffectConfig;
+use physics::model::{Uncertain, Vehicle};
+use serde::Serialize;
+
+use super::answer::{Asked, Fitted, LEAST_FIT, MOST_S, Ordinary, as_configured, fits, traces, with_bend};
+use super::fit::{FreeFit, fit};
+use super::inputs::{Compared, FreeDrive, Held, Unusable, turning};
+use super::numbers::{Free, Number, Scope, free, placed, with_ordinary};
+use super::run::{Predicted, run};
+use crate::explain::Recording;
+use crate::explain::align::align;
+use crate::explain::model::Place;
+use crate::explain::predict::car::Compute;
+use crate::explain::result::ByChannel;
+
+/// How a simulation lies beside its recording.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Simulated {
+    /// The simulation.
+    pub name: String,
+    /// What is added to its times to come to the recording's, s.
+    pub time_offset_s: f64,
+    /// Was it steered as the recorded car was? None where it does not tell how it was steered.
+    pub steered_alike: Option<bool>,
+    /// How much of the simulation the ordinary car that drives like it gives, %, by channel.
+    pub emulated_fit: ByChannel,
+}
+
+/// Why a simulation cannot be compared with a recording.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Incomparable {
+    /// Nothing to compare.
+    #[error("the simulation has no yaw rate; add a column yaw_rate with its unit")]
+    NoYawRate,
+    /// Different times.
+    #[error(
+        "simulation and recording have {0:.0} s in common wherever they are laid beside each other; 12 s are needed"
+    )]
+    NoOverlap(f64),
+    /// Different drives.
+    #[error(
+        "the simulation is of another drive: wherever it is laid beside the recording, {of} of both share no more than \
+         {percent:.0} % (50 % are needed); check units and signs of its columns, too"
+    )]
+    AnotherDrive {
+        /// By what they were laid beside each other.
+        of: Quantity,
+        /// Their squared correlation, %.
+        percent: f64,
+    },
+    /// One of the two cannot be run.
+    #[error("{name}: {why}")]
+    Unusable {
+        /// Which.
+        name: String,
+        /// Why.
+        why: Unusable,
+    },
+    /// The ordinary car does not come near it.
+    #[error(
+        "no car of the ordinary kind drives like this simulation: the best gives {0:.0} % of its yaw rate ({LEAST_FIT:.0} % \
+         are needed); check the units and signs of its columns, and wheelbase, steering ratio and mass in [vehicle]"
+    )]
+    NoCar(f64),
+}
+
+/// A simulation's numbers may be off by this share at least, whatever the configuration believes of the car's.
+const LOOSE: f64 = 0.15;
+
+/// What every car has may be missing in a simulation: so many deviations of the class count as one.
+const LACKING: f64 = 5.0;
+
+/// The simulation's numbers stay within this, in the coordinates of the search, while the recording is looked at. Numerical.
+const KEPT: f64 = 1e-3;
+
+impl Ordinary {
+    /// What a recording has that a simulation has not.
+    ///
+    /// # Errors
+    /// Why the two cannot be compared.
+    pub fn beside(
+        vehicle: &Vehicle,
+        effects: &[EffectConfig],
+        (recording, simulation): (&Recording, &Recording),
+        asked: Asked<'_>,
+    ) -> Result<(Self, Simulated), Incomparable> {
+        if !simulation.has(Quantity::YawRate) {
+            return Err(Incomparable::NoYawRate);
+        }
+        let alignment = align(recording, simulation)?;
+        let simulation = &shifted(simulation, alignment.offset_s);
+        let whole = &completed(recording, simulation);
+        // A simulation's tires are of any kind: as configured, or with a bend of their own.
+        let configured = loosened(vehicle);
+        let bent = with_bend(&configured);
+        let drive = |of: &Recording, held| {
+            let unusable = |why| Incomparable::Unusable { name: of.name.clone(), why };
+            FreeDrive::new(of, &bent, held, MOST_S).map_err(unusable)
+        };
+        let simulated = [drive(whole, Held::Nothing)?];
+        let (of_configured, of_bent) = rayon::join(
+            || Emulation::of(&configured, effects, &simulated),
+            || Emulation::of(&bent, effects, &simulated),
+        );
+        let emulation = if of_configured.given() > of_bent.given() { of_configured } else { of_bent };
+        if emulation.given().is_nan() || emulation.given() < LEAST_FIT {
+            return Err(Incomparable::NoCar(emulation.given()));
+        }
+        let recorded = [drive(recording, Held::EveryThird)?];
+        let says = emulation.says(&recorded[0]);
+        let known = Compared::of(simulation, &bent, recorded[0].from_s, recorded[0].points());
+        let drops_out = alignment.steered_alike != Some(false);
+        let lacks = drops_out.then(|| Lacks::of(&known, &says, &bent));
+        let searched =
+            [lacks.as_ref().map_or_else(|| recorded[0].clone(), |lacks| lacks.taken(&recorded[0]))];
+        let found = fit(&emulation.car.model, emulation.kept(), &searched);
+        let fitted = Fitted {
+            vehicle: emulation.vehicle,
+            drives: &searched,
+            found: &found,
+            plain: &found,
+            simulated: Some(&FreeFit { free: emulation.thought.clone(), ..emulation.car.clone() }),
+        };
+        let mut answer = fitted.answer(asked);
+        // Back to what was recorded.
+        let back = |said: &Predicted| lacks.as_ref().map_or_else(|| said.clone(), |lacks| lacks.given(said));
+        let sensed = [back(&found.predicted[0])];
+        let with_found =
+            answer.beyond.predicted.as_ref().map_or_else(|| sensed.clone(), |all| [back(&all[0])]);
+        let plain = [back(&says)];
+        answer.fit = fits(&recorded, &sensed);
+        answer.plain_fit = fits(&recorded, &plain);
+        answer.found_fit = fits(&recorded, &with_found);
+        answer.traces = traces(&recorded, &with_found, &plain);
+        let simulated = Simulated {
+            name: simulation.name.clone(),
+            time_offset_s: alignment.offset_s,
+            steered_alike: alignment.steered_alike,
+            emulated_fit: emulation.fits,
+        };
+        Ok((answer, simulated))
+    }
+}
+
+/// The simulation on the recording's clock.
+fn shifted(simulation: &Recording, offset_s: f64) -> Recording {
+    let mut all = simulation.clone();
+    for track in &mut all.tracks {
+        track.iter_mut().for_each(|(t, _)| *t += offset_s);
+    }
+    all
+}
+
+/// The same with the recorded steering and speed where it does not tell them.
+fn completed(recording: &Recording, simulation: &Recording) -> Recording {
+    let mut all = simulation.clone();
+    let wheels = &Quantity::ALL[..4];
+    let has_speed = wheels.iter().chain([&Quantity::VehicleSpeed]).any(|quantity| simulation.has(*quantity));
+    let of_speed = wheels.iter().chain([&Quantity::VehicleSpeed]).filter(|_| !has_speed);
+    let of_steering =
+        (!simulation.has(Quantity::SteeringWheelAngle)).then_some(&Quantity::SteeringWheelAngle);
+    for quantity in of_speed.chain(of_steering) {
+        all.tracks[*quantity as usize].clone_from(&recording.tracks[*quantity as usize]);
+    }
+    all
+}
+
+/// The car with every number open: a simulation's numbers are anybody's.
+fn loosened(vehicle: &Vehicle) -> Vehicle {
+    let mut own = vehicle.clone();
+    let open = |number: &mut Uncertain| number.std = number.std.max(LOOSE * number.value.abs());
+    let inertia = own.yaw_inertia_kgm2.get_or_insert(Uncertain::known(vehicle.yaw_inertia()));
+    open(inertia);
+    for number in [
+        &mut own.lateral_stiffness_front,
+        &mut own.lateral_stiffness_rear,
+        &mut own.friction,
+        &mut own.mass_kg,
+    ] {
+        open(number);
+    }
+    own
+}
+
+/// A number of the car as it may be in a simulation.
+fn lacking(free: &Free) -> Free {
+    match free.number {
+        Number::Of(Place::Effect(..)) => Free { prior: (free.prior.0, LACKING * free.prior.1), ..*free },
+        _ => *free,
+    }
+}
+
+/// The ordinary car that drives like a simulation.
+struct Emulation<'a> {
+    vehicle: &'a Vehicle,
+    car: FreeFit<'a>,
+    /// What is free of it, with what is thought of real cars' numbers.
+    thought: Vec<Free>,
+    /// How much of the simulation it gives, %.
+    fits: ByChannel,
+}
+
+impl<'a> Emulation<'a> {
+    fn of(vehicle: &'a Vehicle, effects: &[EffectConfig], simulated: &[FreeDrive]) -> Self {
+        let [model, _] = with_ordinary(&as_configured(vehicle, effects));
+        let thought = free(&model, vehicle, simulated);
+        let car = fit(&model, thought.iter().map(lacking).collect(), simulated);
+        let fits = fits(simulated, &car.predicted).train;
+        Self { vehicle, car, thought, fits }
+    }
+
+    /// How much of its yaw rate, %.
+    fn given(&self) -> f64 {
+        self.fits.get(Quantity::YawRate.name()).copied().unwrap_or(f64::NAN)
+    }
+
+    /// Its numbers of the car as they are; those of the recording's own measurement free, from those that made the car drive
+    /// like the simulation.
+    fn kept(&self) -> Vec<Free> {
+        let of = |(free, at): (&Free, &f64)| match free.of {
+            Scope::Car => Free {
+                prior: (*at, 0.1 * KEPT),
+                bounds: (at - KEPT, at + KEPT),
+                step: free.step.min(0.5 * KEPT),
+                ..*free
+            },
+            _ => Free { prior: (*at, free.prior.1), ..*free },
+        };
+        self.car.free.iter().zip(&self.car.at).map(of).collect()
+    }
+
+    /// What it says of a drive.
+    fn says(&self, drive: &FreeDrive) -> Predicted {
+        let (model, sensing) = placed(&self.car.model, &self.car.free, &self.car.at, 0);
+        run(drive, &model.car(), sensing, Compute::Readings)
+    }
+}
+
+/// What the car that drives like a simulation lacks of it, at the grid points.
+struct Lacks {
+    yaw_rate: Vec<f64>,
+    lateral: Option<Vec<f64>>,
+    axles: [Option<Vec<f64>>; 2],
+}
+
+impl Lacks {
+    fn of(known: &Compared, says: &Predicted, vehicle: &Vehicle) -> Self {
+        let minus = |known: &[f64], says: &[f64]| -> Vec<f64> {
+            known.iter().zip(says).map(|(known, says)| known - says).collect()
+        };
+        let axle = |axle: usize| {
+            let says = turning(vehicle, axle, &says.wheels[2 * axle], &says.wheels[2 * axle + 1]);
+            known.axles[axle].as_ref().map(|known| minus(known, &says))
+        };
+        Self {
+            yaw_rate: minus(&known.yaw_rate, &says.yaw_rate),
+            lateral: known.lateral.as_ref().map(|known| minus(known, &says.lateral)),
+            axles: [axle(0), axle(1)],
+        }
+    }
+
+    /// A drive without it.
+    fn taken(&self, drive: &FreeDrive) -> FreeDrive {
+        let without = |of: &Vec<f64>, lacks: &Vec<f64>| -> Vec<f64> {
+            of.iter().zip(lacks).map(|(of, lacks)| of - lacks).collect()
+        };
+        let both = |of: &Option<Vec<f64>>, lacks: &Option<Vec<f64>>| {
+            of.as_ref().zip(lacks.as_ref()).map(|(of, lacks)| without(of, lacks))
+        };
+        let mut taken = drive.clone();
+        taken.yaw_rate = without(&drive.yaw_rate, &self.yaw_rate);
+        taken.lateral = both(&drive.lateral, &self.lateral);
+        taken.axles = std::array::from_fn(|axle| both(&drive.axles[axle], &self.axles[axle]));
+        taken
+    }
+
+    /// What a car says, with it.
+    fn given(&self, said: &Predicted) -> Predicted {
+        let with = |said: &[f64], lacks: &[f64]| -> Vec<f64> {
+            said.iter().zip(lacks).map(|(said, lacks)| said + lacks).collect()
+        };
+        Predicted {
+            yaw_rate: with(&said.yaw_rate, &self.yaw_rate),
+            lateral: self
+                .lateral
+                .as_ref()
+                .map_or_else(|| said.lateral.clone(), |lacks| with(&said.lateral, lacks)),
+            ..said.clone()
+        }
+    }
+}

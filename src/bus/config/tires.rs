@@ -10,8 +10,9 @@ use physics::model::{DrivenAxle, GRAVITY, TireKind, Uncertain};
 /// roads are no sandpaper. Those of the class of car, as the defaults of the keys have them.
 const LATERAL_STD: f64 = 1.0 / 3.0;
 const LONGITUDINAL_STD: f64 = 0.5;
-/// Numbers of two files that should be one differ by so much before it is worth a word.
-const WORTH_A_WORD: f64 = 0.01;
+/// Numbers of both axles that should be one differ by this share before it is worth a word: beyond it they are hardly the
+/// same tire at another load.
+const WORTH_A_WORD: f64 = 0.1;
 
 impl Config {
     /// Notes which keys of `[vehicle]` are given, and reads the tire files that it names.
@@ -83,7 +84,7 @@ impl Config {
             // The plain car has one curve for all its wheels.
             *number = Uncertain::known(0.5 * (front + rear));
             put.push(key);
-            if (front - rear).abs() > WORTH_A_WORD * (front.abs() + rear.abs()) {
+            if (front - rear).abs() > WORTH_A_WORD * 0.5 * (front.abs() + rear.abs()) {
                 tracing::warn!(
                     "{}: vehicle.{key} is the mean of {front:.3} in front and {rear:.3} behind: there is one for all wheels",
                     path.display()

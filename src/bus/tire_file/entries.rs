@@ -29,6 +29,7 @@ impl Entries {
     pub(super) fn parse(text: &str, file: &str) -> Self {
         let mut entries = Self { file: file.to_owned(), by_key: BTreeMap::new(), rows: 0 };
         let mut section = String::new();
+        let text = text.trim_start_matches('\u{feff}');
         for (place, line) in text.lines().enumerate() {
             let line_text = without_comment(line).trim();
             if let Some(name) = line_text.strip_prefix('[') {
@@ -124,7 +125,7 @@ mod tests {
 
     #[test]
     fn keys_come_without_case_quotes_and_comments() {
-        let text = "$ PCY1 = 3\n[Units]\nforce = 'Newton' ! not kN\n[lateral]\n pCy1=1.3D+0 $ C\nNAME = 'a $ b'\n{x y}\n1 2\n";
+        let text = "\u{feff}$ PCY1 = 3\n[Units]\nforce = 'Newton' ! not kN\n[lateral]\n pCy1=1.3D+0 $ C\nNAME = 'a $ b'\n{x y}\n1 2\n";
         let entries = Entries::parse(text, "x.tir");
         assert_eq!(entries.number("PCY1").unwrap(), Some(1.3));
         assert_eq!(entries.text("UNITS.FORCE").unwrap(), Some("Newton"));

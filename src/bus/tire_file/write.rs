@@ -208,10 +208,12 @@ impl Sheet {
         page.section("MODEL");
         page.words("PROPERTY_FILE_FORMAT", "MF-TYRE");
         page.words("TYPE", "CAR");
-        page.number("FITTYP", 61.0, "magic formula 6.1");
+        page.integer("FITTYP", 61, "magic formula 6.1");
         page.section("DIMENSION");
-        let radius =
-            with_std("the rolling radius: the unloaded one is 1 to 3 % larger", vehicle.wheel_radius_m);
+        let radius = with_std(
+            "nothing is known of the unloaded radius, which is larger; rolling radius",
+            vehicle.wheel_radius_m,
+        );
         page.number("UNLOADED_RADIUS", vehicle.wheel_radius_m.value, &radius);
         page.section("VERTICAL");
         let of = if self.axle == Axle::Rear {
@@ -289,7 +291,14 @@ fn zeros(page: &mut Page, keys: &[&str]) {
 
 /// What a number is, with its value and standard deviation where it has one.
 fn with_std(name: &str, Uncertain { value, std }: Uncertain) -> String {
-    if std > 0.0 { format!("{name} {value} +- {std}") } else { format!("{name} {value}") }
+    let value = short(value);
+    if std > 0.0 { format!("{name} {value} +- {}", short(std)) } else { format!("{name} {value}") }
+}
+
+/// Of as many digits as somebody reads.
+fn short(number: f64) -> f64 {
+    // What was written as a number is one.
+    format!("{number:.4e}").parse().unwrap_or(number)
 }
 
 /// The format is ASCII, and a comment ends with its line.
@@ -311,6 +320,10 @@ impl Page {
 
     fn words(&mut self, key: &str, text: &str) {
         let _ = writeln!(self.0, "{key:<24} = '{text}'");
+    }
+
+    fn integer(&mut self, key: &str, number: u32, comment: &str) {
+        let _ = writeln!(self.0, "{key:<24} = {number} $ {comment}");
     }
 
     /// With all its digits: it comes back as it was.

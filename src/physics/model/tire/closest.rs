@@ -56,8 +56,7 @@ mod tests {
             let MagicFormula { shape, curvature } = tire.closest_magic_formula().formula;
             let least = squares(&tire, MagicFormula { shape, curvature });
             for (by_shape, by_curvature) in [(0.003, 0.0), (-0.003, 0.0), (0.0, 0.05), (0.0, -0.05)] {
-                let other =
-                    MagicFormula { shape: shape + by_shape, curvature: curvature + by_curvature };
+                let other = MagicFormula { shape: shape + by_shape, curvature: curvature + by_curvature };
                 assert!(squares(&tire, other) > least, "{tire:?} {other:?}");
             }
         }
@@ -82,7 +81,10 @@ mod tests {
     #[test]
     fn a_magic_formula_is_itself_and_a_line_is_one_up_to_its_limit() {
         let own = MagicFormula { shape: 1.5, curvature: -0.7 };
-        assert_eq!(Tire::MagicFormula(own).closest_magic_formula(), Closest { formula: own, difference: 0.0 });
+        assert_eq!(
+            Tire::MagicFormula(own).closest_magic_formula(),
+            Closest { formula: own, difference: 0.0 }
+        );
         assert_eq!(Tire::Linear(Linear).closest_magic_formula(), Closest::OF_PIECEWISE);
     }
 }

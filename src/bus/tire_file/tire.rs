@@ -289,6 +289,7 @@ fn angles_in_rad(entries: &Entries) -> Result<(), TireFileError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     const PLAIN: &str = "FNOMIN = 4000\nPCY1 = 1.3\nPDY1 = 0.9\nPKY1 = -20\nPKY2 = 1.5\n";
 
@@ -355,6 +356,28 @@ mod tests {
             let text = format!("[UNITS]\nFORCE = '{unit}'\n[VERTICAL]\n{}", PLAIN.replace("4000", nominal));
             let tire = at(&text, 4000.0).unwrap();
             assert!((tire.lateral_stiffness - plain.lateral_stiffness).abs() < 1e-4, "{unit}: {tire:?}");
+        }
+    }
+
+    proptest! {
+        /// Whatever stands behind its keys, a file gives finite numbers or an error.
+        #[test]
+        fn no_file_is_a_surprise(
+            numbers in prop::collection::vec((0..14usize, prop_oneof![-1e3..1e3, any::<f64>()]), 0..20),
+            garbage in "[ -~\\[\\]='\"!$é\\n]{0,60}",
+            load in 100.0..20_000.0,
+        ) {
+            const KEYS: [&str; 14] = [
+                "FNOMIN", "PCY1", "PDY1", "PDY2", "PEY1", "PEY2", "PKY1", "PKY2", "PKY4", "PKX1", "PKX3", "LFZO",
+                "INFLPRES", "NOMPRES",
+            ];
+            let lines: String = numbers.iter().map(|(key, number)| format!("{} = {number:?}\n", KEYS[*key])).collect();
+            for text in [format!("{PLAIN}{garbage}\n{lines}"), format!("{lines}{garbage}"), garbage] {
+                if let Ok(tire) = at(&text, load) {
+                    let all = [tire.shape, tire.curvature, tire.friction, tire.lateral_stiffness];
+                    prop_assert!(all.iter().all(|number| number.is_finite()), "{tire:?}");
+                }
+            }
         }
     }
 }

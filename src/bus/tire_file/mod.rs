@@ -22,6 +22,8 @@
 
 mod entries;
 mod error;
+#[cfg(feature = "desk")]
+mod page;
 mod tire;
 #[cfg(feature = "desk")]
 mod write;

@@ -1,10 +1,9 @@
 //! Tire property files of a car's `[vehicle]` table.
 
-use std::fmt::Write as _;
-
+use super::page::{Page, ascii, with_std};
 use super::{AtLoad, TireFile, TireFileError};
 use physics::model::tire::{Closest, MagicFormula, Tire};
-use physics::model::{TireKind, Uncertain, Vehicle};
+use physics::model::{TireKind, Vehicle};
 
 /// With the largest stiffness at so many times the nominal load, stiffness is proportional to load: to 1e-8 at loads
 /// that wheels have.
@@ -179,7 +178,7 @@ struct Sheet {
 
 impl Sheet {
     fn text(&self, vehicle: &Vehicle, about: &About<'_>, notes: &[String]) -> String {
-        let mut page = Page(String::new());
+        let mut page = Page::new();
         let wheels = match self.axle {
             Axle::Both => "all wheels",
             Axle::Front => "the front wheels",
@@ -230,21 +229,21 @@ impl Sheet {
         }
         self.longitudinal(&mut page, vehicle);
         self.lateral(&mut page, vehicle);
-        page.0
+        page.into_text()
     }
 
     fn longitudinal(&self, page: &mut Page, vehicle: &Vehicle) {
         page.section("LONGITUDINAL_COEFFICIENTS");
         page.number("PCX1", self.formula.shape, "shape C: the lateral force's");
         page.number("PDX1", vehicle.friction.value, &with_std("friction", vehicle.friction));
-        zeros(page, &["PDX2", "PDX3"]);
+        page.zeros(&["PDX2", "PDX3"]);
         page.number("PEX1", self.formula.curvature, "curvature E: the lateral force's");
-        zeros(page, &["PEX2", "PEX3", "PEX4"]);
+        page.zeros(&["PEX2", "PEX3", "PEX4"]);
         let stiffness = with_std("longitudinal stiffness / (m g / 4)", vehicle.longitudinal_stiffness);
         page.number("PKX1", self.longitudinal[0], &stiffness);
-        zeros(page, &["PKX2"]);
+        page.zeros(&["PKX2"]);
         page.number("PKX3", self.longitudinal[1], "");
-        zeros(page, &["PHX1", "PHX2", "PVX1", "PVX2"]);
+        page.zeros(&["PHX1", "PHX2", "PVX1", "PVX2"]);
     }
 
     fn lateral(&self, page: &mut Page, vehicle: &Vehicle) {
@@ -253,13 +252,13 @@ impl Sheet {
         page.section("LATERAL_COEFFICIENTS");
         page.number("PCY1", self.formula.shape, &of_formula("shape C", vehicle.magic_formula_shape));
         page.number("PDY1", vehicle.friction.value, &with_std("friction", vehicle.friction));
-        zeros(page, &["PDY2", "PDY3"]);
+        page.zeros(&["PDY2", "PDY3"]);
         page.number(
             "PEY1",
             self.formula.curvature,
             &of_formula("curvature E", vehicle.magic_formula_curvature),
         );
-        zeros(page, &["PEY2", "PEY3", "PEY4", "PEY5"]);
+        page.zeros(&["PEY2", "PEY3", "PEY4", "PEY5"]);
         let [front, rear] =
             [("front", vehicle.lateral_stiffness_front), ("rear", vehicle.lateral_stiffness_rear)].map(
                 |(axle, number)| with_std(&format!("{axle} cornering stiffness / load, 1/rad:"), number),
@@ -279,65 +278,16 @@ impl Sheet {
         };
         page.number("PKY1", self.cornering[0], "");
         page.number("PKY2", self.cornering[1], by_load);
-        zeros(page, &["PKY3"]);
+        page.zeros(&["PKY3"]);
         page.number("PKY4", 2.0, "");
-        zeros(page, &["PKY5", "PKY6", "PKY7", "PHY1", "PHY2", "PVY1", "PVY2", "PVY3", "PVY4"]);
-    }
-}
-
-fn zeros(page: &mut Page, keys: &[&str]) {
-    keys.iter().for_each(|key| page.number(key, 0.0, ""));
-}
-
-/// What a number is, with its value and standard deviation where it has one.
-fn with_std(name: &str, Uncertain { value, std }: Uncertain) -> String {
-    let value = short(value);
-    if std > 0.0 { format!("{name} {value} +- {}", short(std)) } else { format!("{name} {value}") }
-}
-
-/// Of as many digits as somebody reads.
-fn short(number: f64) -> f64 {
-    // What was written as a number is one.
-    format!("{number:.4e}").parse().unwrap_or(number)
-}
-
-/// The format is ASCII, and a comment ends with its line.
-fn ascii(text: &str) -> String {
-    text.chars().map(|c| if c == ' ' || c.is_ascii_graphic() { c } else { '?' }).collect()
-}
-
-/// A file as it grows. Writing to a string cannot fail.
-struct Page(String);
-
-impl Page {
-    fn section(&mut self, name: &str) {
-        let _ = writeln!(self.0, "[{name}]");
-    }
-
-    fn comment(&mut self, text: &str) {
-        let _ = writeln!(self.0, "$ {text}");
-    }
-
-    fn words(&mut self, key: &str, text: &str) {
-        let _ = writeln!(self.0, "{key:<24} = '{text}'");
-    }
-
-    fn integer(&mut self, key: &str, number: u32, comment: &str) {
-        let _ = writeln!(self.0, "{key:<24} = {number} $ {comment}");
-    }
-
-    /// With all its digits: it comes back as it was.
-    fn number(&mut self, key: &str, number: f64, comment: &str) {
-        let mark = if comment.is_empty() { "" } else { " $ " };
-        let line = format!("{key:<24} = {number:?}{mark}{comment}");
-        let _ = writeln!(self.0, "{}", line.trim_end());
+        page.zeros(&["PKY5", "PKY6", "PKY7", "PHY1", "PHY2", "PVY1", "PVY2", "PVY3", "PVY4"]);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use physics::model::TireKind;
+    use physics::model::Uncertain;
     use proptest::prelude::*;
 
     fn about(given: &dyn Fn(&str) -> bool) -> About<'_> {

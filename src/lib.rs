@@ -15,7 +15,7 @@
 //! | Crate | Folder | Rooms |
 //! |---|---|---|
 //! | `physics` | `src/physics` | [`time`], [`sample`], [`estimates`], [`faults`], [`filter`], [`model`], [`estimate`] |
-//! | `bus` | `src/bus` | [`new_file`], [`plain_file`], [`can`], [`dbc`], [`signals`], [`propose`], [`config`], [`service`], [`watch`] |
+//! | `bus` | `src/bus` | [`new_file`], [`plain_file`], [`can`], [`dbc`], [`signals`], [`propose`], [`tire_file`], [`config`], [`service`], [`watch`] |
 //! | `lab` | `src/lab` | [`report`], [`identify`], [`explain`], [`reproduce`], [`pages`] |
 //! | `gripd` | `src/cli` | [`cli`]: one file or folder for each command |
 //!
@@ -31,7 +31,7 @@ pub mod cli;
 #[cfg(feature = "desk")]
 pub mod guide;
 
-pub use bus::{Config, can, config, dbc, new_file, plain_file, service, signals};
+pub use bus::{Config, can, config, dbc, new_file, plain_file, service, signals, tire_file};
 #[cfg(feature = "desk")]
 pub use bus::{propose, watch};
 #[cfg(feature = "desk")]

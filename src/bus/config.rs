@@ -2,7 +2,9 @@
 
 mod corrected;
 mod service;
+mod tires;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
@@ -12,6 +14,7 @@ use thiserror::Error;
 use crate::dbc::{Database, DbcError};
 use crate::signals::SignalsConfig;
 use crate::signals::publish::{PublishConfig, built_in_database};
+use crate::tire_file::TireFileError;
 use physics::estimate::EstimatorsConfig;
 use physics::model::effect::EffectConfig;
 use physics::model::{Vehicle, VehicleError};
@@ -46,6 +49,12 @@ pub struct Config {
     /// `[service]`
     #[serde(default)]
     pub service: ServiceConfig,
+    /// Keys of `[vehicle]` that the file or its tire files give.
+    #[serde(skip)]
+    given: BTreeSet<String>,
+    /// The tire files that were read.
+    #[serde(skip)]
+    tire_files: Vec<PathBuf>,
 }
 
 /// `[bus]`: where the frames come from.
@@ -118,13 +127,21 @@ pub enum ConfigError {
         /// What is wrong and what to do.
         reason: String,
     },
+    /// A tire file that cannot be used.
+    #[error("{path}: vehicle.tire_file: {source}")]
+    TireFile {
+        /// The configuration.
+        path: PathBuf,
+        /// Which, and why.
+        source: TireFileError,
+    },
     /// A DBC file that cannot be used.
     #[error(transparent)]
     Dbc(#[from] DbcError),
 }
 
 impl Config {
-    /// Reads and checks a file; DBC files are not opened yet.
+    /// Reads and checks a file, and the tire files that it names; DBC files are not opened yet.
     ///
     /// # Errors
     /// Names the file and the line or key, what is wrong, and what to do.
@@ -157,12 +174,17 @@ impl Config {
         if let Some(Address::Unix(socket)) = &mut config.service.metrics {
             *socket = folder.join(&*socket);
         }
+        config.take_tire_files(text, path)?;
         config.validate(path)?;
         Ok(config)
     }
 
+    fn validate_vehicle(&self, path: &Path) -> Result<(), ConfigError> {
+        self.vehicle.validate().map_err(|source| ConfigError::Vehicle { path: path.to_owned(), source })
+    }
+
     fn validate(&self, path: &Path) -> Result<(), ConfigError> {
-        self.vehicle.validate().map_err(|source| ConfigError::Vehicle { path: path.to_owned(), source })?;
+        self.validate_vehicle(path)?;
         let fail = |key: &str, reason: String| {
             Err(ConfigError::Value { path: path.to_owned(), key: key.to_owned(), reason })
         };
@@ -173,7 +195,10 @@ impl Config {
             return fail("dbc.input", "name at least one DBC file of the car".into());
         }
         if let Some(file) = &self.service.state_file
-            && (file == path || self.dbc.input.contains(file) || self.dbc.output.as_ref() == Some(file))
+            && (file == path
+                || self.dbc.input.contains(file)
+                || self.tire_files.contains(file)
+                || self.dbc.output.as_ref() == Some(file))
         {
             return fail("service.state_file", "is written: give it a name of its own".into());
         }
@@ -192,7 +217,13 @@ impl Config {
 
     /// The files it names: none of them may become a result.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
-        self.dbc.input.iter().chain(&self.dbc.output).chain(&self.service.state_file)
+        let read = self.dbc.input.iter().chain(&self.dbc.output).chain(&self.tire_files);
+        read.chain(&self.service.state_file)
+    }
+
+    /// Does the file, or a tire file that it names, give this key of `[vehicle]`? If not, its value is a default.
+    pub fn is_given(&self, key: &str) -> bool {
+        self.given.contains(key)
     }
 
     /// The car's DBC files as one database.

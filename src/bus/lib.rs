@@ -13,6 +13,7 @@ pub mod plain_file;
 pub mod propose;
 pub mod service;
 pub mod signals;
+pub mod tire_file;
 #[cfg(feature = "desk")]
 pub mod watch;
 

@@ -11,6 +11,7 @@ mod check;
 mod conceal;
 mod demo;
 mod errors;
+mod export;
 mod identify_cli;
 mod inputs;
 mod map;

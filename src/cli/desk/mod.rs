@@ -8,6 +8,7 @@ mod convert;
 mod demo;
 mod demo_car;
 mod explain;
+mod export;
 mod identify;
 mod interrupted;
 mod man;
@@ -64,6 +65,8 @@ pub enum Command {
     Plot(plot::Plot),
     /// Turn a recording of any format into one of another.
     Convert(convert::Convert),
+    /// Write the tires of a configuration for other programs: a magic formula file (.tir).
+    Export(export::Export),
     /// Watch a bus or a recording in the terminal: inputs, estimates, faults, frame rates.
     Monitor(monitor::Monitor),
     /// Watch a bus or a recording on a local web page with live plots.
@@ -95,6 +98,7 @@ impl Command {
             Self::Map(command) => command.run(),
             Self::Plot(command) => command.run(),
             Self::Convert(command) => command.run(),
+            Self::Export(command) => command.run(),
             Self::Monitor(command) => command.run(),
             Self::View(command) => command.run(),
             Self::Completions(command) => command.run(),

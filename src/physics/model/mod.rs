@@ -32,4 +32,4 @@ pub use real::Real;
 pub use scenario::{Piece, Scenario, ScenarioError};
 #[cfg(feature = "simulation")]
 pub use simulate::{Reading, Simulation, Tick, Truth, TruthWriter};
-pub use vehicle::{DrivenAxle, GRAVITY, TireKind, Uncertain, Vehicle, VehicleError};
+pub use vehicle::{DrivenAxle, GRAVITY, TireFiles, TireKind, Uncertain, Vehicle, VehicleError};

@@ -1,5 +1,7 @@
 //! The vehicle's parameters, as the `[vehicle]` table gives them.
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -112,6 +114,28 @@ pub enum TireKind {
     MagicFormula,
 }
 
+/// Names of tire property files: one for both axles, or the front axle's and the rear axle's.
+///
+/// Names only: nothing here opens files. Who reads a configuration reads them, and puts their numbers into the table.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "a file's name, or two: [\"front.tir\", \"rear.tir\"]")]
+pub enum TireFiles {
+    /// The same tires on both axles.
+    Both(PathBuf),
+    /// Front, rear.
+    EachAxle([PathBuf; 2]),
+}
+
+impl TireFiles {
+    /// Those of the front and the rear axle.
+    pub fn axles(&self) -> [&PathBuf; 2] {
+        match self {
+            Self::Both(file) => [file, file],
+            Self::EachAxle([front, rear]) => [front, rear],
+        }
+    }
+}
+
 /// The `[vehicle]` table. Keys carry their units; `config/demo.toml` explains each.
 ///
 /// Only what differs from car to car beyond guessing is mandatory; the defaults of the rest are a
@@ -161,6 +185,9 @@ pub struct Vehicle {
     /// Rolling resistance: force / load.
     #[serde(default = "default_zero")]
     pub rolling_resistance: Uncertain,
+    /// Tire property files that give what the table leaves out of the tires; gone when they have been read.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tire_file: Option<TireFiles>,
     /// Tire model.
     #[serde(default)]
     pub tire: TireKind,
@@ -246,6 +273,7 @@ impl Vehicle {
             brake_torque_per_bar_rear_nm: None,
             drag_coefficient_kg_per_m: known(0.5),
             rolling_resistance: known(0.0),
+            tire_file: None,
             tire: TireKind::Piecewise,
             friction: known(1.0),
             magic_formula_shape: known(1.3),

@@ -160,7 +160,7 @@ impl Parts {
     }
 
     /// Describes it.
-    pub fn report(&self, config: &Config, path: &Path, text: &str) -> ConfigurationReport {
+    pub fn report(&self, config: &Config, path: &Path) -> ConfigurationReport {
         let quantities = Quantity::ALL.into_iter().filter_map(|q| self.quantity(config, q)).collect();
         let missing = Quantity::ALL
             .into_iter()
@@ -181,7 +181,7 @@ impl Parts {
             publish_warnings: self.publisher.warnings().iter().map(ToString::to_string).collect(),
             published: self.published(config),
             publish_period_ms: config.publish.period_ms,
-            vehicle_defaults: defaults(config, text),
+            vehicle_defaults: defaults(config),
         }
     }
 
@@ -284,10 +284,8 @@ pub fn cost(quantity: Quantity) -> &'static str {
     }
 }
 
-/// `[vehicle]` keys that the file does not have.
-fn defaults(config: &Config, text: &str) -> Vec<VehicleDefault> {
-    let table: toml::Table = text.parse().unwrap_or_default();
-    let given = |key: &str| table.get("vehicle").is_some_and(|vehicle| vehicle.get(key).is_some());
-    let parameters = config.vehicle.parameters().into_iter().filter(|(key, _)| !given(key));
+/// `[vehicle]` keys that neither the file nor its tire files have.
+fn defaults(config: &Config) -> Vec<VehicleDefault> {
+    let parameters = config.vehicle.parameters().into_iter().filter(|(key, _)| !config.is_given(key));
     parameters.map(|(key, u)| VehicleDefault { key, value: u.value, std: u.std }).collect()
 }

@@ -60,8 +60,7 @@ impl Check {
         check_outputs(self.logs.iter().chain([&self.config]).chain(config.files()), &self.json)?;
         let parts =
             Parts::build(&config, &self.config).map_err(|problems| Failure::Usage(list(&problems)))?;
-        let text = std::fs::read_to_string(&self.config).map_err(Failure::usage)?;
-        let configuration = parts.report(&config, &self.config, &text);
+        let configuration = parts.report(&config, &self.config);
         let (recordings, chain) = match self.logs.as_slice() {
             [] => (None, None),
             logs => {

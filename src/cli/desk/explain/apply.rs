@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 use crate::cli::Failure;
+use bus::Config;
 use lab::explain::found::{self, rounded};
 use lab::explain::{Answer, Verdict};
 use physics::model::Uncertain;
@@ -29,6 +30,9 @@ pub fn toml(from: &Path, to: &Path, answer: &Answer<'_>) -> Result<String, Failu
     }
     let explanation = &answer.explanation;
     if let Some(vehicle) = table.get_mut("vehicle").and_then(Value::as_table_mut) {
+        if vehicle.remove("tire_file").is_some() {
+            put_tires(vehicle, from)?;
+        }
         let ordinary = explanation.parameters.ordinary.as_ref().filter(|_| explanation.is_by_ordinary);
         if ordinary.is_some() {
             // Its tires bend as a magic formula does.
@@ -60,6 +64,26 @@ pub fn toml(from: &Path, to: &Path, answer: &Answer<'_>) -> Result<String, Failu
         if effects.is_empty() { "; nothing was found missing" } else { " and what was found missing" },
     );
     Ok(format!("{about}{rest}\n{}", EffectConfig::write_all(&effects)))
+}
+
+/// The numbers of a tire file in its place: they may have been fitted, and its path would be another one.
+fn put_tires(vehicle: &mut Table, from: &Path) -> Result<(), Failure> {
+    const KEYS: [&str; 6] = [
+        "friction",
+        "magic_formula_shape",
+        "magic_formula_curvature",
+        "lateral_stiffness_front",
+        "lateral_stiffness_rear",
+        "longitudinal_stiffness",
+    ];
+    let config = Config::load(from)?;
+    vehicle.insert("tire".into(), Value::String("magic_formula".into()));
+    for (key, number) in config.vehicle.parameters() {
+        if KEYS.contains(&key) && config.is_given(key) && !vehicle.contains_key(key) {
+            vehicle.insert(key.into(), Value::try_from(number).map_err(Failure::work)?);
+        }
+    }
+    Ok(())
 }
 
 /// What was found, as the configuration's tables.

@@ -185,6 +185,10 @@ impl Scenario {
         if let Err(error) = self.vehicle.validate() {
             problems.push(Problem::new(format!("vehicle.{}", error.key), error.value, error.reason));
         }
+        if self.vehicle.tire_file.is_some() {
+            let reason = "is read in a car's configuration only; give the tires' numbers here";
+            problems.push(Problem::new("vehicle.tire_file", "", reason));
+        }
         self.validate_times(&mut problems);
         for (key, pieces) in [
             ("steering_wheel_angle", &self.steering_wheel_angle),

@@ -5,6 +5,7 @@
 //! changes them while one drives; what belongs to the tire alone (its shape) is in [`Tire`].
 
 mod brush;
+mod closest;
 mod dahl;
 pub mod ellipse;
 mod given_force;
@@ -13,6 +14,7 @@ mod magic_formula;
 mod piecewise_linear;
 
 pub use brush::Brush;
+pub use closest::Closest;
 pub use dahl::DahlTire;
 pub use linear::Linear;
 pub use magic_formula::MagicFormula;

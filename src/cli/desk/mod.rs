@@ -48,7 +48,7 @@ pub enum Command {
     /// Identify the vehicle's parameters from recordings.
     Identify(identify::Identify),
     /// Where simulation and recording differ: locate it, name the missing physics, prove it on held-out data.
-    Explain(explain::Explain),
+    Explain(Box<explain::Explain>),
     /// Put effects into a recording of a real car: what `explain` should find.
     Conceal(conceal::Conceal),
     /// Carry out the thesis's experiments again and tell which claims hold.

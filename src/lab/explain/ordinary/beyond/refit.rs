@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::super::numbers::Free;
+use super::super::numbers::{Free, Scope};
 use super::Search;
 use super::climb::{Climbed, State};
 use super::colour::{CHANNELS, Series};
@@ -52,16 +52,23 @@ impl Search<'_> {
     pub(super) fn refit<'a>(&self, state: &State<'a>, scored: &Scored) -> Refitted<'a> {
         let trial = scored.trial.clone();
         let free = trial.free(&trial.put_into(&state.model));
-        let start = |share: f64| {
+        let start = |from: &[f64], share: f64| {
             let of = |(number, free): (usize, &Free)| {
                 let told = scored.numbers.iter().find(|(place, _)| *place == number);
                 let by = told.map_or(0.0, |(_, to)| share * (to - free.prior.0));
                 let by = by.clamp(-3.0 * free.prior.1, 3.0 * free.prior.1);
                 (free.prior.0 + by).clamp(free.bounds.0, free.bounds.1)
             };
-            state.at.iter().copied().chain(free.iter().enumerate().map(of)).collect()
+            from.iter().copied().chain(free.iter().enumerate().map(of)).collect()
         };
-        let mut best = self.refit_from(state, trial, vec![start(1.0), start(0.4)]);
+        let mut starts = vec![start(&state.at, 1.0), start(&state.at, 0.4)];
+        if self.is_simulated {
+            // A model may be far off: then delays and scales have taken what is none of theirs.
+            let own = |(free, at): (&Free, &f64)| if free.of == Scope::Car { *at } else { free.prior.0 };
+            let untouched: Vec<f64> = state.free.iter().zip(&state.at).map(own).collect();
+            starts.extend([0.4, 1.0, 3.0].map(|share| start(&untouched, share)));
+        }
+        let mut best = self.refit_from(state, trial, starts);
         // Where it begins and ends was on a grid.
         let (mut step, mut moves) = (LARGEST_MOVE_S, 0);
         while step >= LEAST_MOVE_S && moves < MOST_MOVES {
@@ -101,6 +108,12 @@ impl Search<'_> {
         let climbed = starts.into_iter().map(|start| self.climb(state, &short, &model, &free, start));
         let best = climbed.min_by(|a, b| a.cost.total_cmp(&b.cost));
         let (at, errors) = best.map_or_else(Default::default, |best| (best.at, best.errors));
+        let there = self.is_simulated.then(|| {
+            let mut slopes = self.slopes(&model, &free, &at, &errors);
+            slopes.truncate(first);
+            State { slopes, ..state.clone() }
+        });
+        let state = there.as_ref().unwrap_or(state);
         // With the noise as it is beside it.
         let colour = &self.colour(&errors);
         let Climbed { at, errors, cost, covariance } = self.climb(state, colour, &model, &free, at);

@@ -229,7 +229,7 @@ impl<'a> Emulation<'a> {
         self.fits.get(Quantity::YawRate.name()).copied().unwrap_or(f64::NAN)
     }
 
-    /// Its numbers of the car as they are; those of the recording's own measurement free, from those that made the car drive
+    /// Its numbers of the car as they are; the zeros of the recording's own sensors free, from those that made the car drive
     /// like the simulation.
     fn kept(&self) -> Vec<Free> {
         let of = |(free, at): (&Free, &f64)| match free.of {
@@ -239,7 +239,8 @@ impl<'a> Emulation<'a> {
                 step: free.step.min(0.5 * KEPT),
                 ..*free
             },
-            _ => Free { prior: (*at, free.prior.1), ..*free },
+            // Zeros are free; how late something is, and by how much it reads too much, is a candidate like every other.
+            _ => Free { prior: (*at, free.prior.1.min(known(free))), ..*free },
         };
         self.car.free.iter().zip(&self.car.at).map(of).collect()
     }
@@ -248,6 +249,15 @@ impl<'a> Emulation<'a> {
     fn says(&self, drive: &FreeDrive) -> Predicted {
         let (model, sensing) = placed(&self.car.model, &self.car.free, &self.car.at, 0);
         run(drive, &model.car(), sensing, Compute::Readings)
+    }
+}
+
+/// How well delays and scales of the recording are known before they are searched: to the step of a message, and to half a
+/// per cent.
+fn known(free: &Free) -> f64 {
+    match free.number {
+        Number::SpeedDelay | Number::SpeedScale | Number::Of(Place::Delay(_)) => 0.005,
+        _ => f64::INFINITY,
     }
 }
 

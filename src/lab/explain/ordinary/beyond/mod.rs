@@ -123,8 +123,8 @@ pub fn beyond(
     let laws = if references > 0 { Vec::new() } else { trial::laws(drives, Scope::Car) };
     let search = Search { drives, vehicle, tried: tried(&trials, &laws), plain, references, is_simulated };
     let mut state = search.start(found);
-    // Of a car's numbers and sensors the references have the same.
-    let mut usual = if references > 0 || is_simulated { Vec::new() } else { search.usual(&state) };
+    // Of a car's numbers and sensors the references have the same; beside a simulation they are searched like the rest.
+    let usual = if references > 0 || is_simulated { Vec::new() } else { search.usual(&state) };
     let mut taken = BTreeSet::new();
     for round in 0..if is_simulated { MOST_OF_SIMULATION } else { MOST } {
         let mut tried = Round::default();
@@ -160,12 +160,6 @@ pub fn beyond(
         let predicted = search.predicted(&state.model, &state.free, &state.at);
         repeating = !laws.is_empty() && repeats(&predicted);
         answer.predicted = Some(predicted);
-    }
-    if is_simulated {
-        // A simulation has no sensors: how the recording is measured shows when the rest is found.
-        usual = search.usual(&state);
-        let least = answer.least_beside();
-        usual.retain(|(finding, _)| finding.kind == Nature::Measurement && finding.evidence > least);
     }
     answer.is_unusual |= usual.iter().any(|(_, is_unusual)| *is_unusual);
     answer.findings.extend(usual.into_iter().map(|(finding, _)| finding));

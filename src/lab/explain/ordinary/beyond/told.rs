@@ -249,8 +249,6 @@ impl Search<'_> {
         let free = &state.free[place];
         let told = Told::of(state, free)?;
         let at = state.at[place];
-        // Beside a simulation, what makes no difference is what the car has that drives like it.
-        let neutral = if self.is_simulated { free.prior.0 } else { told.neutral };
         if free.is_at_bound(at) {
             return None;
         }
@@ -260,24 +258,24 @@ impl Search<'_> {
         without.at.remove(place);
         without.slopes.remove(place);
         without.errors = {
-            let mut there = state.at.clone();
-            there[place] = neutral;
-            self.errors(&state.model, &state.free, &there)
+            let mut neutral = state.at.clone();
+            neutral[place] = told.neutral;
+            self.errors(&state.model, &state.free, &neutral)
         };
         let mut fixed = *free;
-        fixed.prior = (neutral, 1e-9);
-        fixed.bounds = (neutral, neutral);
+        fixed.prior = (told.neutral, 1e-9);
+        fixed.bounds = (told.neutral, told.neutral);
         let mut numbers = without.free.clone();
         numbers.push(fixed);
         let mut from = without.at.clone();
-        from.push(neutral);
+        from.push(told.neutral);
         let climbed = self.climb(&without, &state.colour, &state.model, &numbers, from);
         let evidence = climbed.cost - state.cost;
         let prior = (at - free.prior.0) / free.prior.1;
         let is_offset = told.kind.name == "sensor_bias";
         let std = state.covariance[(place, place)].max(0.0).sqrt();
         // By the slope here, too: a search may stop halfway.
-        let from_neutral = ((at - neutral) / std).powi(2);
+        let from_neutral = ((at - told.neutral) / std).powi(2);
         if evidence.min(from_neutral) < LEAST_EVIDENCE || is_offset && prior.abs() < LEAST_OFFSET {
             return None;
         }
@@ -287,7 +285,7 @@ impl Search<'_> {
         }
         finding.probability = 1.0 / (1.0 + (-0.5 * evidence).exp());
         finding.evidence = evidence;
-        let (value, slope) = told.value(free, at - neutral + told.neutral);
+        let (value, slope) = told.value(free, at);
         // What of the effect its number alone does not tell.
         let by_model = told.model_error(free) * value;
         finding.parameters.insert(told.number.into(), Estimate { value, std: (std * slope).hypot(by_model) });

@@ -116,9 +116,7 @@ pub fn trials(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind]
     }
     if of != Scope::Car {
         let changes = found.free.iter().filter_map(|free| changed(found, free, of));
-        // Of a single drive the speed's measurement is free anyway.
-        let of_speed = speed_changed(of).into_iter().filter(|_| of != Scope::Since(0));
-        all.extend(changes.chain(of_speed).map(|what| Trial { what, of, inverse_friction }));
+        all.extend(changes.chain(speed_changed(of)).map(|what| Trial { what, of, inverse_friction }));
     }
     all
 }

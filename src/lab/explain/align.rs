@@ -18,6 +18,9 @@ const LEAST_SHARED: f64 = 0.5;
 /// Squared correlation of two records of the same steering, one of them perhaps filtered or rounded.
 const SAME_STEERING: f64 = 0.97;
 
+/// A driver is late by less than this, s: reaction and preview of driver models are tenths of a second.
+const DRIVER_S: f64 = 0.5;
+
 /// How they lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alignment {
@@ -35,8 +38,12 @@ pub fn align(recording: &Recording, simulation: &Recording) -> Result<Alignment,
     let steering = Quantity::SteeringWheelAngle;
     if simulation.has(steering) && recording.has(steering) {
         let (offset_s, shared) = best(recording, simulation, steering)?;
+        let steered_alike = shared >= SAME_STEERING;
         if shared >= LEAST_SHARED {
-            return Ok(Alignment { offset_s, steered_alike: Some(shared >= SAME_STEERING) });
+            // A driver model is late itself: that is not its clock.
+            let is_same_clock = !steered_alike && offset_s.abs() < DRIVER_S;
+            let offset_s = if is_same_clock { 0.0 } else { offset_s };
+            return Ok(Alignment { offset_s, steered_alike: Some(steered_alike) });
         }
     }
     let of = Quantity::YawRate;
@@ -141,7 +148,7 @@ mod tests {
     fn a_driver_model_is_told_from_the_recorded_steering() {
         let driver = |t: f64| weave(t - 0.15) + 0.3 * (2.3 * t).sin();
         let there = align(&record(0.0, weave), &record(0.0, driver)).unwrap();
-        assert_eq!(there.steered_alike, Some(false));
+        assert_eq!(there, Alignment { offset_s: 0.0, steered_alike: Some(false) });
     }
 
     #[test]

@@ -94,16 +94,4 @@ mod tests {
         let before = answer.fit.baseline.holdout["yaw_rate"];
         assert!(answer.fit.extended.holdout["yaw_rate"] > before, "{:?}", answer.fit);
     }
-
-    /// GIVEN a simulation with softer front tires than the car's THEN these are told, with both numbers.
-    #[test]
-    #[ignore = "long: a car fitted to a simulation"]
-    fn a_wrong_stiffness_is_told_with_both_numbers() {
-        let answer = left_out("", |scenario| scenario.vehicle.lateral_stiffness_front.value = 13.5);
-        let first = &answer.findings[0];
-        assert_eq!(first.effect, "lateral_stiffness_front", "{:?}", answer.findings);
-        let (is, was) =
-            (first.parameters["lateral_stiffness_front"].value, first.reference_value.unwrap().value);
-        assert!((is / was / (13.5 / 11.0) - 1.0).abs() < 0.06, "{is} for {was}");
-    }
 }

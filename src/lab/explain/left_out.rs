@@ -22,7 +22,7 @@ impl<'a> Case<'a> {
         let both = (&self.recordings[0], simulation);
         let (ordinary, simulated) = Ordinary::beside(self.vehicle, self.effects, both, asked)?;
         let verdict = match () {
-            () if !ordinary.is_the_car() => Verdict::UnknownPhysics,
+            () if !ordinary.is_the_car_with_what_was_found() => Verdict::UnknownPhysics,
             () if !ordinary.beyond.findings.is_empty() => Verdict::MissingPhysics,
             () if ordinary.remaining.values().any(Remaining::repeats) => Verdict::UnknownPhysics,
             () => Verdict::Adequate,

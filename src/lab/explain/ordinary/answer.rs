@@ -171,8 +171,17 @@ impl Ordinary {
 
     /// Does it predict the held-out yaw rate at all?
     pub fn is_the_car(&self) -> bool {
-        self.fit.holdout.get(Quantity::YawRate.name()).is_some_and(|fit| *fit >= LEAST_FIT)
+        predicts_yaw_rate(&self.fit)
     }
+
+    /// Does it with what was found?
+    pub fn is_the_car_with_what_was_found(&self) -> bool {
+        predicts_yaw_rate(&self.found_fit)
+    }
+}
+
+fn predicts_yaw_rate(fit: &Parts<ByChannel>) -> bool {
+    fit.holdout.get(Quantity::YawRate.name()).is_some_and(|fit| *fit >= LEAST_FIT)
 }
 
 /// An ordinary car fitted to drives.
@@ -223,7 +232,8 @@ impl Fitted<'_> {
             sideslip: drives.iter().zip(predicted).map(|(drive, own)| sideslip(drive, own)).collect(),
             seconds: drives.iter().map(|drive| drive.points() as f64 * STEP_S).sum(),
         };
-        if answer.is_the_car() && searches(&answer) {
+        // A simulation may be far from the car that drove.
+        if (simulated.is_some() || answer.is_the_car()) && searches(&answer) {
             let question = Question {
                 kinds: library,
                 references,

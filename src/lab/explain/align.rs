@@ -70,8 +70,8 @@ fn best(recording: &Recording, simulation: &Recording, of: Quantity) -> Result<(
     // A part of either is enough, but most of the shorter one must lie beside the other.
     let least = least.max(shorter / 2) as i64;
     let lags = least - here.1.len() as i64..=there.1.len() as i64 - least;
-    let at = |lag: i64| shared(&there.1, &here.1, lag);
-    let Some(lag) = lags.max_by(|a, b| at(*a).total_cmp(&at(*b))) else {
+    let at = lags.map(|lag| (shared(&there.1, &here.1, lag), lag));
+    let Some((_, lag)) = at.max_by(|a, b| a.0.total_cmp(&b.0)) else {
         return Err(Incomparable::NoOverlap(longer as f64 * STEP_S));
     };
     let coarse = there.0 - here.0 + lag as f64 * STEP_S;

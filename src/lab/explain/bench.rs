@@ -1,11 +1,13 @@
 //! A drive of the project's own simulator, for the unit tests of explain. (tests/concealed has a simulator of its
 //! own.)
 
+use super::case::Case;
 use super::fit::{Data, Fit};
 use super::model::Model;
 use super::predict::noise::Noise;
 use super::predict::{GriddedDrive, Recording};
 use super::split::{Part, Split};
+use physics::model::effect::KINDS;
 use physics::model::{Scenario, Uncertain, Vehicle};
 
 /// Steering, driving and braking, for forty-five seconds.
@@ -28,6 +30,20 @@ pub fn recorded_as(effects: &str, change: impl FnOnce(&mut Scenario)) -> (Vehicl
     vehicle.lateral_stiffness_rear = Uncertain { value: 13.0, std: 1.5 };
     vehicle.longitudinal_stiffness = Uncertain { value: 28.0, std: 4.0 };
     (vehicle, recording)
+}
+
+/// The question what is missing in recordings of a car, of the whole library.
+pub fn case<'a>(vehicle: &'a Vehicle, recordings: &'a [Recording]) -> Case<'a> {
+    Case {
+        vehicle,
+        effects: &[],
+        recordings,
+        references: 0,
+        held_out: 0,
+        chain: &[],
+        library: KINDS,
+        seed: 1,
+    }
 }
 
 /// The training part of drives.

@@ -57,27 +57,17 @@ const ANOTHER_CAR: &str = "nothing was compared: one car with sensors of each dr
 
 #[cfg(test)]
 mod tests {
-    use super::super::bench::recorded_as;
+    use super::super::bench::{case, recorded_as};
     use super::super::result::Finding;
     use super::*;
     use physics::model::Scenario;
-    use physics::model::effect::KINDS;
 
     /// What has changed in a drive since a healthy one.
     fn changed(effects: &str, change: impl FnOnce(&mut Scenario)) -> Explanation {
         let (_, healthy) = recorded_as("", |scenario| scenario.seed = 11);
         let (vehicle, recording) = recorded_as(effects, change);
         let recordings = [healthy, recording];
-        let case = Case {
-            vehicle: &vehicle,
-            effects: &[],
-            recordings: &recordings,
-            references: 1,
-            held_out: 0,
-            chain: &[],
-            library: KINDS,
-            seed: 1,
-        };
+        let case = Case { references: 1, ..case(&vehicle, &recordings) };
         case.explain(&|_, _| {}).explanation
     }
 

@@ -105,7 +105,7 @@ fn gain(without: &ByChannel, with: &ByChannel) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bench::recorded_as;
+    use super::super::bench::{case, recorded_as};
     use super::*;
     use crate::explain::result::{Estimate, Where};
     use physics::model::effect::{Channel, law};
@@ -131,16 +131,7 @@ mod tests {
     fn what_is_there_helps_and_what_is_not_does_not() {
         let confirmed = |effects: &str| {
             let (vehicle, recording) = recorded_as(effects, |scenario| scenario.seed = 5);
-            let case = Case {
-                vehicle: &vehicle,
-                effects: &[],
-                recordings: &[],
-                references: 0,
-                held_out: 0,
-                chain: &[],
-                library: &[],
-                seed: 1,
-            };
+            let case = Case { library: &[], ..case(&vehicle, &[]) };
             case.confirm(&[pull()], &recording).unwrap().unwrap()
         };
         let there = confirmed(PULL);

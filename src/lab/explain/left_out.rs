@@ -3,7 +3,7 @@
 use super::answer::chain_words;
 use super::case::{Answer, Case};
 use super::model::Model;
-use super::ordinary::{Asked, Incomparable, Ordinary, Remaining};
+use super::ordinary::{Incomparable, Ordinary, Remaining};
 use super::predict::Recording;
 use super::result::{Explanation, Verdict};
 
@@ -18,8 +18,8 @@ impl<'a> Case<'a> {
         progress: &(dyn Fn(&str, f64) + Sync),
     ) -> Result<Answer<'a>, Incomparable> {
         progress("a car that drives like the simulation", 0.0);
-        let asked = Asked { searches: &|_| true, ..self.asked(&|_| true) };
         let both = (&self.recordings[0], simulation);
+        let asked = self.asked(&|_| true);
         let (ordinary, simulated) = Ordinary::beside(self.vehicle, self.effects, both, asked)?;
         let verdict = match () {
             () if !ordinary.is_the_car_with_what_was_found() => Verdict::UnknownPhysics,
@@ -41,11 +41,10 @@ impl<'a> Case<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bench::recorded_as;
+    use super::super::bench::{case, recorded_as};
     use super::*;
     use physics::Quantity;
     use physics::model::Scenario;
-    use physics::model::effect::KINDS;
 
     /// What a simulation of the bench's drive, as another simulator would write it (no noise, no wheels), leaves out of a
     /// recording with these effects.
@@ -60,16 +59,8 @@ mod tests {
             }
         }
         let (vehicle, recording) = recorded_as(effects, change);
-        let case = Case {
-            vehicle: &vehicle,
-            effects: &[],
-            recordings: &[recording],
-            references: 0,
-            held_out: 0,
-            chain: &[],
-            library: KINDS,
-            seed: 1,
-        };
+        let recordings = [recording];
+        let case = case(&vehicle, &recordings);
         case.left_out(&simulation, &|_, _| {}).unwrap().explanation
     }
 

@@ -111,22 +111,13 @@ fn detectable(power: Power) -> Detectable {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bench::recorded;
+    use super::super::bench::{case, recorded};
     use super::*;
-    use physics::model::effect::KINDS;
 
     fn of(effects: &str) -> (Sensitivity, Isolability) {
         let (vehicle, recording) = recorded(effects);
-        let case = Case {
-            vehicle: &vehicle,
-            effects: &[],
-            recordings: &[recording],
-            references: 0,
-            held_out: 0,
-            chain: &[],
-            library: KINDS,
-            seed: 1,
-        };
+        let recordings = [recording];
+        let case = case(&vehicle, &recordings);
         (case.sensitivity().unwrap(), case.isolability().unwrap())
     }
 

@@ -261,56 +261,51 @@ fn known(free: &Free) -> f64 {
     }
 }
 
-/// What the car that drives like a simulation lacks of it, at the grid points.
-struct Lacks {
-    yaw_rate: Vec<f64>,
-    lateral: Option<Vec<f64>>,
-    axles: [Option<Vec<f64>>; 2],
-}
+/// What the car that drives like a simulation lacks of it.
+struct Lacks(Compared);
 
 impl Lacks {
     fn of(known: &Compared, says: &Predicted, vehicle: &Vehicle) -> Self {
-        let minus = |known: &[f64], says: &[f64]| -> Vec<f64> {
-            known.iter().zip(says).map(|(known, says)| known - says).collect()
-        };
         let axle = |axle: usize| {
             let says = turning(vehicle, axle, &says.wheels[2 * axle], &says.wheels[2 * axle + 1]);
             known.axles[axle].as_ref().map(|known| minus(known, &says))
         };
-        Self {
+        Self(Compared {
             yaw_rate: minus(&known.yaw_rate, &says.yaw_rate),
             lateral: known.lateral.as_ref().map(|known| minus(known, &says.lateral)),
             axles: [axle(0), axle(1)],
-        }
+        })
     }
 
     /// A drive without it.
     fn taken(&self, drive: &FreeDrive) -> FreeDrive {
-        let without = |of: &Vec<f64>, lacks: &Vec<f64>| -> Vec<f64> {
-            of.iter().zip(lacks).map(|(of, lacks)| of - lacks).collect()
-        };
         let both = |of: &Option<Vec<f64>>, lacks: &Option<Vec<f64>>| {
-            of.as_ref().zip(lacks.as_ref()).map(|(of, lacks)| without(of, lacks))
+            of.as_ref().zip(lacks.as_ref()).map(|(of, lacks)| minus(of, lacks))
         };
         let mut taken = drive.clone();
-        taken.yaw_rate = without(&drive.yaw_rate, &self.yaw_rate);
-        taken.lateral = both(&drive.lateral, &self.lateral);
-        taken.axles = std::array::from_fn(|axle| both(&drive.axles[axle], &self.axles[axle]));
+        taken.yaw_rate = minus(&drive.yaw_rate, &self.0.yaw_rate);
+        taken.lateral = both(&drive.lateral, &self.0.lateral);
+        taken.axles = std::array::from_fn(|axle| both(&drive.axles[axle], &self.0.axles[axle]));
         taken
     }
 
     /// What a car says, with it.
     fn given(&self, said: &Predicted) -> Predicted {
-        let with = |said: &[f64], lacks: &[f64]| -> Vec<f64> {
-            said.iter().zip(lacks).map(|(said, lacks)| said + lacks).collect()
-        };
-        Predicted {
-            yaw_rate: with(&said.yaw_rate, &self.yaw_rate),
-            lateral: self
-                .lateral
-                .as_ref()
-                .map_or_else(|| said.lateral.clone(), |lacks| with(&said.lateral, lacks)),
-            ..said.clone()
+        let mut given = said.clone();
+        add(&mut given.yaw_rate, &self.0.yaw_rate);
+        if let Some(lateral) = &self.0.lateral {
+            add(&mut given.lateral, lateral);
         }
+        given
     }
+}
+
+/// Point by point.
+fn minus(of: &[f64], what: &[f64]) -> Vec<f64> {
+    of.iter().zip(what).map(|(of, what)| of - what).collect()
+}
+
+/// Point by point.
+fn add(to: &mut [f64], what: &[f64]) {
+    to.iter_mut().zip(what).for_each(|(to, what)| *to += what);
 }

@@ -7,7 +7,8 @@ use physics::model::effect::{EffectConfig, Kind};
 use physics::model::{TireKind, Uncertain, Vehicle};
 
 use super::beyond::{Beyond, Powers, Question, beyond, powers, rows};
-use super::fit::{FreeFit, fit, fit_ordinary};
+use super::choice::fit_ordinary;
+use super::fit::{FreeFit, fit};
 use super::inputs::{FreeDrive, Held, STEP_S};
 use super::numbers::{Free, Scope, free, on_time};
 use super::remaining::{Remaining, remaining};

@@ -4,15 +4,14 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::inputs::{FreeDrive, STEP_S};
-use super::numbers::{Free, Number, free, placed, with_ordinary};
+use super::inputs::{BLOCK_POINTS, FreeDrive, STEP_S};
+use super::numbers::{Free, Number, placed};
 use super::robust::{deviation, loss, memory, weight};
 use super::run::{Predicted, run};
 use crate::explain::model::{Model, Place};
 use crate::explain::predict::car::Compute;
 use crate::explain::predict::delay::Delayed;
 use crate::identify::Parameter;
-use physics::model::Vehicle;
 
 /// A fitted model.
 #[derive(Clone, Debug)]
@@ -47,6 +46,9 @@ const STEPS: [usize; 2] = [8, 25];
 /// Rounds of learning the residuals' size.
 const ROUNDS: usize = 2;
 
+/// From so few drives their scatter tells nothing. Statistical: with four its deviation is known to 40 %.
+const LEAST_DRIVES: usize = 4;
+
 /// The search stops where a step gains less than this share.
 const LEAST_GAIN: f64 = 1e-4;
 
@@ -58,14 +60,20 @@ const STILL_SERVES: f64 = 0.1;
 const STARTS: [(f64, f64, f64); 5] =
     [(1.0, 1.0, 0.0), (2.0, 1.0, 0.1), (1.0, 0.5, 0.0), (1.5, 0.8, -0.1), (1.0, 1.5, 0.0)];
 
-/// Statistical: odds of 20 to 1, in 2 ln.
-const REFUSED: f64 = 6.0;
-
 /// What a residual is divided by: size of a channel, and the memory of its residuals in points.
 #[derive(Clone, Copy, Debug)]
-struct Scale {
-    noise: [f64; 2],
-    memory: [f64; 2],
+pub struct Scale {
+    /// Yaw rate, rad/s, and lateral acceleration, m/s².
+    pub noise: [f64; 2],
+    /// 1 + 2 Σ ρ, rows.
+    pub memory: [f64; 2],
+}
+
+impl FreeFit<'_> {
+    /// What its residuals were divided by.
+    pub fn scale(&self) -> Scale {
+        Scale { noise: self.noise, memory: self.time_constants_s.map(Scale::memory_of) }
+    }
 }
 
 impl Scale {
@@ -75,17 +83,20 @@ impl Scale {
     }
 
     /// The other way round.
-    fn memory_of(time_constant_s: f64) -> f64 {
+    pub fn memory_of(time_constant_s: f64) -> f64 {
         2.0 * time_constant_s / (EVERY as f64 * STEP_S)
     }
 }
 
 /// A problem.
 #[derive(Clone, Copy)]
-struct Problem<'p, 'a> {
-    model: &'p Model<'a>,
-    free: &'p [Free],
-    drives: &'p [FreeDrive],
+pub struct Problem<'p, 'a> {
+    /// What is fitted …
+    pub model: &'p Model<'a>,
+    /// … by these numbers of it …
+    pub free: &'p [Free],
+    /// … to the fitted part of these.
+    pub drives: &'p [FreeDrive],
 }
 
 /// By drive: for each number that it has, how the residuals of both channels change with it.
@@ -95,8 +106,10 @@ type Slopes = Vec<Vec<(usize, Vec<[f64; 2]>)>>;
 struct Normal {
     information: DMatrix<f64>,
     gradient: DVector<f64>,
-    /// Outer products of the gradients of the blocks.
+    /// Outer products of the gradients of the blocks …
     scatter: DMatrix<f64>,
+    /// … and of the drives.
+    scatter_of_drives: DMatrix<f64>,
 }
 
 /// Fits to the training part.
@@ -136,22 +149,6 @@ fn liveliest(drives: &[FreeDrive]) -> usize {
     (0..drives.len()).max_by(|a, b| turning(&drives[*a]).total_cmp(&turning(&drives[*b]))).unwrap_or(0)
 }
 
-/// Fits the model with the physics that every car has, and without what of that the data refuse.
-///
-/// Every error counts in full for the refusal: a run that spins where the car did not is no outlier.
-pub fn fit_ordinary<'a>(model: &Model<'a>, vehicle: &Vehicle, drives: &[FreeDrive]) -> FreeFit<'a> {
-    let [usual, simpler] = with_ordinary(model);
-    let fitted = |model: &Model<'a>| fit(model, free(model, vehicle, drives), drives);
-    let (usual, simpler) = rayon::join(|| fitted(&usual), || fitted(&simpler));
-    let [of_usual, of_simpler] = [&usual, &simpler].map(|fit| {
-        let problem = Problem { model: &fit.model, free: &fit.free, drives };
-        problem.prior_cost(&fit.at)
-            + problem.misfit(&fit.predicted, simpler.time_constants_s.map(Scale::memory_of))
-    });
-    tracing::debug!(of_usual, of_simpler, "the ordinary car with what the data may refuse, and without");
-    if of_usual > of_simpler + REFUSED { simpler } else { usual }
-}
-
 impl<'p, 'a> Problem<'p, 'a> {
     /// Where the searches begin and come to in their first steps, and the best of their ends.
     fn search_from_all_starts(&self) -> (Vec<FreeStart>, Vec<f64>) {
@@ -177,11 +174,19 @@ impl<'p, 'a> Problem<'p, 'a> {
         }
         let predicted = self.predict(&at);
         let slopes = self.slopes(&at, &predicted);
-        let Normal { information, scatter, .. } = self.normal(&at, &predicted, &slopes, &scale);
+        let Normal { information, scatter, scatter_of_drives, .. } =
+            self.normal(&at, &predicted, &slopes, &scale);
         let inverse = information.clone().try_inverse().unwrap_or_else(|| DMatrix::zeros(at.len(), at.len()));
-        // The curvature, or the scatter from block to block where that is more (White 1982).
-        let robust = &inverse * scatter * &inverse;
-        let widen = |i: usize| (robust[(i, i)] / inverse[(i, i)].max(1e-300)).max(1.0).sqrt();
+        // The curvature, or the scatter from block to block where that is more (White 1982), or from drive to drive:
+        // what a model lacks is alike all along a drive (Liang and Zeger 1986).
+        let mut robust = vec![&inverse * scatter * &inverse];
+        if self.drives.len() >= LEAST_DRIVES {
+            let drives = self.drives.len() as f64;
+            robust.push(&inverse * scatter_of_drives * &inverse * (drives / (drives - 1.0)));
+        }
+        let variance =
+            |i: usize| robust.iter().fold(inverse[(i, i)], |most, robust| most.max(robust[(i, i)]));
+        let widen = |i: usize| (variance(i) / inverse[(i, i)].max(1e-300)).sqrt();
         let widths: Vec<f64> = (0..at.len()).map(widen).collect();
         let covariance = DMatrix::from_fn(at.len(), at.len(), |i, j| inverse[(i, j)] * widths[i] * widths[j]);
         FreeFit {
@@ -214,7 +219,8 @@ impl<'p, 'a> Problem<'p, 'a> {
         self.free.iter().map(of).collect()
     }
 
-    fn predict(&self, at: &[f64]) -> Vec<Predicted> {
+    /// What it says of each drive at these coordinates.
+    pub fn predict(&self, at: &[f64]) -> Vec<Predicted> {
         (0..self.drives.len()).into_par_iter().map(|drive| self.predict_one(at, drive)).collect()
     }
 
@@ -224,7 +230,7 @@ impl<'p, 'a> Problem<'p, 'a> {
     }
 
     /// Residuals of both channels at every so many grid points, not a number where there are none.
-    fn residuals(&self, drive: &FreeDrive, predicted: &Predicted) -> Vec<[f64; 2]> {
+    pub fn residuals(&self, drive: &FreeDrive, predicted: &Predicted) -> Vec<[f64; 2]> {
         let at = |i: usize| {
             if !drive.counts[i] || drive.held[i] {
                 return [f64::NAN; 2];
@@ -283,23 +289,6 @@ impl<'p, 'a> Problem<'p, 'a> {
         cost
     }
 
-    /// −2 ln likelihood of the residuals for noise of the size that they have.
-    fn misfit(&self, predicted: &[Predicted], memory: [f64; 2]) -> f64 {
-        let (mut squares, mut count) = ([0.0; 2], [0.0; 2]);
-        let all = self.drives.iter().zip(predicted);
-        for row in all.flat_map(|(drive, predicted)| self.residuals(drive, predicted)) {
-            for (channel, error) in row.into_iter().enumerate().filter(|(_, error)| error.is_finite()) {
-                squares[channel] += error * error;
-                count[channel] += 1.0;
-            }
-        }
-        let of = |channel: usize| match count[channel] {
-            0.0 => 0.0,
-            count => count / memory[channel] * (squares[channel] / count).max(1e-12).ln(),
-        };
-        of(0) + of(1)
-    }
-
     fn prior_cost(&self, at: &[f64]) -> f64 {
         let off = |(free, at): (&Free, &f64)| ((at - free.prior.0) / free.prior.1).powi(2);
         self.free.iter().zip(at).map(off).sum()
@@ -338,6 +327,7 @@ impl<'p, 'a> Problem<'p, 'a> {
             information: DMatrix::zeros(count, count),
             gradient: DVector::zeros(count),
             scatter: DMatrix::zeros(count, count),
+            scatter_of_drives: DMatrix::zeros(count, count),
         };
         for ((drive, predicted), columns) in self.drives.iter().zip(predicted).zip(slopes) {
             self.add(&mut normal, drive, predicted, columns, scale);
@@ -360,9 +350,10 @@ impl<'p, 'a> Problem<'p, 'a> {
         scale: &Scale,
     ) {
         let own = columns.len();
-        let per_block = POINTS_PER_BLOCK / EVERY;
+        let per_block = BLOCK_POINTS / EVERY;
         let mut information = DMatrix::<f64>::zeros(own, own);
         let mut of_block = DVector::<f64>::zeros(own);
+        let mut of_drive = DVector::<f64>::zeros(own);
         let mut slopes = vec![0.0; own];
         let residuals = self.residuals(drive, predicted);
         for (row, errors) in residuals.iter().enumerate() {
@@ -389,11 +380,13 @@ impl<'p, 'a> Problem<'p, 'a> {
                         normal.scatter[(*at, *to)] += of_block[i] * of_block[j];
                     }
                 }
+                of_drive += &of_block;
                 of_block.fill(0.0);
             }
         }
         for (i, (at, _)) in columns.iter().enumerate() {
             for (j, (to, _)) in columns.iter().enumerate() {
+                normal.scatter_of_drives[(*at, *to)] += of_drive[i] * of_drive[j];
                 normal.information[(*at, *to)] += information[(i.max(j), i.min(j))];
             }
         }
@@ -401,7 +394,7 @@ impl<'p, 'a> Problem<'p, 'a> {
 
     /// Levenberg's and Marquardt's search within the bounds, with slopes that are kept as long as they serve: they are nearly
     /// all of the computing. Returns the cost and the end.
-    fn search(&self, from: Vec<f64>, scale: &Scale, steps: usize) -> (f64, Vec<f64>) {
+    pub fn search(&self, from: Vec<f64>, scale: &Scale, steps: usize) -> (f64, Vec<f64>) {
         let mut at = from;
         let mut predicted = self.predict(&at);
         let mut cost = self.cost(&at, &predicted, scale);
@@ -483,6 +476,3 @@ impl<'p, 'a> Problem<'p, 'a> {
         if at[i] + direct > 0.5 * (low + high) { high } else { low }
     }
 }
-
-/// Grid points of a block.
-const POINTS_PER_BLOCK: usize = 600;

@@ -12,6 +12,9 @@ pub const STEP_S: f64 = 0.01;
 /// The held-out part is every third block of so many seconds. The contract's, and the yardstick's.
 const BLOCK_S: f64 = 6.0;
 
+/// Its grid points.
+pub const BLOCK_POINTS: usize = (BLOCK_S / STEP_S) as usize;
+
 /// Slower driving is not compared, m/s. The yardstick's.
 const COMPARED_MPS: f64 = 4.0;
 
@@ -105,7 +108,6 @@ impl FreeDrive {
         let from_s = first + begin as f64 * STEP_S;
         let time = |i: usize| from_s + i as f64 * STEP_S;
         let Compared { yaw_rate, lateral, axles } = Compared::of(recording, vehicle, from_s, points);
-        let per_block = (BLOCK_S / STEP_S) as usize;
         Ok(Self {
             name: recording.name.clone(),
             from_s,
@@ -115,7 +117,7 @@ impl FreeDrive {
             axles,
             held: (0..points)
                 .map(|i| match held {
-                    Held::EveryThird => (i / per_block) % 3 == 2,
+                    Held::EveryThird => (i / BLOCK_POINTS) % 3 == 2,
                     Held::Nothing => false,
                     Held::Everything => true,
                 })

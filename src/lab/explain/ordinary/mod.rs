@@ -10,6 +10,7 @@
 
 mod answer;
 mod beyond;
+mod choice;
 pub mod conceal;
 mod fit;
 mod inputs;

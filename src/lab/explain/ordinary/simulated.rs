@@ -217,7 +217,7 @@ struct Emulation<'a> {
 
 impl<'a> Emulation<'a> {
     fn of(vehicle: &'a Vehicle, effects: &[EffectConfig], simulated: &[FreeDrive]) -> Self {
-        let [model, _] = with_ordinary(&as_configured(vehicle, effects));
+        let [model, ..] = with_ordinary(&as_configured(vehicle, effects));
         let thought = free(&model, vehicle, simulated);
         let car = fit(&model, thought.iter().map(lacking).collect(), simulated);
         let fits = fits(simulated, &car.predicted).train;

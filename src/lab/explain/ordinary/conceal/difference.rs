@@ -5,7 +5,8 @@ use physics::model::effect::{Channel, EffectConfig, Setting};
 use physics::{Quantity, Wheel};
 
 use super::super::answer::{LEAST_FIT, Number, as_configured, numbers, with_bend};
-use super::super::fit::{FreeFit, fit_ordinary};
+use super::super::choice::fit_ordinary;
+use super::super::fit::FreeFit;
 use super::super::inputs::{FreeDrive, Held, STEP_S, compared_mean, resampled};
 use super::super::numbers::placed;
 use super::super::run::{SpeedSensing, along, later};

@@ -107,6 +107,40 @@ fn a_law_is_found_confirmed_and_applied() {
     run(folder.path(), &["-q", "replay", "-c", "car.toml", "other.log", "--estimates", "estimates.csv"]);
 }
 
+/// GIVEN a table that is sure of half the car's yaw inertia THEN the file that is written has the answer's own verdict, tells what is
+/// in doubt, and leaves it as it was, unless by force.
+#[test]
+fn the_applied_file_says_what_the_answer_says() {
+    let folder = drives(&[("drive.log", "5")]);
+    let demo = std::fs::read_to_string(project("config/demo.toml")).unwrap();
+    let inertia = "yaw_inertia_kgm2 = { value = 2400.0, std = 250.0 }";
+    assert!(demo.contains(inertia));
+    let demo = demo
+        .replace(inertia, "yaw_inertia_kgm2 = { value = 1200.0, std = 30.0 }")
+        .replace("../dbc/demo.dbc", project("dbc/demo.dbc").to_str().unwrap());
+    std::fs::write(folder.path().join("wrong.toml"), demo).unwrap();
+    let fixed = ["-q", "explain", "-c", "wrong.toml", "drive.log", "--json", "answer.json", "--apply"];
+    let text = run(folder.path(), &[&fixed[..], &["new.toml"]].concat()).stdout;
+    let text = String::from_utf8(text).unwrap();
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let answer: Value = serde_json::from_str(&read("answer.json")).unwrap();
+    let doubt = &answer["in_doubt"]["yaw_inertia_kgm2"];
+    assert!(doubt["deviations"].as_f64().unwrap() > 3.0, "{doubt}");
+    assert!(text.contains("In doubt") && text.contains("Yaw inertia"), "{text}");
+    let new = read("new.toml");
+    for line in text.lines().take(2) {
+        assert!(new.contains(&format!("# {line}")), "{line} is not in\n{new}");
+    }
+    let inertia = |text: &str| {
+        let table: toml::Table = text.parse().unwrap();
+        table["vehicle"]["yaw_inertia_kgm2"]["value"].as_float().unwrap()
+    };
+    assert!(inertia(&new) == 1200.0 && new.contains("# yaw_inertia_kgm2 = "), "{new}");
+    run(folder.path(), &[&fixed[..], &["forced.toml", "--force"]].concat());
+    assert!(inertia(&read("forced.toml")) > 1290.0, "{}", read("forced.toml"));
+    run(folder.path(), &["-q", "check", "-c", "forced.toml"]);
+}
+
 /// GIVEN a reference that is not there, or two questions at once THEN it is refused before anything is read.
 #[test]
 fn what_cannot_be_asked_is_refused() {

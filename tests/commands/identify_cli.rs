@@ -194,6 +194,44 @@ fn what_the_drive_does_not_tell_gets_no_number() {
     assert!(!text.contains("friction = {"), "{text}");
 }
 
+/// GIVEN a table that is sure of softer tires than the car has THEN recordings and table are said to contradict each other, the
+/// number is not taken over, and by force it is.
+#[test]
+fn what_contradicts_the_table_is_taken_over_by_force_only() {
+    let place = Place::new("profile = false\n");
+    let unsure = "lateral_stiffness_front = { value = 8.0, std = 4.0 }";
+    place.configure("profile = false\n", &[(unsure, "lateral_stiffness_front = { value = 8.0, std = 0.8 }")]);
+    place.drive("sim1.log", 30.0, 0.02, 1);
+    let report = place.json(&["sim1.log"], &[TWO, &["--apply", "new.toml"]].concat());
+    let parameter = &report["parameters"]["lateral_stiffness"];
+    assert_eq!(parameter["identifiable"], false, "{parameter}");
+    assert!(parameter["reason"].as_str().unwrap().contains("contradict"), "{parameter}");
+    let doubt = &parameter["doubt"];
+    assert!(number(&doubt["deviations"]) > 3.0 && doubt["at_bound"] == false, "{doubt}");
+    assert!(doubt["behind"].as_str().unwrap().contains("gripd check"), "{doubt}");
+    assert!(report["parameters"]["longitudinal_stiffness"]["doubt"].is_null());
+
+    let output = place.run(&["sim1.log"], TWO);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("in doubt: lateral_stiffness is "), "{text}");
+    assert!(!text.contains("lateral_stiffness_front = {"), "{text}");
+
+    let stiffness = |name: &str| {
+        let text = fs::read_to_string(place.path(name)).unwrap();
+        let table: toml::Table = text.parse().unwrap();
+        let of = |key: &str| table["vehicle"][key]["value"].as_float().unwrap();
+        (text.clone(), of("lateral_stiffness_front"), of("longitudinal_stiffness"))
+    };
+    let (text, lateral, longitudinal) = stiffness("new.toml");
+    assert!(text.starts_with("# Written by gripd identify") && text.contains("left as they were"), "{text}");
+    assert!(lateral == 8.0 && (longitudinal - 50.0).abs() < 2.0, "{lateral} {longitudinal}");
+    place.run(&["sim1.log"], &[TWO, &["--apply", "forced.toml", "--force"]].concat());
+    let (text, lateral, _) = stiffness("forced.toml");
+    assert!(text.contains("taken over by --force"), "{text}");
+    assert!((lateral - 11.5).abs() < 0.5, "{lateral}");
+    assert!(place.fails(&["sim1.log"], &["--force"], 2).contains("--apply"));
+}
+
 #[test]
 fn errors_say_whose_turn_it_is() {
     let place = Place::new("");

@@ -1,5 +1,6 @@
 //! What one does at a desk: one file per subcommand.
 
+mod applied;
 mod calibrate;
 mod check;
 mod completions;

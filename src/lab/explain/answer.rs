@@ -4,9 +4,9 @@
 use std::collections::BTreeMap;
 
 use super::case::Answer;
-use super::chain::{self, ChainReport};
 use super::conclusion::Conclusion;
 use super::course::give_means_to_zeros;
+use super::doubt;
 use super::finding::{finding, measured_wrong, ranking};
 use super::fit::Fit;
 use super::locate::{EQUATIONS, Gains, gains, innovations, regimes};
@@ -93,11 +93,11 @@ impl<'a> Conclusion<'_, 'a> {
         explanation.unexplained = unexplained;
         explanation.parameters =
             Models { baseline: self.numbers(baseline), ordinary: None, extended: self.numbers(extended) };
+        explanation.in_doubt = doubt::of_fit(extended, &explanation.parameters.extended);
         if let [_] = self.drives {
             give_means_to_zeros(&mut explanation.findings, &mut explanation.parameters.extended);
         }
         explanation.equations = equations;
-        explanation.measurement_chain = self.case.chain.iter().flat_map(chain_words).collect();
         explanation.split = self.blocks();
         explanation.seconds = usable;
         explanation.traces = traces;
@@ -111,6 +111,7 @@ impl<'a> Conclusion<'_, 'a> {
             }
             explanation.findings.splice(0..0, wrong);
         }
+        explanation.take_chain(self.case.chain);
         explanation.to_drive = self.to_drive(&explanation.findings);
         let keeps = usize::from(!extended.model.knows_torque);
         let model = self.drives.first().map_or_else(
@@ -264,14 +265,4 @@ fn compared(steps: &Innovations) -> Comparisons {
         simulated: i.value - i.error,
     };
     steps.iter().map(|steps| steps.iter().map(of).collect()).collect()
-}
-
-/// What an audit found, a line each.
-pub fn chain_words(report: &ChainReport) -> Vec<String> {
-    let line = |finding: &chain::AuditFinding| {
-        let confidence = format!("{:?}", finding.confidence).to_lowercase();
-        let value = finding.amount().map_or(String::new(), |amount| format!(" {amount}"));
-        format!("{} of {}{value}, {confidence}: {}", finding.effect, finding.channel, finding.evidence)
-    };
-    report.findings.iter().map(line).collect()
 }

@@ -1,6 +1,5 @@
 //! What has changed: what a recording has that healthy drives of the same car have not.
 
-use super::answer::chain_words;
 use super::case::{Answer, Case};
 use super::model::Model;
 use super::ordinary::Ordinary;
@@ -16,6 +15,7 @@ impl<'a> Case<'a> {
         let Some(ordinary) = ordinary else {
             let mut explanation = Explanation::empty(Verdict::InsufficientExcitation);
             explanation.to_drive.push(TOO_LITTLE.into());
+            explanation.take_chain(self.chain);
             return Answer { explanation, model };
         };
         let verdict = match () {
@@ -24,7 +24,7 @@ impl<'a> Case<'a> {
             () => Verdict::MissingPhysics,
         };
         let mut explanation = Explanation::empty(verdict);
-        explanation.measurement_chain = self.chain.iter().flat_map(chain_words).collect();
+        explanation.take_chain(self.chain);
         explanation.seconds = ordinary.seconds;
         explanation.references =
             self.recordings[..self.references].iter().map(|recording| recording.name.clone()).collect();

@@ -44,7 +44,9 @@ impl<'a> Case<'a> {
         let usable: f64 =
             drives.iter().flat_map(|d| &d.runs).map(|(from, to)| (to - from) as f64 * STEP_S).sum();
         if usable < LEAST_SECONDS {
-            return Answer { explanation: too_little(usable), model: plain };
+            let mut explanation = too_little(usable);
+            explanation.take_chain(self.chain);
+            return Answer { explanation, model: plain };
         }
         progress("the ordinary car", 0.0);
         let ordinary_if = |searches: &dyn Fn(&Ordinary) -> bool| {

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::candidates::Candidate;
-use super::chain::{ChainReport, Confidence};
+use super::chain::{AuditFinding, ChainReport, Confidence};
 use super::conclusion::Conclusion;
 use super::course::SmoothedCourse;
 use super::fit::Fit;
@@ -74,17 +74,13 @@ pub fn measured_wrong(chain: &[ChainReport], known: &[Finding]) -> Vec<Finding> 
     let certain = chain.iter().flat_map(|report| &report.findings);
     let mut all: Vec<Finding> = Vec::new();
     for audited in certain.filter(|audited| audited.confidence == Confidence::Certain) {
-        let (kind, channel, number) = match (named(audited.effect), audited.channel.parse::<Quantity>()) {
-            (Some(kind), Ok(wheel)) if kind.name == "tire_radius" => (Some(kind), None, wheel as usize),
-            (kind, channel) => (kind, channel.ok(), 0),
-        };
-        let is_known = |finding: &Finding| {
-            finding.effect == audited.effect
-                && channel.is_none_or(|channel| finding.channel.as_deref() == Some(channel.name()))
-        };
-        if known.iter().chain(&all).any(is_known) {
+        if known.iter().chain(&all).any(|finding| says(finding, audited)) {
             continue;
         }
+        let kind = named(audited.effect);
+        // The effect has a number for each wheel.
+        let number = audited.channel.parse::<Quantity>().ok().filter(|_| audited.effect == TIRE_RADIUS);
+        let number = number.map_or(0, |wheel| wheel as usize);
         let mut finding = Finding {
             effect: audited.effect.into(),
             channel: kind.is_none_or(Kind::is_of_measurement).then(|| audited.channel.clone()),
@@ -107,6 +103,16 @@ pub fn measured_wrong(chain: &[ChainReport], known: &[Finding]) -> Vec<Finding> 
     }
     all
 }
+
+/// Does a finding say what the audit says?
+pub fn says(finding: &Finding, audited: &AuditFinding) -> bool {
+    let channel = audited.channel.parse::<Quantity>().ok().filter(|_| audited.effect != TIRE_RADIUS);
+    finding.effect == audited.effect
+        && channel.is_none_or(|channel| finding.channel.as_deref() == Some(channel.name()))
+}
+
+/// One effect for all four wheels.
+const TIRE_RADIUS: &str = "tire_radius";
 
 /// How often the audit is right where it is certain.
 const CERTAIN: f64 = 0.99;

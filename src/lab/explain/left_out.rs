@@ -1,6 +1,5 @@
 //! What somebody's simulation of a drive leaves out of its recording.
 
-use super::answer::chain_words;
 use super::case::{Answer, Case};
 use super::model::Model;
 use super::ordinary::{Incomparable, Ordinary, Remaining};
@@ -28,7 +27,7 @@ impl<'a> Case<'a> {
             () => Verdict::Adequate,
         };
         let mut explanation = Explanation::empty(verdict);
-        explanation.measurement_chain = self.chain.iter().flat_map(chain_words).collect();
+        explanation.take_chain(self.chain);
         explanation.seconds = ordinary.seconds;
         explanation.simulation = Some(simulated);
         explanation.take_ordinary(&ordinary, Some(verdict));

@@ -26,6 +26,7 @@ mod conclusion;
 mod confirm;
 mod correction;
 mod course;
+mod doubt;
 mod excerpt;
 mod exogenous;
 mod explanation;

@@ -251,32 +251,40 @@ impl<'a> Model<'a> {
         })
     }
 
-    /// Changes a free number, within its bounds.
-    pub fn set(&mut self, place: Place, coordinate: f64) {
+    /// What the coordinate of a number can be at least and at most.
+    fn bounds(&self, place: Place) -> (f64, f64) {
+        let around = |mean: f64, most: f64| (mean - most, mean + most);
         match place {
             Place::Ordinary(p) => {
                 let Free { mean, std, .. } = self.free_ordinary(p);
-                let within = coordinate.clamp(
-                    mean - TUNING.selection.ordinary_stds * std,
-                    mean + TUNING.selection.ordinary_stds * std,
-                );
-                let value = if is_logarithmic(p) { within.exp() } else { within };
-                let (low, high) = p.bounds();
-                self.values.set(p, value.clamp(low, high));
+                let (low, high) = around(mean, TUNING.selection.ordinary_stds * std);
+                let (least, most) = p.bounds();
+                let of = |bound: f64| if is_logarithmic(p) { bound.ln() } else { bound };
+                (low.max(of(least)), high.min(of(most)))
             }
             Place::Delay(late) => {
                 let (mean, std) = late.prior();
-                let most = TUNING.selection.ordinary_delay_stds * std;
-                self.delays[late as usize] = coordinate.clamp(mean - most, mean + most);
+                around(mean, TUNING.selection.ordinary_delay_stds * std)
             }
-            Place::BendAlong => self.bend_along = coordinate.clamp(0.0, 1.2),
+            Place::BendAlong => (0.0, 1.2),
             Place::Effect(effect, number) => {
-                let chosen = &mut self.effects[effect];
-                if let Some(spec) = chosen.kind.spec(number, chosen.channel) {
-                    chosen.numbers[number] = coordinate.clamp(spec.bounds.0, spec.bounds.1);
-                }
+                let chosen = &self.effects[effect];
+                let spec = chosen.kind.spec(number, chosen.channel);
+                spec.map_or((f64::NEG_INFINITY, f64::INFINITY), |spec| spec.bounds)
             }
         }
+    }
+
+    /// Is a number at what it can be at most or least?
+    pub fn is_at_bound(&self, place: Place) -> bool {
+        is_at_either(self.get(place), self.bounds(place))
+    }
+
+    /// Changes a free number, within its bounds.
+    pub fn set(&mut self, place: Place, coordinate: f64) {
+        let (low, high) = self.bounds(place);
+        // A table's own value may be outside of what is thought of any car.
+        self.put(place, coordinate.max(low).min(high.max(low)));
     }
 
     /// Puts a number where it is told, whatever is thought of it.
@@ -328,6 +336,11 @@ impl<'a> Model<'a> {
         let made = model.get(free.place) - at;
         (made.abs() > 0.5 * free.step.abs()).then_some((model, made))
     }
+}
+
+/// Is a coordinate at one of its bounds?
+pub fn is_at_either(coordinate: f64, (low, high): (f64, f64)) -> bool {
+    (coordinate - low).min(high - coordinate) < 1e-3 * (high - low)
 }
 
 /// Is its logarithm searched for?

@@ -6,8 +6,12 @@ use physics::model::effect::law::Law;
 use physics::model::effect::{Channel, Kind};
 use serde::Serialize;
 
+use super::chain::{AuditFinding, ChainReport, Confidence};
 use super::confirm::Confirmed;
+use super::doubt::is_of_a_finding;
+use super::finding::says;
 use super::ordinary::{FreeTrace, Number, Ordinary, Remaining, Simulated};
+use crate::identify::Doubt;
 
 /// What the comparison came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -254,6 +258,8 @@ pub struct Explanation {
     pub improvement_ci95: BTreeMap<String, [f64; 2]>,
     /// The ordinary numbers.
     pub parameters: Models<BTreeMap<String, Estimate>>,
+    /// Which of the extended model's ordinary numbers are at a bound or far from the vehicle's table, and so not taken over.
+    pub in_doubt: BTreeMap<String, Doubt>,
     /// Share of the residual variance above the noise that is still left, by channel.
     pub unexplained: ByChannel,
     /// What the ordinary car does not predict, by channel.
@@ -271,6 +277,8 @@ pub struct Explanation {
     pub equations: Models<Vec<Missing>>,
     /// What the measurement chain's audit found, in words.
     pub measurement_chain: Vec<String>,
+    /// What of that it is certain of and no finding says: more than a model can say, it stands before all else.
+    pub certain: Vec<String>,
     /// Recordings that the others are compared with.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub references: Vec<String>,
@@ -310,6 +318,7 @@ impl Explanation {
             log_likelihood: Models::default(),
             improvement_ci95: BTreeMap::new(),
             parameters: Models::default(),
+            in_doubt: BTreeMap::new(),
             unexplained: ByChannel::new(),
             disturbances: BTreeMap::new(),
             remaining: ByChannel::new(),
@@ -318,6 +327,7 @@ impl Explanation {
             to_drive: Vec::new(),
             equations: Models::default(),
             measurement_chain: Vec::new(),
+            certain: Vec::new(),
             references: Vec::new(),
             simulation: None,
             confirm: Vec::new(),
@@ -332,6 +342,20 @@ impl Explanation {
 }
 
 impl Explanation {
+    /// Says what the audit of the measurement says, whatever the rest is. What it is certain of and no finding says stands
+    /// before all else.
+    pub fn take_chain(&mut self, chain: &[ChainReport]) {
+        let all = || chain.iter().flat_map(|report| &report.findings);
+        self.measurement_chain = all().map(AuditFinding::to_string).collect();
+        self.certain = all()
+            .filter(|audited| audited.confidence == Confidence::Certain)
+            .filter(|audited| !self.findings.iter().any(|finding| says(finding, audited)))
+            .map(AuditFinding::to_string)
+            .collect();
+        // Several recordings of one car have it all.
+        self.certain.dedup();
+    }
+
     /// Says what the ordinary car says. Where it decides, the plain model is compared with it in its own way: by one free
     /// run with the measured speed.
     pub fn take_ordinary(&mut self, ordinary: &Ordinary, decided: Option<Verdict>) {
@@ -356,17 +380,21 @@ impl Explanation {
             self.needs_ordinary = yaw_rate(&ordinary.fit) > yaw_rate(&ordinary.plain_fit);
         }
         let of_the_car = |number: &&Number| !number.is_at_bound;
-        let named = |number: &Number| {
+        let name = |number: &Number| {
             // Of one recording everybody knows which.
             let several = number.recording.as_ref().filter(|_| ordinary.sideslip.len() > 1);
             let of = several.map_or(String::new(), |recording| format!(" of {recording}"));
-            (format!("{}{of}", number.name), number.estimate)
+            format!("{}{of}", number.name)
         };
+        let named = |number: &Number| (name(number), number.estimate);
         let told = |numbers: &[Number]| numbers.iter().filter(of_the_car).map(named).collect();
         self.parameters.ordinary = Some(told(&ordinary.numbers));
         if decided.is_some() {
             self.parameters.baseline = told(&ordinary.plain_numbers);
             self.parameters.extended = told(&ordinary.numbers);
+            let in_doubt = |number: &Number| Some((name(number), number.doubt.clone()?));
+            self.in_doubt = ordinary.numbers.iter().filter_map(in_doubt).collect();
+            self.in_doubt.retain(|name, _| !is_of_a_finding(name, &self.findings));
         }
         self.disturbances.clone_from(&ordinary.disturbances);
         let shares = |of: fn(&Remaining) -> f64| {

@@ -45,6 +45,15 @@ pub(super) struct Fit {
     pub(super) tie: Tie,
     pub(super) iterations: u32,
     pub(super) converged: bool,
+    /// By so much the variances of noise and jumps are more than what is left of the channels.
+    pub(super) counts_less_by: f64,
+}
+
+impl Fit {
+    /// Noise that is left, by channel.
+    pub(super) fn left(&self) -> Noise {
+        self.noise.map(|std| std / self.counts_less_by.sqrt())
+    }
 }
 
 /// Where a part of the segments led to.
@@ -128,6 +137,15 @@ impl<'a> Search<'a> {
         let mut fit = self.go_on(alone.point, Some(alone.all), &alone.noise, noise, tie, ENOUGH)?;
         fit.iterations += ahead.iterations + alone.iterations;
         Some(fit)
+    }
+
+    /// The same end where the recordings count for so much less beside the priors: as if noise and jumps had `by` times the
+    /// variance. `None` if nothing can be simulated on the way.
+    pub(super) fn counting_less(&self, end: &Fit, by: f64) -> Option<Fit> {
+        let noise = end.noise.map(|std| by.sqrt() * std);
+        let fixed = self.problem(&noise, Tie(end.tie.0.map(|std| by.sqrt() * std)));
+        let fit = self.levenberg_marquardt(fixed, end.point.clone(), None, noise, None, ENOUGH)?;
+        Some(Fit { iterations: end.iterations + fit.iterations, counts_less_by: by, ..fit })
     }
 
     /// Where another search's end moves to with these segments; noise and ties stay.
@@ -265,13 +283,13 @@ impl<'a> Search<'a> {
             idle = if gained < enough && is_steady { idle + 1 } else { 0 };
             converged = idle > 1;
         }
-        Some(Fit { point, all, noise, tie: problem.tie, iterations, converged })
+        Some(Fit { point, all, noise, tie: problem.tie, iterations, converged, counts_less_by: 1.0 })
     }
 
     /// How far each parameter may go in one step.
     fn limits(&self, point: &Point) -> Vec<(f64, f64)> {
         let each = self.free.iter().zip(point.theta.iter()).map(|(free, at)| {
-            let (low, high) = free.parameters.coordinate_bounds();
+            let (low, high) = free.coordinate_bounds();
             let farthest = if free.parameters.first().is_logarithmic() { FARTHEST } else { f64::INFINITY };
             ((low - at).max(-farthest), (high - at).min(farthest))
         });
@@ -304,7 +322,7 @@ impl<'a> Search<'a> {
 
     fn within_bounds(&self, mut point: Point) -> Point {
         for (coordinate, free) in point.theta.iter_mut().zip(self.free) {
-            let (low, high) = free.parameters.coordinate_bounds();
+            let (low, high) = free.coordinate_bounds();
             *coordinate = coordinate.clamp(low, high);
         }
         point

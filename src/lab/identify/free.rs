@@ -10,6 +10,32 @@ pub(super) struct Free {
     pub(super) mean: f64,
     /// Zero information where infinite.
     pub(super) std: f64,
+    /// What it can be, in its unit.
+    pub(super) bounds: (f64, f64),
+}
+
+impl Free {
+    /// What it can be, in the search's coordinate.
+    pub(super) fn coordinate_bounds(&self) -> (f64, f64) {
+        let (low, high) = self.bounds;
+        (self.parameters.coordinate(low), self.parameters.coordinate(high))
+    }
+
+    /// From the coordinate to the parameter's unit, to what it can be: a bound exactly, though its logarithm's exponential
+    /// is not.
+    pub(super) fn value(&self, coordinate: f64) -> f64 {
+        let first = self.parameters.first();
+        let ((low, high), (lowest, highest)) = (self.bounds, self.coordinate_bounds());
+        if coordinate <= lowest {
+            low
+        } else if coordinate >= highest {
+            high
+        } else if first.is_logarithmic() {
+            coordinate.exp()
+        } else {
+            coordinate * first.scale()
+        }
+    }
 }
 
 /// A parameter, or the stiffnesses of both axles as one (thesis: C_F = C_R).
@@ -60,27 +86,6 @@ impl Tied {
         if first.is_logarithmic() { value.ln() } else { value / first.scale() }
     }
 
-    /// What it can be at all.
-    pub(super) fn coordinate_bounds(self) -> (f64, f64) {
-        let (low, high) = self.first().bounds();
-        (self.coordinate(low), self.coordinate(high))
-    }
-
-    /// And back, to what it can be: a bound exactly, though its logarithm's exponential is not.
-    pub(super) fn value(self, coordinate: f64) -> f64 {
-        let first = self.first();
-        let ((low, high), (lowest, highest)) = (first.bounds(), self.coordinate_bounds());
-        if coordinate <= lowest {
-            low
-        } else if coordinate >= highest {
-            high
-        } else if first.is_logarithmic() {
-            coordinate.exp()
-        } else {
-            coordinate * first.scale()
-        }
-    }
-
     /// Derivative of the value by the coordinate.
     pub(super) fn value_by_coordinate(self, coordinate: f64) -> f64 {
         let first = self.first();
@@ -94,9 +99,11 @@ mod tests {
 
     #[test]
     fn bounds_come_back_exactly() {
-        for tied in Parameter::ALL.map(Tied::One) {
-            let (low, high) = tied.coordinate_bounds();
-            assert_eq!((tied.value(low), tied.value(high)), tied.first().bounds(), "{}", tied.name());
+        for parameter in Parameter::ALL {
+            let bounds = parameter.bounds();
+            let free = Free { parameters: Tied::One(parameter), mean: 0.0, std: 1.0, bounds };
+            let (low, high) = free.coordinate_bounds();
+            assert_eq!((free.value(low), free.value(high)), bounds, "{}", parameter.name());
         }
     }
 }

@@ -11,6 +11,7 @@
 mod braking;
 mod car;
 mod config;
+mod doubt;
 mod error;
 mod excitation;
 mod fit;
@@ -37,6 +38,7 @@ mod uncertainty;
 pub mod understeer;
 
 pub use config::IdentifyConfig;
+pub use doubt::{Doubt, MOST_DEVIATIONS, Told};
 pub use error::IdentifyError;
 pub use fit::Method;
 pub use free_run::{BLOCK_S, FitRow, Fits, free_run};

@@ -196,6 +196,60 @@ impl Parameter {
         }
     }
 
+    /// What it can be in a car of the table's size and mass (L: wheelbase); the table's own value is never outside.
+    /// Masses lie between a car's bumpers, 1.7 L apart: spread evenly they make a yaw inertia of 0.24 m L², spread between
+    /// the axles only 0.08, all of them at the bumpers 0.72, which 0.5 is well on the way to. An axle that carries less than
+    /// a quarter of the car hardly steers or drives it. A cornering stiffness of 60 gives 1 g at one degree of slip angle,
+    /// which the tires of race cars do not reach.
+    pub fn bounds_in(self, vehicle: &Vehicle) -> (f64, f64) {
+        let (low, high) = self.bounds();
+        let length = vehicle.wheelbase_m.value;
+        let (least, most) = match self {
+            Self::CgToFront => (0.25 * length, 0.75 * length),
+            Self::YawInertia => {
+                let all_at_one = vehicle.mass_kg.value * length * length;
+                (0.08 * all_at_one, 0.5 * all_at_one)
+            }
+            Self::LateralFront | Self::LateralRear => (low, 60.0),
+            _ => return (low, high),
+        };
+        let table = self.prior(vehicle);
+        let (from, to) = (table.value - table.std, table.value + table.std);
+        (least.min(from).max(low), most.max(to).min(high))
+    }
+
+    /// What may be behind a number that is far from its table's.
+    pub const fn what_else(self) -> &'static str {
+        match self {
+            Self::CgToFront
+            | Self::YawInertia
+            | Self::LateralFront
+            | Self::LateralRear
+            | Self::SteeringRatio => {
+                "a table that is of another car; scale, delay or steps of steering angle or yaw rate (`gripd check`); a drive \
+                 with hardly any curves; or physics that these equations lack (`gripd explain`)"
+            }
+            Self::Friction | Self::MagicShape | Self::MagicCurvature => {
+                "a drive that never comes near the limit, or physics that these equations lack (`gripd explain`)"
+            }
+            Self::Wheelbase | Self::TrackFront | Self::TrackRear | Self::WheelRadius | Self::WheelInertia => {
+                "a table that is of another car, or the scale of wheel speeds or yaw rate (`gripd check`)"
+            }
+            Self::YawRateOffset
+            | Self::LateralAccelerationOffset
+            | Self::LongitudinalAccelerationOffset
+            | Self::SteeringOffset
+            | Self::SlipOffsetFl
+            | Self::SlipOffsetFr
+            | Self::SlipOffsetRl
+            | Self::SlipOffsetRr => "a wrong unit, sign or offset of the sensor (`gripd check`)",
+            _ => {
+                "a table that is of another car or another load; the scale of torque, pressure or acceleration (`gripd \
+                 check`); or hills, which these equations do not know (`gripd explain`)"
+            }
+        }
+    }
+
     /// What the vehicle's table says of it; offsets are near zero, as far as sensors go.
     pub fn prior(self, vehicle: &Vehicle) -> Uncertain {
         let own = |value: Option<Uncertain>| value.unwrap_or(Uncertain::known(f64::NAN));

@@ -28,10 +28,10 @@ pub(super) fn of(search: &Search<'_>, place: usize, fit: &Fit, std: f64) -> Vec<
     let mut others = search.free.to_vec();
     let free = others.remove(place);
     let optimum = fit.point.theta[place];
-    let (low, high) = free.parameters.coordinate_bounds();
+    let (low, high) = free.coordinate_bounds();
     let mut values = search.values_at(&fit.point.theta);
     let mut held_at = |coordinate: f64, near: &Held, beyond: Option<&Held>| {
-        free.parameters.put(&mut values, free.parameters.value(coordinate));
+        free.parameters.put(&mut values, free.value(coordinate));
         let search = Search { values: &values, free: &others, ..*search };
         // Beginning where the others would be if they went on as they went.
         let begin = beyond.map_or_else(
@@ -71,5 +71,5 @@ pub(super) fn of(search: &Search<'_>, place: usize, fit: &Fit, std: f64) -> Vec<
             }
         }
     }
-    profile.iter().map(|held| (free.parameters.value(held.coordinate), held.ratio)).collect()
+    profile.iter().map(|held| (free.value(held.coordinate), held.ratio)).collect()
 }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::doubt::Doubt;
 use super::free_run::Fits;
 use super::longitudinal_input::LongitudinalInput;
 use super::motion::Output;
@@ -24,10 +25,21 @@ pub struct Identified {
     pub identifiable: bool,
     /// If not, why not; else empty or what else is to be known.
     pub reason: String,
+    /// Does the recording alone tell it, with an interval that has two ends? Identifiable is what beside that can be believed.
+    pub is_clear: bool,
+    /// Why it is not to be taken over, whatever the recordings tell.
+    pub doubt: Option<Doubt>,
     /// The vehicle's table's value and standard deviation.
     pub prior: (f64, f64),
     /// 2 ln(likelihood ratio) to the optimum at values of it, all others refitted.
     pub profile: Vec<(f64, f64)>,
+}
+
+impl Identified {
+    /// Does it end at a bound, or do the recordings tell it and contradict the table?
+    pub fn is_in_doubt(&self) -> bool {
+        self.doubt.as_ref().is_some_and(|doubt| self.is_clear || doubt.at_bound)
+    }
 }
 
 /// A search, from and to.
@@ -64,6 +76,9 @@ pub struct Identification {
     pub noise: Vec<(Output, f64)>,
     /// What comes between two segments beyond the equations: m/s, m/s, rad/s; infinite if not tied.
     pub between: [f64; 3],
+    /// How much the recordings count beside the table: 1 where the residuals are white noise, less where segments differ
+    /// more than that explains.
+    pub weight: f64,
     /// Fits of a free run restarted each 20 s, before and after.
     pub before: Fits,
     /// After.

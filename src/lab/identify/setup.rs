@@ -85,7 +85,7 @@ pub(super) fn free(
             std if first.is_logarithmic() => std / prior.value,
             std => std / first.scale(),
         };
-        free.push(Free { parameters, mean, std });
+        free.push(Free { parameters, mean, std, bounds: first.bounds_in(vehicle) });
     }
     if free.len() > 29 {
         let value = free.len().to_string();

@@ -98,7 +98,7 @@ impl Problem<'_> {
     pub(super) fn values_at(&self, theta: &DVector<f64>) -> Values {
         let mut values = self.values.clone();
         for (free, coordinate) in self.free.iter().zip(theta.iter()) {
-            free.parameters.put(&mut values, free.parameters.value(*coordinate));
+            free.parameters.put(&mut values, free.value(*coordinate));
         }
         values
     }

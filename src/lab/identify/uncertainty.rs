@@ -69,12 +69,7 @@ pub(super) fn of(fit: &Fit, free: &[Free], shift: &Shift) -> Option<Uncertainty>
     let (count, of) = (scores.len() as f64, free.len() as f64);
     let dof = (count - of).max(1.0);
     let scatter = scatter_of(&scores) * (count / dof);
-    let mut prior = DMatrix::zeros(free.len(), free.len());
-    for (i, free) in free.iter().enumerate() {
-        if free.std.is_finite() {
-            prior[(i, i)] = 1.0 / (free.std * free.std);
-        }
-    }
+    let prior = prior_of(free);
     let robust = &inverse * (&scatter + &prior) * &inverse;
     // Too few segments do not tell by how much for each direction: then all of them get the mean of it.
     let enough = count > 3.0 * of + 10.0;
@@ -101,6 +96,27 @@ pub(super) fn of(fit: &Fit, free: &[Free], shift: &Shift) -> Option<Uncertainty>
         decided_by_noise,
         factor: student::quantile(0.95, dof),
     })
+}
+
+/// By how much segments differ more than their noise explains, in the directions that the recordings tell of: so many times
+/// too much a likelihood of independent residuals counts beside a prior (Ribatet, Cooley & Davison 2012). At least 1.
+pub(super) fn overstated(fit: &Fit, free: &[Free]) -> Option<f64> {
+    let eliminated = fit.all.eliminate(0.0)?;
+    let inverse = eliminated.information.clone().cholesky()?.inverse();
+    let told = (&inverse * (&eliminated.information - prior_of(free))).trace();
+    let scatter = (&inverse * scatter_of(&eliminated.scores())).trace();
+    Some((scatter / told.max(1.0)).max(1.0))
+}
+
+/// Information of the priors.
+fn prior_of(free: &[Free]) -> DMatrix<f64> {
+    let mut prior = DMatrix::zeros(free.len(), free.len());
+    for (i, free) in free.iter().enumerate() {
+        if free.std.is_finite() {
+            prior[(i, i)] = 1.0 / (free.std * free.std);
+        }
+    }
+    prior
 }
 
 fn scatter_of(scores: &[DVector<f64>]) -> DMatrix<f64> {

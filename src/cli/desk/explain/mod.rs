@@ -62,6 +62,10 @@ pub struct Explain {
     /// Write the configuration with what was found and the corrected numbers.
     #[arg(long, value_name = "TOML")]
     apply: Option<PathBuf>,
+    /// With `--apply`: take over numbers that are in doubt, too (at a bound of the search, or more than three of the
+    /// table's standard deviations from its value).
+    #[arg(long, requires = "apply")]
+    force: bool,
     /// Seed of what is drawn at random (the bootstrap of the improvement).
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -137,7 +141,7 @@ impl Explain {
             write_text(path, &page::page(explanation))?;
         }
         if let Some(path) = &self.apply {
-            write_text(path, &apply::toml(&self.config, path, &answer)?)?;
+            write_text(path, &apply::toml(&self.config, path, &answer, self.force)?)?;
         }
         others.whole().and_then(|()| read.whole())
     }

@@ -1,5 +1,6 @@
 //! `gripd identify`: the vehicle's parameters from recordings.
 
+mod apply;
 mod recordings;
 
 use std::io::Write;
@@ -35,6 +36,13 @@ pub struct Identify {
     /// Write a page with the answer, plots before and after, and how sure it is.
     #[arg(long, value_name = "HTML")]
     html: Option<PathBuf>,
+    /// Write the configuration with what was identified.
+    #[arg(long, value_name = "TOML")]
+    apply: Option<PathBuf>,
+    /// With `--apply`: take over numbers that are in doubt, too (at a bound of the search, or more than three of the
+    /// table's standard deviations from its value).
+    #[arg(long, requires = "apply")]
+    force: bool,
     /// Identify these, by their names in [vehicle]; `lateral_stiffness` means both axles' as one.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     parameters: Option<Vec<String>>,
@@ -57,7 +65,7 @@ impl Identify {
         let config = configuration::load(&self.config)?;
         check_outputs(
             self.logs.iter().chain([&self.config]).chain(config.files()),
-            self.json.iter().chain(&self.html),
+            self.json.iter().chain(&self.html).chain(&self.apply),
         )?;
         let used = self.settings(&configuration::identify(&self.config)?)?;
         if used.method == Method::Ordinary {
@@ -72,9 +80,7 @@ impl Identify {
         let offsets = Quantity::ALL
             .map(|quantity| config.signals.quantities.get(&quantity).map_or(0.0, |config| config.offset));
         let story = Story { offsets, used: &used, records: &records, found: &found };
-        // With `--json -` the standard output is for programs.
-        let to_stdout = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
-        if !to_stdout(&self.json) && !to_stdout(&self.html) {
+        if self.prints_text() {
             let mut stdout = std::io::stdout().lock();
             stdout.write_all(page::text(&story).as_bytes()).and_then(|()| stdout.flush())?;
         }
@@ -84,6 +90,9 @@ impl Identify {
         if let Some(path) = &self.html {
             let html = page::html(&story).map_err(Failure::work)?;
             write_text(path, &html)?;
+        }
+        if let Some(path) = &self.apply {
+            write_text(path, &apply::toml((&self.config, path), &found, self.force)?)?;
         }
         // What could be read was worth its results; that something was lost is said all the same.
         if broken.is_empty() { Ok(()) } else { Err(Failure::Work(broken.join("; "))) }
@@ -96,8 +105,7 @@ impl Identify {
             .ok_or_else(|| {
                 Failure::work("no recording has steering, yaw rate and 12 s of driving above 4 m/s")
             })?;
-        let to_stdout = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
-        if !to_stdout(&self.json) && !to_stdout(&self.html) {
+        if self.prints_text() {
             let mut stdout = std::io::stdout().lock();
             stdout.write_all(pages::ordinary::text(&ordinary).as_bytes()).and_then(|()| stdout.flush())?;
         }
@@ -107,7 +115,16 @@ impl Identify {
         if let Some(path) = &self.html {
             write_text(path, &pages::ordinary::html(&ordinary))?;
         }
+        if let Some(path) = &self.apply {
+            write_text(path, &apply::of_ordinary((&self.config, path), &ordinary, self.force)?)?;
+        }
         if read.broken.is_empty() { Ok(()) } else { Err(Failure::Work(read.broken.join("; "))) }
+    }
+
+    /// With `--json -` the standard output is for programs.
+    fn prints_text(&self) -> bool {
+        let outputs = [&self.json, &self.html, &self.apply];
+        outputs.into_iter().flatten().all(|path| path.as_path() != Path::new("-"))
     }
 
     /// The configuration's table with the command line's changes.

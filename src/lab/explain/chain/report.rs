@@ -1,5 +1,7 @@
 //! What the audit says.
 
+use std::fmt;
+
 use serde::Serialize;
 
 use physics::Quantity;
@@ -56,6 +58,15 @@ impl AuditFinding {
         let (value, std) = (factor * value, factor * std);
         let decimals = (1.0 - std.log10().floor()).clamp(0.0, 6.0) as usize;
         Some(format!("{value:.decimals$} ± {std:.decimals$} {unit}").trim_end().to_owned())
+    }
+}
+
+/// In a line without full stop.
+impl fmt::Display for AuditFinding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let confidence = format!("{:?}", self.confidence).to_lowercase();
+        let value = self.amount().map_or(String::new(), |amount| format!(" {amount}"));
+        write!(f, "{} of {}{value}, {confidence}: {}", self.effect, self.channel, self.evidence)
     }
 }
 

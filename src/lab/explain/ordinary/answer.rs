@@ -14,11 +14,12 @@ use super::numbers::{Free, Scope, free, on_time};
 use super::remaining::{Remaining, remaining};
 use super::robust::deviation;
 use super::run::Predicted;
+use crate::explain::doubt::doubt;
 use crate::explain::model::{Chosen, Model};
 use crate::explain::predict::Recording;
 use crate::explain::proof::ErrorSums;
 use crate::explain::result::{ByChannel, Disturbance, Estimate, Parts, Verdict};
-use crate::identify::Values;
+use crate::identify::{Doubt, Values};
 
 /// A number of the car or of a recording's measurement.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +34,8 @@ pub struct Number {
     pub prior: Estimate,
     /// Does it end at what it can be at most or least? Then it is no estimate.
     pub is_at_bound: bool,
+    /// Why it is not to be taken over as it is.
+    pub doubt: Option<Doubt>,
     /// Where the searches began, where their first steps ended, and the cost there.
     pub starts: Vec<[f64; 3]>,
 }
@@ -118,7 +121,7 @@ const LEAST_OF_EACH_S: f64 = 60.0;
 const TRACED_EVERY: usize = 5;
 
 impl Number {
-    /// Why the recordings do not tell it; none where they do.
+    /// Why the recordings do not tell it, or what they say is not to be believed; none where it is.
     pub fn untold(&self) -> Option<String> {
         if self.is_at_bound {
             return Some(format!(
@@ -126,8 +129,11 @@ impl Number {
                 self.estimate.value
             ));
         }
-        (self.estimate.std > LEAST_TOLD * self.prior.std)
-            .then(|| "the recordings add little to what was known before".to_owned())
+        if self.estimate.std > LEAST_TOLD * self.prior.std {
+            return Some("the recordings add little to what was known before".to_owned());
+        }
+        let doubt = self.doubt.as_ref()?;
+        Some(format!("recordings and table contradict each other: {}", doubt.why))
     }
 }
 
@@ -421,15 +427,18 @@ pub(super) fn numbers(found: &FreeFit<'_>, drives: &[FreeDrive]) -> Vec<Number> 
     let of = |(i, free): (usize, &Free)| {
         let (name, value, slope) = free.named(&found.model, found.at[i]);
         let (_, mean, slope_there) = free.named(&found.model, free.prior.0);
+        let estimate = Estimate { value, std: found.covariance[(i, i)].max(0.0).sqrt() * slope.abs() };
+        let is_at_bound = free.is_at_bound(found.at[i]);
         Number {
+            doubt: doubt(&name, estimate, found.model.vehicle, is_at_bound),
             name,
             recording: match free.of {
                 Scope::Recording(drive) => drives.get(drive).map(|drive| drive.name.clone()),
                 Scope::Car | Scope::Since(_) => None,
             },
-            estimate: Estimate { value, std: found.covariance[(i, i)].max(0.0).sqrt() * slope.abs() },
+            estimate,
             prior: Estimate { value: mean, std: free.prior.1 * slope_there.abs() },
-            is_at_bound: free.is_at_bound(found.at[i]),
+            is_at_bound,
             starts: found
                 .starts
                 .iter()

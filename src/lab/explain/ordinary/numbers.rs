@@ -6,7 +6,7 @@ use physics::model::{TireKind, Vehicle};
 
 use super::inputs::FreeDrive;
 use super::run::SpeedSensing;
-use crate::explain::model::{Chosen, Model, Place};
+use crate::explain::model::{Chosen, Model, Place, is_at_either};
 use crate::explain::predict::delay::Delayed;
 use crate::identify::Parameter;
 
@@ -194,6 +194,9 @@ fn of_vehicle(vehicle: &Vehicle, parameter: Parameter) -> Option<Free> {
         Parameter::MagicShape => (1.02, 1.9),
         _ => (prior.value - 4.0 * prior.std, prior.value + 4.0 * prior.std),
     };
+    // And what a car can be.
+    let (least, most) = parameter.bounds_in(vehicle);
+    let (low, high) = (low.max(least), high.min(most));
     let number = Number::Of(Place::Ordinary(parameter));
     let std = prior.std / prior.value;
     Some(Free {
@@ -289,7 +292,6 @@ impl Free {
 
     /// Is the number at what it can be at most or least?
     pub fn is_at_bound(&self, coordinate: f64) -> bool {
-        let (low, high) = self.bounds;
-        (coordinate - low).min(high - coordinate) < 1e-3 * (high - low)
+        is_at_either(coordinate, self.bounds)
     }
 }

@@ -29,6 +29,12 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
         escape(words::verdict(explanation.verdict)),
         escape(&words::headline(explanation))
     ));
+    for line in &explanation.certain {
+        page.raw(&format!(
+            "<p class=\"lead\">First of all, of the measurement: {}</p>",
+            escape(&stopped(line))
+        ));
+    }
     for paragraph in lead(explanation).into_iter().chain(explanation.simulation.as_ref().map(words::beside)) {
         page.raw(&format!("<p class=\"lead\">{}</p>", escape(&paragraph)));
     }

@@ -28,6 +28,23 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
         answer::to_drive(page, explanation);
     }
     ordinary(page, explanation);
+    in_doubt(page, explanation);
+}
+
+/// Numbers that are not taken over.
+fn in_doubt(page: &mut Page, explanation: &Explanation) {
+    let all = words::in_doubt(explanation);
+    if all.is_empty() {
+        return;
+    }
+    page.heading("In doubt: left as they were where this is applied");
+    let row = |it: &words::InDoubt| {
+        let table = it.table.clone().unwrap_or_else(|| "–".into());
+        vec![sentence(&it.name), it.found.clone(), table, it.why.clone(), it.behind.clone()]
+    };
+    let rows: Vec<Vec<String>> = all.iter().map(row).collect();
+    let columns = ["parameter", "found", "the table's", "why", "what may be behind it"];
+    page.table_of_words(&columns, &rows);
 }
 
 fn card(page: &mut Page, explanation: &Explanation, finding: &Finding) {
@@ -72,9 +89,15 @@ fn card(page: &mut Page, explanation: &Explanation, finding: &Finding) {
 struct Move {
     before: Option<Shown>,
     after: Option<Shown>,
+    is_in_doubt: bool,
 }
 
 impl Move {
+    fn name(&self) -> Option<String> {
+        let mark = if self.is_in_doubt { " (in doubt)" } else { "" };
+        Some(sentence(&self.any()?.name) + mark)
+    }
+
     fn any(&self) -> Option<&Shown> {
         self.after.as_ref().or(self.before.as_ref())
     }
@@ -99,6 +122,7 @@ fn ordinary(page: &mut Page, explanation: &Explanation) {
         .map(|name| Move {
             before: before.get(name).map(|estimate| words::ordinary(name, *estimate)),
             after: after.get(name).map(|estimate| words::ordinary(name, *estimate)),
+            is_in_doubt: explanation.in_doubt.contains_key(name),
         })
         .collect();
     if moves.is_empty() {
@@ -120,7 +144,7 @@ fn ordinary(page: &mut Page, explanation: &Explanation) {
              model lacks, these had to make up for.",
         );
     }
-    let row = |it: &Move| it.any().map(|shown| vec![sentence(&shown.name), shown.value()]);
+    let row = |it: &Move| Some(vec![it.name()?, it.any()?.value()]);
     let rows: Vec<Vec<String>> = stayed.iter().filter_map(row).collect();
     if rows.is_empty() {
         return;
@@ -141,7 +165,7 @@ fn shift(it: &Move) -> Option<Shift> {
         shown.as_ref().map_or_else(|| "–".into(), |it| words::plus_minus(it.estimate))
     };
     Some(Shift {
-        name: sentence(&any.name),
+        name: it.name()?,
         unit: any.unit.clone(),
         before: it.before.as_ref().map(interval),
         after: it.after.as_ref().map(interval),

@@ -22,6 +22,7 @@ use crate::explain::{Explanation, Verdict};
 use crate::report::Page;
 
 pub use text::print;
+pub use words::answer as answer_lines;
 
 /// The page as one HTML file. A plot that cannot be drawn is left out, and the page says why.
 pub fn page(explanation: &Explanation) -> String {

@@ -153,3 +153,28 @@ fn sample_pages() {
         std::fs::write(folder.join(format!("{name}.txt")), text).unwrap();
     }
 }
+
+#[test]
+fn numbers_in_doubt_and_what_the_audit_is_sure_of_are_told_in_text_and_page() {
+    use crate::identify::Doubt;
+    use physics::model::Uncertain;
+    let mut explanation = sample::unknown();
+    let table = Some(Uncertain { value: 1000.0, std: 250.0 });
+    let inertia = Doubt::of((3490.0, 90.0), table, true).unwrap();
+    explanation.in_doubt = [("yaw_inertia_kgm2".into(), inertia)].into();
+    explanation.certain = vec!["sensor_sign of yaw_rate, certain: it runs against the wheels".into()];
+    let mut text = Vec::new();
+    super::print(&explanation, &mut text).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    let told = "Yaw inertia 3490 ± 90 kg m²: at the bound of the search, 10.0 standard deviations from";
+    assert!(text.replace("\n    ", " ").contains(told) && text.contains("1000 ± 250 kg m²"), "{text}");
+    let places = ["Unknown physics", "First of all", "Fit on held-out"].map(|part| text.find(part).unwrap());
+    assert!(places.is_sorted(), "{text}");
+    let html = page(&explanation);
+    let first = html.split_once("</header>").unwrap().0;
+    assert!(first.contains("it runs against the wheels"), "{first}");
+    assert!(html.contains("In doubt: left as they were") && html.contains("1000 ± 250 kg m²"));
+    let json = serde_json::to_value(&explanation).unwrap();
+    let doubt = &json["in_doubt"]["yaw_inertia_kgm2"];
+    assert!(doubt["at_bound"] == true && doubt["deviations"] == 9.96, "{doubt}");
+}

@@ -24,8 +24,13 @@ pub fn print(explanation: &Explanation, output: &mut impl Write) -> io::Result<(
 
 /// The whole text.
 fn text(explanation: &Explanation) -> String {
-    let verdict = words::verdict(explanation.verdict);
-    let mut text = format!("{verdict} ({})\n{}\n", words::subject(explanation), words::headline(explanation));
+    let mut text = words::answer(explanation).join("\n") + "\n";
+    if !explanation.certain.is_empty() {
+        text += "\nFirst of all, of the measurement (as `gripd check` says it)\n";
+        for line in &explanation.certain {
+            wrapped(&mut text, "  - ", &stopped(line));
+        }
+    }
     if let Some(simulated) = &explanation.simulation {
         wrapped(&mut text, "", &words::beside(simulated));
     }
@@ -45,6 +50,7 @@ fn text(explanation: &Explanation) -> String {
         }
     }
     moved(&mut text, explanation);
+    in_doubt(&mut text, explanation);
     if !explanation.to_drive.is_empty() {
         text += "\nTo drive next\n";
         for line in &explanation.to_drive {
@@ -173,6 +179,17 @@ fn moved(text: &mut String, explanation: &Explanation) {
     if !rows.is_empty() {
         *text += "\nOrdinary parameters, plain → extended\n";
         table(text, &[const { String::new() }; 5], &rows);
+    }
+}
+
+/// Numbers that are not taken over.
+fn in_doubt(text: &mut String, explanation: &Explanation) {
+    if explanation.in_doubt.is_empty() {
+        return;
+    }
+    *text += "\nIn doubt (--apply leaves them as they were, unless --force)\n";
+    for doubted in words::in_doubt(explanation) {
+        wrapped(text, "  - ", &stopped(&doubted.line()));
     }
 }
 

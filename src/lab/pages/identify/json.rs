@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::Story;
-use crate::identify::{Identified, LongitudinalInput, Method, Path};
+use crate::identify::{Doubt, Identified, LongitudinalInput, Method, Path};
 
 /// Everything, in an order that reads well.
 #[derive(Serialize)]
@@ -17,6 +17,8 @@ pub struct Report {
     correlation: Vec<Vec<f64>>,
     /// What comes between two segments beyond the equations: m/s, m/s, rad/s; `null`: not tied.
     between: [f64; 3],
+    /// How much the recordings count beside the table.
+    weight: f64,
     seconds: f64,
     segments: usize,
     drive: LongitudinalInput,
@@ -37,6 +39,8 @@ struct Parameter {
     reason: String,
     unit: &'static str,
     prior: Prior,
+    /// Why it is not to be taken over; `null` where it can be.
+    doubt: Option<Doubt>,
     /// [value, 2 ln(likelihood ratio) to the optimum, all others refitted].
     profile: Vec<[f64; 2]>,
 }
@@ -97,6 +101,7 @@ pub fn report(story: &Story<'_>) -> Report {
         noise: Named(found.noise.iter().map(|(channel, std)| (channel.name(), *std)).collect()),
         correlation: found.correlation.clone(),
         between: found.between,
+        weight: found.weight,
         seconds: found.seconds,
         segments: found.segments,
         drive: found.drive,
@@ -124,6 +129,7 @@ fn parameter(it: &Identified) -> Parameter {
         reason: it.reason.clone(),
         unit: it.unit,
         prior: Prior { value: it.prior.0, std: it.prior.1 },
+        doubt: it.doubt.clone(),
         profile: it.profile.iter().map(|(value, cost)| [*value, *cost]).collect(),
     }
 }

@@ -57,7 +57,7 @@ fn lead(story: &Story<'_>) -> String {
         .filter(|parameter| parameter.identifiable && !is_sensors(parameter))
         .map(phrase)
         .collect();
-    let open: Vec<&str> = found.parameters.iter().filter(|it| !it.identifiable).map(|it| it.name).collect();
+    let open: Vec<&str> = found.parameters.iter().filter(|it| !it.is_clear).map(|it| it.name).collect();
     let mut text = match story.records {
         [one] => format!("{:.0} s of {} tell", found.seconds, one.name),
         several => format!("{:.0} s of {} recordings tell", found.seconds, several.len()),
@@ -69,6 +69,9 @@ fn lead(story: &Story<'_>) -> String {
     };
     if !open.is_empty() {
         text += &format!(" They do not tell {}.", open.join(", "));
+    }
+    for parameter in found.parameters.iter().filter(|parameter| parameter.is_in_doubt()) {
+        text += &format!(" In doubt: {}.", text::in_doubt(parameter));
     }
     text
 }
@@ -102,15 +105,16 @@ fn intervals(page: &mut Page, story: &Story<'_>) {
         let unit = if parameter.unit == "1" { String::new() } else { format!(", {}", parameter.unit) };
         let (low, high) = parameter.ci95;
         let decimals = digits(parameter.value, parameter.std);
-        let text = if parameter.identifiable {
-            format!("{} ± {}", number(parameter.value, decimals), number(parameter.std, decimals))
-        } else {
-            "not identifiable".into()
+        let told = || format!("{} ± {}", number(parameter.value, decimals), number(parameter.std, decimals));
+        let text = match (parameter.identifiable, parameter.is_clear) {
+            (true, _) => told(),
+            (false, true) => format!("{}, in doubt", told()),
+            (false, false) => "not identifiable".into(),
         };
         Interval {
             name: format!("{}{unit}", parameter.name),
             before: (std > 0.0).then_some([prior - 1.96 * std, prior, prior + 1.96 * std]),
-            after: parameter.identifiable.then_some([low, parameter.value, high]),
+            after: parameter.is_clear.then_some([low, parameter.value, high]),
             text,
         }
     };
@@ -144,7 +148,9 @@ const NOTES: &[(&str, &str)] = &[
     ),
     (
         "identifiable",
-        "The recordings alone tell it better than the table. What they do not tell is given no number: drive \
+        "The recordings alone tell it better than the table, and do not contradict it: a number more than three of the \
+         table's standard deviations from the table's value is in doubt, whoever is wrong. What they do not tell is given \
+         no number: drive \
          such that it matters (steer for the cornering stiffnesses, accelerate for the longitudinal one, go to \
          the limit for the friction).",
     ),

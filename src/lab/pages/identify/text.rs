@@ -2,23 +2,34 @@
 
 use super::{Story, digits, number};
 use crate::identify::{Identified, LongitudinalInput};
+use crate::report::wrapped;
 
 /// The whole text.
 pub fn text(story: &Story<'_>) -> String {
     let found = story.found;
-    let mut text = format!("{}\n\n", summary(story));
+    let mut text = wrapped("", 0, &summary(story)) + "\n";
     let rows: Vec<[String; 6]> = found.parameters.iter().map(row).collect();
     let head = ["parameter", "unit", "the table's", "identified", "95 % interval", "identifiable"]
         .map(str::to_owned);
     table(&mut text, &head, &rows);
+    for parameter in found.parameters.iter().filter(|parameter| parameter.is_in_doubt()) {
+        text += &wrapped("in doubt: ", 4, &in_doubt(parameter));
+    }
     for untold in story.untold() {
-        text += &format!("not told: {untold}\n");
+        text += &wrapped("not told: ", 4, untold);
     }
     text += "\nfree run restarted each 20 s: fit in per cent; noise that is left\n";
     let head = ["channel", "table's", "identified", "noise", "unit", ""].map(str::to_owned);
     table(&mut text, &head, &fit_rows(story));
     text += &format!("\n{}", super::snippet::toml(story));
     text
+}
+
+/// A parameter of which recordings and table say different things, and what may be behind that.
+pub fn in_doubt(parameter: &Identified) -> String {
+    let doubt = parameter.doubt.as_ref();
+    let (why, behind) = doubt.map_or(("", ""), |doubt| (doubt.why.as_str(), doubt.behind));
+    format!("{} is {why}. What may be behind it: {behind}", parameter.name)
 }
 
 /// What was done, in a line or two.
@@ -36,10 +47,17 @@ pub fn summary(story: &Story<'_>) -> String {
     };
     let total: f64 = story.records.iter().map(|record| record.rows.len() as f64 * record.period_s).sum();
     format!(
-        "{:.0} of {total:.0} s of {recordings} in {} segments; forces from {forces}; {}",
+        "{:.0} of {total:.0} s of {recordings} in {} segments; forces from {forces}; {}{}",
         found.seconds,
         found.segments,
-        ends(story)
+        ends(story),
+        match found.weight {
+            1.0 => String::new(),
+            weight => format!(
+                "; segments differ more than noise explains, so that the recordings count 1/{:.0} beside the table",
+                1.0 / weight
+            ),
+        }
     )
 }
 
@@ -77,7 +95,7 @@ pub fn row(parameter: &Identified) -> [String; 6] {
     } else {
         number(prior, digits(prior, 0.0))
     };
-    let (value, interval) = if parameter.identifiable {
+    let (value, interval) = if parameter.is_clear {
         let (low, high) = parameter.ci95;
         (
             format!("{} ± {}", number(parameter.value, decimals), number(parameter.std, decimals)),

@@ -61,9 +61,6 @@ impl PartialEq for EffectConfig {
     }
 }
 
-/// Times what is usual that a course may reach: beyond it the unit is wrong.
-const MOST_TIMES_USUAL: f64 = 100.0;
-
 impl EffectConfig {
     /// From its parts; `numbers` follow [`Kind::parameters`], values and standard deviations in the
     /// unit of the parameter.
@@ -228,12 +225,7 @@ impl EffectConfig {
             return (self.course != Course::None)
                 .then(|| ("value".into(), "this kind does not vary and takes no course".into()));
         };
-        let is_share = known.sign > 0.0 && known.unit == "1";
-        let (low, high) = match (is_share, known.sign > 0.0) {
-            (true, _) => (0.0, 1.0),
-            (false, true) => (0.0, MOST_TIMES_USUAL * known.size),
-            (false, false) => (-MOST_TIMES_USUAL * known.size, MOST_TIMES_USUAL * known.size),
-        };
+        let (low, high) = known.range();
         let wrong = |value: f64| {
             (!(low..=high).contains(&value))
                 .then(|| format!("{value} cannot be; {}", range_text(low, high, known.unit)))

@@ -44,4 +44,17 @@ impl Disturbance {
         settings: &[],
         is_slippery: false,
     };
+
+    /// What a configured course of it may reach, in its unit.
+    pub fn range(&self) -> (f64, f64) {
+        let most = MOST_TIMES_USUAL * self.size;
+        match self.sign > 0.0 {
+            true if self.unit == "1" => (0.0, 1.0),
+            true => (0.0, most),
+            false => (-most, most),
+        }
+    }
 }
+
+/// Times what is usual that a course may reach: beyond it the unit is wrong.
+const MOST_TIMES_USUAL: f64 = 100.0;

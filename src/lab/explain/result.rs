@@ -7,6 +7,7 @@ use physics::model::effect::{Channel, Kind};
 use serde::Serialize;
 
 use super::confirm::Confirmed;
+use super::history::History;
 use super::ordinary::{FreeTrace, Number, Ordinary, Remaining, Simulated};
 
 /// What the comparison came to.
@@ -277,6 +278,9 @@ pub struct Explanation {
     /// Somebody's simulation, where the answer is what that leaves out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub simulation: Option<Simulated>,
+    /// Drives in time order, where the answer is what changed on the way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub history: Option<History>,
     /// What was found, on other drives of the same car.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub confirm: Vec<Confirmed>,
@@ -320,6 +324,7 @@ impl Explanation {
             measurement_chain: Vec::new(),
             references: Vec::new(),
             simulation: None,
+            history: None,
             confirm: Vec::new(),
             split: Vec::new(),
             seconds: 0.0,

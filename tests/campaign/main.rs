@@ -7,6 +7,7 @@ mod drives;
 mod explained;
 mod free_runs;
 mod long_drives;
+mod over_drives;
 mod real_cars;
 mod soak;
 

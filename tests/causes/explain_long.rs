@@ -64,6 +64,7 @@ fn explained(effect: &str) -> Explanation {
         effects: &[],
         recordings: &recordings,
         references: 0,
+        in_order: false,
         held_out: 0,
         chain: &[],
         library: &library(),

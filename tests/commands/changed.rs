@@ -55,6 +55,72 @@ fn a_changed_wheel_is_named_beside_a_healthy_drive() {
     assert_eq!(answer["findings"], serde_json::json!([]));
 }
 
+/// What `--history` says of drives of the demo's car, the wheel of the last two of which is so much smaller.
+fn over_drives(sizes: [f64; 2]) -> (TempDir, Value) {
+    let names = ["one.log", "two.log", "three.log", "four.log"];
+    let folder = drives(&[(names[0], "5"), (names[1], "6"), (names[2], "7"), (names[3], "8")]);
+    let config = project("config/demo.toml");
+    for (name, size) in names[2..].iter().zip(sizes).filter(|(_, size)| *size != 0.0) {
+        let wheel = format!("kind = 'tire_radius', relative_difference_rl = {size}");
+        let whole = format!("whole-{name}");
+        std::fs::rename(folder.path().join(name), folder.path().join(&whole)).unwrap();
+        let conceal =
+            ["-q", "conceal", "-c", config.to_str().unwrap(), &whole, "--effect", &wheel, "-o", name];
+        run(folder.path(), &conceal);
+    }
+    let answer = explained(folder.path(), &[&names[..], &["--history", "--html", "page.html"]].concat());
+    (folder, answer)
+}
+
+/// GIVEN four drives, in the last two of which a wheel is smaller THEN it is told since when, with its size in each, and that
+/// it does not grow; the page has it over the drives.
+#[test]
+fn a_wheel_is_smaller_since_the_third_drive() {
+    let (folder, answer) = over_drives([-0.02, -0.02]);
+    assert_eq!(answer["verdict"], "missing_physics", "{}", answer["findings"]);
+    let history = &answer["history"];
+    let change = &history["changes"][0];
+    assert_eq!(
+        (&change["effect"], &change["parameter"]),
+        (&"tire_radius".into(), &"relative_difference_rl".into())
+    );
+    assert_eq!((&change["since"], &change["grows"]), (&"three.log".into(), &false.into()), "{change}");
+    assert_eq!(change["since_ci"], serde_json::json!(["three.log", "three.log"]));
+    for (place, truth) in [0.0, 0.0, -0.02, -0.02].into_iter().enumerate() {
+        let value = &change["values"][place];
+        let (value, std) = (value["value"].as_f64().unwrap(), value["std"].as_f64().unwrap());
+        assert!((value - truth).abs() < 4.0 * std.max(5e-4), "{change}");
+    }
+    assert_eq!(history["changes"].as_array().unwrap().len(), 1, "{}", history["changes"]);
+    assert_eq!(history["order"], "given", "simulated drives have no dates");
+    let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
+    assert!(page.contains("Over the drives") && page.contains("since three.log"));
+}
+
+/// GIVEN a wheel that is smaller in the third drive, and smaller still in the fourth THEN it grows.
+#[test]
+#[ignore = "long: four drives searched"]
+fn a_wheel_that_grows_smaller_is_said_to_grow() {
+    let (_folder, answer) = over_drives([-0.01, -0.02]);
+    let change = &answer["history"]["changes"][0];
+    assert_eq!((&change["since"], &change["grows"]), (&"three.log".into(), &true.into()), "{change}");
+    let trend = change["trend_per_drive"].as_f64().unwrap();
+    assert!((trend + 0.01).abs() < 0.003, "{change}");
+}
+
+/// GIVEN four drives of the same car THEN nothing has changed, and it is said what would have been told.
+#[test]
+#[ignore = "long: four drives searched"]
+fn drives_of_the_same_car_have_not_changed() {
+    let (_folder, answer) = over_drives([0.0, 0.0]);
+    assert_eq!(answer["verdict"], "unchanged", "{}", answer["findings"]);
+    assert_eq!(answer["history"]["changes"], serde_json::json!([]));
+    let numbers = answer["history"]["numbers"].as_array().unwrap();
+    let stiffness = numbers.iter().find(|number| number["effect"] == "lateral_stiffness_front").unwrap();
+    assert!(stiffness["told_from"].as_f64().unwrap() > 0.0, "{stiffness}");
+    assert_eq!(stiffness["values"].as_array().unwrap().len(), 4);
+}
+
 /// GIVEN a drive WHEN asked what it could have told THEN each effect has its sizes in a unit, the smaller one for being seen,
 /// and every pair its chance to be told apart.
 #[test]
@@ -157,4 +223,8 @@ fn what_cannot_be_asked_is_refused() {
     assert!(code != Some(0) && told.contains("nowhere.log"), "{code:?} {told}");
     let (code, told) = refused(&["--sensitivity", "--isolability"]);
     assert_eq!(code, Some(2), "{told}");
+    let (code, told) = refused(&["--history"]);
+    assert!(code == Some(2) && told.contains("two LOGs"), "{code:?} {told}");
+    let (code, told) = refused(&["--history", "drive.log", "--confirm", "drive.log"]);
+    assert!(code == Some(2) && told.contains("--confirm"), "{code:?} {told}");
 }

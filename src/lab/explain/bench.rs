@@ -39,6 +39,7 @@ pub fn case<'a>(vehicle: &'a Vehicle, recordings: &'a [Recording]) -> Case<'a> {
         effects: &[],
         recordings,
         references: 0,
+        in_order: false,
         held_out: 0,
         chain: &[],
         library: KINDS,

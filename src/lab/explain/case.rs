@@ -19,6 +19,8 @@ pub struct Case<'a> {
     pub recordings: &'a [Recording],
     /// How many of them are healthy drives of the car. With any the question is what the others have that they have not.
     pub references: usize,
+    /// Are the others drives in time order? Then the question is what changed on the way, and since when.
+    pub in_order: bool,
     /// How many of them the user has set apart.
     pub held_out: usize,
     /// What the audit of the measurement chain says of each.
@@ -36,6 +38,7 @@ impl Case<'_> {
             library: self.library,
             searches,
             references: self.references,
+            in_order: self.in_order,
             held_out: self.held_out,
             seed: self.seed,
         }

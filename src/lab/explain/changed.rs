@@ -1,6 +1,7 @@
 //! What has changed: what a recording has that healthy drives of the same car have not.
 
 use super::case::{Answer, Case};
+use super::history::History;
 use super::model::Model;
 use super::ordinary::Ordinary;
 use super::result::{Explanation, Verdict};
@@ -14,12 +15,17 @@ impl<'a> Case<'a> {
         let model = Model::plain(self.vehicle, false).with_configured(self.effects);
         let Some(ordinary) = ordinary else {
             let mut explanation = Explanation::empty(Verdict::InsufficientExcitation);
-            explanation.to_drive.push(TOO_LITTLE.into());
+            let why = if self.in_order { TOO_FEW } else { TOO_LITTLE };
+            explanation.to_drive.push(why.into());
             explanation.take_chain(self.chain);
             return Answer { explanation, model };
         };
+        let used: Vec<String> = ordinary.sideslip.iter().map(|(name, _)| name.clone()).collect();
+        let drives = (self.recordings, self.references);
+        let history = ordinary.beyond.history.as_ref().map(|found| History::of(drives, &used, found));
         let verdict = match () {
             () if !ordinary.is_the_car() => Verdict::UnknownPhysics,
+            () if history.as_ref().is_some_and(|history| !history.tells()) => Verdict::InsufficientExcitation,
             () if ordinary.beyond.findings.is_empty() => Verdict::Unchanged,
             () => Verdict::MissingPhysics,
         };
@@ -28,6 +34,7 @@ impl<'a> Case<'a> {
         explanation.seconds = ordinary.seconds;
         explanation.references =
             self.recordings[..self.references].iter().map(|recording| recording.name.clone()).collect();
+        explanation.history = history;
         explanation.take_ordinary(&ordinary, Some(verdict));
         // The car that drove last.
         for finding in explanation.findings.iter().filter(|finding| finding.reference_value.is_some()) {
@@ -42,8 +49,10 @@ impl<'a> Case<'a> {
         let undecided =
             explanation.findings.iter().filter(|finding| !finding.indistinguishable_from.is_empty());
         explanation.to_drive = undecided.map(|finding| finding.to_tell_apart.clone()).collect();
-        if verdict == Verdict::UnknownPhysics {
-            explanation.to_drive.push(ANOTHER_CAR.into());
+        match verdict {
+            Verdict::UnknownPhysics => explanation.to_drive.push(ANOTHER_CAR.into()),
+            Verdict::InsufficientExcitation => explanation.to_drive.push(TOO_FEW.into()),
+            _ => {}
         }
         Answer { explanation, model }
     }
@@ -51,6 +60,9 @@ impl<'a> Case<'a> {
 
 const TOO_LITTLE: &str = "of the references and of the drives beside them at least one each must have steering, yaw rate, \
                           a speed and 12 s of driving above 4 m/s";
+
+const TOO_FEW: &str = "two drives or more with steering, yaw rate, a speed and 12 s of driving above 4 m/s are needed, with \
+                       curves in which the car shows what it is";
 
 const ANOTHER_CAR: &str = "nothing was compared: one car with sensors of each drive's own does not predict the yaw rate; \
                            are the references drives of this car, with the same signals?";

@@ -29,7 +29,7 @@ const CORRECTION_AGAIN: usize = 1;
 impl<'a> Case<'a> {
     /// Explains. `progress` is told the stage and how far it is.
     pub fn explain(&self, progress: &(dyn Fn(&str, f64) + Sync)) -> Answer<'a> {
-        if self.references > 0 {
+        if self.references > 0 || self.in_order {
             return self.changed(progress);
         }
         let drives: Vec<GriddedDrive> =

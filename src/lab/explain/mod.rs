@@ -33,6 +33,7 @@ mod explanation;
 mod finding;
 mod fit;
 pub mod found;
+mod history;
 mod learn;
 mod left_out;
 mod locate;
@@ -54,6 +55,7 @@ mod verdict;
 
 pub use case::{Answer, Case};
 pub use confirm::{Confirmed, Fits};
+pub use history::{Change, Drive, History, InDrive, Order, Unchanged, order};
 pub use model::{Chosen, Model};
 pub use ordinary::{Incomparable, Simulated};
 pub use predict::Recording;

@@ -10,6 +10,7 @@ use super::chain::{AuditFinding, ChainReport, Confidence};
 use super::confirm::Confirmed;
 use super::doubt::is_of_a_finding;
 use super::finding::says;
+use super::history::History;
 use super::ordinary::{FreeTrace, Number, Ordinary, Remaining, Simulated};
 use crate::identify::Doubt;
 
@@ -285,6 +286,9 @@ pub struct Explanation {
     /// Somebody's simulation, where the answer is what that leaves out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub simulation: Option<Simulated>,
+    /// Drives in time order, where the answer is what changed on the way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub history: Option<History>,
     /// What was found, on other drives of the same car.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub confirm: Vec<Confirmed>,
@@ -330,6 +334,7 @@ impl Explanation {
             certain: Vec::new(),
             references: Vec::new(),
             simulation: None,
+            history: None,
             confirm: Vec::new(),
             split: Vec::new(),
             seconds: 0.0,

@@ -15,7 +15,7 @@ use super::output::{check_outputs, write_json, write_text};
 use super::part::Part;
 use super::progress::Progress;
 use super::{Failure, configuration};
-use lab::explain::{Case, Confirmed, Finding, Recording};
+use lab::explain::{Case, Confirmed, Finding, Order, Recording};
 use lab::pages::explain as page;
 use physics::model::effect::KINDS;
 
@@ -37,6 +37,10 @@ pub struct Explain {
     /// A healthy drive of the same car (repeatable). Then the answer is what the recordings have that these have not.
     #[arg(long, value_name = "LOG")]
     reference: Vec<PathBuf>,
+    /// The recordings are drives of one car in time order: since which of them is something different, and does it grow?
+    /// The drives before a change are the healthy ones; those of --reference are it for all.
+    #[arg(long, conflicts_with_all = ["holdout", "simulation", "confirm", "sensitivity", "isolability"])]
+    history: bool,
     /// The output of your own simulation of the recorded drive. Then the answer is what the simulation leaves out: a CSV file
     /// with the columns `t [s]`, `yaw_rate [rad/s]` and what else it has of the configuration's quantities
     /// (`lateral_acceleration [m/s^2]`, `steering_wheel_angle [deg]`, …), or any recording with the signals of the
@@ -81,6 +85,9 @@ impl Explain {
                 "--simulation takes the one recording that was simulated; name one LOG",
             ));
         }
+        if self.history && self.logs.len() + self.reference.len() < 2 {
+            return Err(Failure::usage("--history compares drives: name two LOGs or more, or a --reference"));
+        }
         let config = configuration::load(&self.config)?;
         check_outputs(
             self.logs
@@ -99,12 +106,16 @@ impl Explain {
         let first = self.reference.len();
         let is_explained = first..first + self.logs.len();
         let part = |place| if is_explained.contains(&place) { self.part } else { Part::default() };
-        let read = recordings::read(&logs, part, &config)?;
+        let mut read = recordings::read(&logs, part, &config)?;
+        if self.history && read.put_in_order(first) == Order::Given {
+            tracing::info!("{AS_GIVEN}");
+        }
         let case = Case {
             vehicle: &config.vehicle,
             effects: &config.effect,
             recordings: &read.recordings,
             references: self.reference.len(),
+            in_order: self.history,
             held_out: self.holdout.len(),
             chain: &read.chain,
             library: KINDS,
@@ -189,6 +200,9 @@ fn confirmed(case: &Case<'_>, findings: &[Finding], others: &[Recording]) -> Res
     }
     Ok(all)
 }
+
+const AS_GIVEN: &str = "the drives are taken in the order in which they were given: not all of their stamps are dates, or two of \
+                        them would have been driven at the same time";
 
 const NO_CAR: &str = "the drives do not tell the car itself: steering, yaw rate, a speed and 12 s of driving above 4 m/s are \
                       needed, and a model that predicts the yaw rate; `gripd explain` without this option says what is wrong";

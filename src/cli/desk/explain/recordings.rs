@@ -9,8 +9,8 @@ use crate::cli::desk::samples;
 use bus::Config;
 use bus::can::Frame;
 use bus::signals::Sampler;
-use lab::explain::Recording;
 use lab::explain::chain::{self, ChainReport};
+use lab::explain::{Order, Recording, order};
 use physics::{Micros, Quantity};
 
 /// Everything that was read.
@@ -26,6 +26,19 @@ pub struct Read {
 }
 
 impl Read {
+    /// Puts the recordings behind the first `references` in the order in which they were driven, as far as they know; says
+    /// whether they do.
+    pub fn put_in_order(&mut self, references: usize) -> Order {
+        let (order, places) = order(&self.recordings[references..]);
+        let all = || (0..references).chain(places.iter().map(|place| references + place));
+        let mut recordings: Vec<Option<Recording>> = self.recordings.drain(..).map(Some).collect();
+        let mut chain: Vec<Option<ChainReport>> = self.chain.drain(..).map(Some).collect();
+        self.starts = all().map(|place| self.starts[place]).collect();
+        self.recordings = all().filter_map(|place| recordings[place].take()).collect();
+        self.chain = all().filter_map(|place| chain[place].take()).collect();
+        order
+    }
+
     /// Fails where something could not be read to its end: what was said is of the rest.
     pub fn whole(&self) -> Result<(), Failure> {
         if self.broken.is_empty() { Ok(()) } else { Err(Failure::Work(self.broken.join("; "))) }
@@ -54,6 +67,7 @@ pub fn read(logs: &[PathBuf], part: impl Fn(usize) -> Part, config: &Config) -> 
         let there = samples::there(&inputs, &samples, path)?;
         read.chain.push(chain::audit(&samples, &config.vehicle, &there));
         read.starts.push(tracks.start.unwrap_or_default());
+        tracks.recording.begins_s = tracks.start.map(Micros::seconds);
         read.recordings.push(tracks.recording);
     }
     progress.finish();

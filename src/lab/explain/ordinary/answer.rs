@@ -92,6 +92,8 @@ pub struct Asked<'s> {
     /// The first so many recordings are healthy drives of the car: all of them is fitted to, and the search is for what the
     /// others have that they have not.
     pub references: usize,
+    /// Are the recordings drives in time order, behind the references? Then the search is for what changed on the way.
+    pub in_order: bool,
     /// The last so many are only predicted; without any, every third block of 6 s of each.
     pub held_out: usize,
     /// Of what is drawn at random.
@@ -101,7 +103,7 @@ pub struct Asked<'s> {
 impl Asked<'_> {
     /// Nothing but the car itself.
     pub const CAR: Asked<'static> =
-        Asked { library: &[], searches: &|_| false, references: 0, held_out: 0, seed: 1 };
+        Asked { library: &[], searches: &|_| false, references: 0, in_order: false, held_out: 0, seed: 1 };
 }
 
 /// The magic formula's shape for lateral force where no table has it: 1.3 (Bakker, Nyborg & Pacejka 1987), and what cars
@@ -208,7 +210,7 @@ pub(super) struct Fitted<'f> {
 impl Fitted<'_> {
     /// What it says; `asked.references` of the drives are references.
     pub(super) fn answer(&self, asked: Asked<'_>) -> Ordinary {
-        let Asked { library, searches, references, seed, .. } = asked;
+        let Asked { library, searches, references, in_order, seed, .. } = asked;
         let &Self { vehicle, drives, found, plain, simulated } = self;
         let predicted = &found.predicted;
         let plain_squares = CHANNELS.map(|channel| held_square(drives, &plain.predicted, channel));
@@ -244,6 +246,7 @@ impl Fitted<'_> {
             let question = Question {
                 kinds: library,
                 references,
+                in_order,
                 simulated,
                 plain: plain_squares,
                 repeating: answer.remaining.values().any(Remaining::repeats),
@@ -303,6 +306,7 @@ pub fn could_tell(
     let question = Question {
         kinds: asked.library,
         references,
+        in_order: false,
         simulated: None,
         plain: [0.0; 2],
         repeating: false,
@@ -434,7 +438,7 @@ pub(super) fn numbers(found: &FreeFit<'_>, drives: &[FreeDrive]) -> Vec<Number> 
             name,
             recording: match free.of {
                 Scope::Recording(drive) => drives.get(drive).map(|drive| drive.name.clone()),
-                Scope::Car | Scope::Since(_) => None,
+                Scope::Car | Scope::Since(_) | Scope::Growing { .. } => None,
             },
             estimate,
             prior: Estimate { value: mean, std: free.prior.1 * slope_there.abs() },

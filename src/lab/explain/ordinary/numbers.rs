@@ -36,6 +36,13 @@ pub enum Scope {
     Recording(usize),
     /// All from one on.
     Since(usize),
+    /// All from one on, of the last one in full and of those before in proportion: it grows by the same from drive to drive.
+    Growing {
+        /// The first one that has some of it.
+        first: usize,
+        /// The one that has all of it.
+        last: usize,
+    },
 }
 
 impl Scope {
@@ -44,7 +51,17 @@ impl Scope {
         match self {
             Self::Car => true,
             Self::Recording(own) => own == drive,
-            Self::Since(first) => first <= drive,
+            Self::Since(first) | Self::Growing { first, .. } => first <= drive,
+        }
+    }
+
+    /// How much of it a recording has that has it.
+    pub fn share(self, drive: usize) -> f64 {
+        match self {
+            Self::Growing { first, last } => {
+                (drive + 1).saturating_sub(first) as f64 / (last + 1).saturating_sub(first).max(1) as f64
+            }
+            _ => 1.0,
         }
     }
 }
@@ -245,10 +262,15 @@ pub fn placed<'a>(
         if !free.of.has(drive) {
             continue;
         }
+        // What grows begins where it makes no difference.
+        let coordinate = match free.of.share(drive) {
+            1.0 => *coordinate,
+            share => free.prior.0 + share * (coordinate - free.prior.0),
+        };
         match free.number {
-            Number::Of(place) => model.put(place, *coordinate),
-            Number::SpeedScale => sensing.scale = *coordinate,
-            Number::SpeedDelay => sensing.delay_s = *coordinate,
+            Number::Of(place) => model.put(place, coordinate),
+            Number::SpeedScale => sensing.scale = coordinate,
+            Number::SpeedDelay => sensing.delay_s = coordinate,
             // The car's own number stands before it.
             Number::Change(place) => model.put(place, model.get(place) + coordinate),
             Number::SpeedScaleChange => sensing.scale += coordinate,

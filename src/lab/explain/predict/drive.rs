@@ -14,6 +14,8 @@ use physics::{Quantity, Wheel};
 pub struct Recording {
     /// What it is called.
     pub name: String,
+    /// When it begins: its seconds count from there, s as its stamps count, since 1970 where these are dates.
+    pub begins_s: Option<f64>,
     /// One track for each quantity.
     pub tracks: [Vec<(f64, f64)>; Quantity::COUNT],
 }

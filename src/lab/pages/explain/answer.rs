@@ -97,6 +97,10 @@ fn lead(explanation: &Explanation) -> Vec<String> {
              that data held out of the fit confirm. {}",
             follows(explanation)
         )],
+        Verdict::Unchanged if explanation.history.is_some() => vec![format!(
+            "One car with its own sensors for each drive predicts them all; none of {tried} is another one since any of the \
+             drives, beyond what drives of one car differ by."
+        )],
         Verdict::Unchanged => vec![format!(
             "One car with its own sensors for each drive predicts them all; none of {tried} is there now beyond what the \
              references have and differ by."

@@ -3,6 +3,7 @@
 mod answer;
 mod courses;
 mod formula;
+mod history;
 mod missing;
 mod numbers;
 mod place;
@@ -29,6 +30,9 @@ pub fn page(explanation: &Explanation) -> String {
     let title = format!("gripd explain: {}", words::headline(explanation));
     let mut page = Page::empty(&title);
     answer::write(&mut page, explanation);
+    if let Some(history) = &explanation.history {
+        history::section(&mut page, history);
+    }
     place::write(&mut page, explanation);
     missing::write(&mut page, explanation);
     sure::write(&mut page, explanation);

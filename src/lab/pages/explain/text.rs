@@ -38,6 +38,9 @@ fn text(explanation: &Explanation) -> String {
         text.push('\n');
         one(&mut text, explanation, finding);
     }
+    if let Some(history) = &explanation.history {
+        super::history::text(&mut text, history);
+    }
     if explanation.findings.iter().all(|it| it.place == Where::default()) {
         place(&mut text, &explanation.place, "");
     }

@@ -191,8 +191,16 @@ pub fn size(name: &str, channel: &str, unit: &str, size: f64) -> String {
     with_unit(&three(shown.estimate.value), &shown.unit)
 }
 
+/// What a number of an effect, or of the car, is.
+pub fn parameter(effect: &str, channel: Option<&str>, name: &str) -> String {
+    let of = channel.and_then(|channel| channel.parse().ok());
+    let kind = effect::named(effect);
+    let spec = kind.and_then(|kind| kind.spec(kind.place_of(name)?, of));
+    spec.map_or_else(|| parameter_name(name), |spec| spec.words.to_owned())
+}
+
 /// A number in the unit it is shown in.
-fn shown(name: &str, channel: &str, unit: &str, estimate: Estimate) -> Shown {
+pub fn shown(name: &str, channel: &str, unit: &str, estimate: Estimate) -> Shown {
     let (factor, unit) = match name {
         // An effect's, or an ordinary number: how late a channel is.
         _ if name.ends_with("delay_s") => (1e3, "ms".to_owned()),
@@ -320,6 +328,11 @@ pub fn in_doubt(explanation: &Explanation) -> Vec<InDoubt> {
 
 /// What it came to, in a sentence without full stop.
 pub fn headline(explanation: &Explanation) -> String {
+    if let Some(history) = &explanation.history
+        && explanation.verdict != Verdict::UnknownPhysics
+    {
+        return super::history::headline(explanation, history);
+    }
     match explanation.verdict {
         Verdict::MissingPhysics if !explanation.references.is_empty() => {
             format!("Changed since the references: {}", names(explanation.findings.iter()))
@@ -398,7 +411,11 @@ pub fn beside(simulated: &Simulated) -> String {
 
 /// What a recording is compared with.
 pub fn compared_with(explanation: &Explanation) -> &'static str {
-    if explanation.simulation.is_some() { "the simulation" } else { "the references" }
+    match () {
+        () if explanation.simulation.is_some() => "the simulation",
+        () if explanation.history.is_some() => "the drives before",
+        () => "the references",
+    }
 }
 
 /// What the references or the simulation have of a number that is another one now; nothing of other findings.

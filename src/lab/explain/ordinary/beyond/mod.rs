@@ -15,6 +15,7 @@
 
 mod climb;
 mod colour;
+mod history;
 mod power;
 mod references;
 mod refit;
@@ -39,6 +40,7 @@ use refit::Refitted;
 use round::Round;
 use trial::Trial;
 
+pub use history::{History, OverDrives, Since};
 pub use power::{Power, Powers, powers};
 pub use rows::rows;
 
@@ -53,6 +55,8 @@ pub struct Beyond {
     pub ranking: Vec<Ranked>,
     /// What the car predicts with what the search found, if it found anything.
     pub predicted: Option<Vec<Predicted>>,
+    /// Of drives in time order: the numbers over the drives.
+    pub history: Option<History>,
 }
 
 /// Most findings of the search …
@@ -93,6 +97,8 @@ pub struct Question<'q> {
     pub kinds: &'q [&'static Kind],
     /// So many recordings, the first ones, are healthy, and the question is what the others have that they have not.
     pub references: usize,
+    /// Are the recordings drives in time order? Then the question is what changed on the way.
+    pub in_order: bool,
     /// The car that drives like somebody's simulation, with what is thought of its numbers: the question is what the drive has
     /// that it has not. The fitted car's own numbers are the simulation's then.
     pub simulated: Option<&'q FreeFit<'q>>,
@@ -113,7 +119,10 @@ pub fn beyond(
     drives: &[FreeDrive],
     question: Question<'_>,
 ) -> Beyond {
-    let Question { kinds, references, simulated, plain, mut repeating, repeats, seed } = question;
+    if question.in_order {
+        return history::history(found, vehicle, drives, question);
+    }
+    let Question { kinds, references, simulated, plain, mut repeating, repeats, seed, .. } = question;
     let is_simulated = simulated.is_some();
     let mut answer = Beyond::default();
     let trials = trial::trials(simulated.unwrap_or(found), drives, kinds, question.scope());
@@ -212,7 +221,14 @@ mod tests {
     /// What is found in a drive with these effects.
     fn found(effects: &str) -> Beyond {
         let (vehicle, recording) = recorded(effects);
-        let asked = Asked { library: KINDS, searches: &|_| true, references: 0, held_out: 0, seed: 1 };
+        let asked = Asked {
+            library: KINDS,
+            searches: &|_| true,
+            references: 0,
+            in_order: false,
+            held_out: 0,
+            seed: 1,
+        };
         Ordinary::of(&vehicle, &[], &[recording], asked).unwrap().beyond
     }
 

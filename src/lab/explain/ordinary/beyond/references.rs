@@ -29,12 +29,12 @@ pub struct Healthy {
 
 /// Before references are seen, a number is thought to differ from drive to drive by this share of what it could be, and
 /// that counts as much as so many of them. Tuned: `healthy_beside_healthy` (campaign).
-const SPREAD: f64 = 0.1;
-const WORTH: f64 = 6.0;
+pub(super) const SPREAD: f64 = 0.1;
+pub(super) const WORTH: f64 = 6.0;
 
 /// A number must be so many deviations of that, and of its own, from the references'. Statistical: one in a thousand of
 /// Student's distribution with eight degrees of freedom, for each of some tens of candidates.
-const LEAST_DISTANCE: f64 = 5.0;
+pub(super) const LEAST_DISTANCE: f64 = 5.0;
 
 /// Sensors that are late by as much in each drive, and radii that are the same, differ by so much, s and a share. The
 /// first is the step of a slow message, the second what pressure and heat make of a tire.
@@ -53,9 +53,12 @@ fn spread(values: &[f64], thought: f64) -> (f64, f64) {
 /// The same fit with what is thought of the other recordings' delays and of the scale of their speed: as in the
 /// references, so many of them.
 pub fn expecting<'a>(found: &FreeFit<'a>, references: usize) -> FreeFit<'a> {
-    let mut found = found.clone();
-    let all = found.free.clone();
-    for free in &mut found.free {
+    FreeFit { free: expected(&found.free, &found.at, references), ..found.clone() }
+}
+
+/// What is free, with what the references let think of it.
+pub fn expected(all: &[Free], at: &[f64], references: usize) -> Vec<Free> {
+    let of = |free: &Free| {
         let thought = match (free.number, free.of) {
             (Number::SpeedDelay | Number::Of(Place::Delay(_)), Scope::Recording(own))
                 if own >= references =>
@@ -63,18 +66,16 @@ pub fn expecting<'a>(found: &FreeFit<'a>, references: usize) -> FreeFit<'a> {
                 DELAYS
             }
             (Number::SpeedScale, Scope::Recording(own)) if own >= references => SCALES,
-            _ => continue,
+            _ => return *free,
         };
         let is_theirs = |(other, _): &(&Free, &f64)| {
             other.number == free.number
                 && matches!(other.of, Scope::Recording(reference) if reference < references)
         };
-        let theirs: Vec<f64> = all.iter().zip(&found.at).filter(is_theirs).map(|(_, at)| *at).collect();
-        if !theirs.is_empty() {
-            free.prior = spread(&theirs, thought);
-        }
-    }
-    found
+        let theirs: Vec<f64> = all.iter().zip(at).filter(is_theirs).map(|(_, at)| *at).collect();
+        if theirs.is_empty() { *free } else { Free { prior: spread(&theirs, thought), ..*free } }
+    };
+    all.iter().map(of).collect()
 }
 
 impl Search<'_> {

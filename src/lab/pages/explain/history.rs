@@ -277,7 +277,7 @@ mod tests {
         explanation.history = Some(history());
         let page = super::super::page(&explanation);
         assert!(page.contains("Over the drives") && !page.contains("NaN"));
-        assert_eq!(page.matches("95 % interval").count() >= 2, true);
+        assert!(page.matches("95 % interval").count() >= 2);
         assert!(headline(&explanation, &history()).contains("since 2.log"));
         let verdict = |verdict| Explanation { verdict, ..explanation.clone() };
         assert!(headline(&verdict(Verdict::Unchanged), &history()).starts_with("Nothing has changed"));

@@ -34,6 +34,11 @@ impl Progress {
         Self { bar }
     }
 
+    /// Work that is a part of another one's, which has a bar.
+    pub fn hidden() -> Self {
+        Self { bar: ProgressBar::hidden() }
+    }
+
     /// A part has begun.
     pub fn begin(&self, part: String) {
         self.bar.set_message(part);

@@ -21,7 +21,19 @@ pub fn inputs(config: &Config) -> Result<Inputs, Failure> {
 /// counted, if not from the first of them. Why the recording could not
 /// be read to its end goes to `broken`: what could be read before the damage is still worth something.
 pub fn of_recording(
+    source: (&Path, Part),
+    sampler: &mut Sampler,
+    progress: &Progress,
+    broken: &mut Vec<String>,
+    used: impl FnMut(&Frame, &Sampler, Option<Micros>),
+) -> Result<Vec<Sample>, Failure> {
+    of_recording_altered(source, |frame| frame, sampler, progress, broken, used)
+}
+
+/// The same of frames that are altered before anybody sees them.
+pub fn of_recording_altered(
     (path, part): (&Path, Part),
+    mut alter: impl FnMut(Frame) -> Frame,
     sampler: &mut Sampler,
     progress: &Progress,
     broken: &mut Vec<String>,
@@ -37,6 +49,7 @@ pub fn of_recording(
                 break;
             }
             Ok(Some(frame)) => {
+                let frame = alter(frame);
                 if sampler.push(&frame) == Pushed::Used {
                     used(&frame, sampler, reader.counted_from());
                 }

@@ -52,6 +52,7 @@ mod smooth;
 mod split;
 mod tuning;
 mod verdict;
+mod verify;
 
 pub use case::{Answer, Case};
 pub use confirm::{Confirmed, Fits};
@@ -64,3 +65,4 @@ pub use result::{
     Parts, Ranked, Term, Trace, Verdict, Where,
 };
 pub use sensitivity::{Detectable, Isolability, Rival, Sensitivity};
+pub use verify::{Bin, Known, LeftOut, Outcome, Try, Verified};

@@ -4,12 +4,16 @@ use serde::Serialize;
 
 use super::case::Case;
 use super::ordinary::{Power, Powers, could_tell};
+use super::verify::Verified;
 
 /// How large each effect must be to be seen: `--sensitivity`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sensitivity {
     /// The clearest first, by what they usually are.
     pub effects: Vec<Detectable>,
+    /// What became of effects of such sizes, where they were put in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub verified: Option<Verified>,
 }
 
 /// One effect, by its main number.
@@ -31,6 +35,9 @@ pub struct Detectable {
     pub ordinary: f64,
     /// What it is taken for most easily, and the correlation of their traces.
     pub taken_for: Option<Rival>,
+    /// All that is known of it; what the JSON has of it stands above.
+    #[serde(skip)]
+    pub power: Power,
 }
 
 /// What something is taken for.
@@ -63,7 +70,7 @@ impl Case<'_> {
         let Powers { mut all, .. } = self.powers()?;
         let share = |power: &Power| power.noticed / power.ordinary;
         all.sort_by(|a, b| share(a).total_cmp(&share(b)));
-        Some(Sensitivity { effects: all.into_iter().map(detectable).collect() })
+        Some(Sensitivity { effects: all.into_iter().map(detectable).collect(), verified: None })
     }
 
     /// What can be seen and told apart at ordinary sizes. None as above.
@@ -100,12 +107,13 @@ fn detectable(power: Power) -> Detectable {
     Detectable {
         effect,
         channel,
-        parameter: power.number,
-        unit: power.unit,
+        parameter: power.number.clone(),
+        unit: power.unit.clone(),
         named_90: below(power.named),
         noticed_90: below(power.noticed),
         ordinary: power.ordinary,
-        taken_for: power.rival.map(|(name, correlation)| Rival { name, correlation }),
+        taken_for: power.rival.clone().map(|(name, correlation)| Rival { name, correlation }),
+        power,
     }
 }
 

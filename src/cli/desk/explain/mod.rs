@@ -3,6 +3,7 @@
 mod apply;
 mod recordings;
 mod simulation;
+mod verify;
 
 pub use recordings::read;
 
@@ -17,7 +18,7 @@ use super::progress::Progress;
 use super::{Failure, configuration};
 use lab::explain::{Case, Confirmed, Finding, Order, Recording};
 use lab::pages::explain as page;
-use physics::model::effect::KINDS;
+use physics::model::effect::{KINDS, named};
 
 /// What differs, where, what is missing, how sure that is, and how much better it gets on data it has not
 /// seen.
@@ -54,6 +55,13 @@ pub struct Explain {
     /// Instead of explaining: how large each effect must be for this drive to show it.
     #[arg(long, conflicts_with = "apply")]
     sensitivity: bool,
+    /// Put effects of the predicted sizes into the drive (as `gripd conceal` does), explain these drives for real, and tell how
+    /// often each was called by its name, beside what was predicted: of all effects, or of these (a kind, or KIND:CHANNEL).
+    /// Takes minutes to hours; what was done is kept in a file beside the answer (its name ends in `.verified`), and the
+    /// same command goes on from there.
+    #[arg(long, value_name = "EFFECT,…", num_args = 0..=1, require_equals = true, value_delimiter = ',',
+          default_missing_value = "", requires = "sensitivity")]
+    verify: Option<Vec<String>>,
     /// Instead of explaining: which effects this drive shows at their ordinary size, and which pairs it cannot tell apart.
     #[arg(long, conflicts_with_all = ["sensitivity", "apply", "html"])]
     isolability: bool,
@@ -88,7 +96,9 @@ impl Explain {
         if self.history && self.logs.len() + self.reference.len() < 2 {
             return Err(Failure::usage("--history compares drives: name two LOGs or more, or a --reference"));
         }
+        self.check_verify()?;
         let config = configuration::load(&self.config)?;
+        let kept = self.verify.as_ref().map(|_| verify::kept_in(self.json.as_deref(), &self.logs[0]));
         check_outputs(
             self.logs
                 .iter()
@@ -98,7 +108,7 @@ impl Explain {
                 .chain(&self.simulation)
                 .chain([&self.config])
                 .chain(config.files()),
-            self.json.iter().chain(&self.html).chain(&self.apply),
+            self.json.iter().chain(&self.html).chain(&self.apply).chain(&kept),
         )?;
         let logs: Vec<PathBuf> =
             self.reference.iter().chain(&self.logs).chain(&self.holdout).cloned().collect();
@@ -122,7 +132,9 @@ impl Explain {
             seed: self.seed,
         };
         if self.sensitivity || self.isolability {
-            self.could_tell(&case)?;
+            let drives =
+                verify::Drives { config: &config, case: &case, read: &read, logs: &logs, part: &part };
+            self.could_tell(&drives)?;
             return read.whole();
         }
         // What cannot be read is told before minutes of searching.
@@ -157,6 +169,23 @@ impl Explain {
         others.whole().and_then(|()| read.whole())
     }
 
+    /// What is verified is read more than once, and must have a name that there is.
+    fn check_verify(&self) -> Result<(), Failure> {
+        let Some(wanted) = self.wanted() else { return Ok(()) };
+        if self.logs.iter().chain(&self.holdout).any(|log| log.as_os_str() == "-") {
+            return Err(Failure::usage(
+                "--verify reads the recordings more than once: give files, not the standard input",
+            ));
+        }
+        let is_unknown = |name: &&String| named(name.split(':').next().unwrap_or_default()).is_none();
+        match wanted.iter().find(is_unknown) {
+            Some(name) => Err(Failure::usage(format_args!(
+                "--verify={name}: there is no such effect; `gripd conceal --list` lists them"
+            ))),
+            None => Ok(()),
+        }
+    }
+
     /// With `--json -` the standard output is for programs.
     fn prints_text(&self) -> bool {
         let outputs = [&self.json, &self.html, &self.apply];
@@ -164,17 +193,28 @@ impl Explain {
     }
 
     /// What the drives could have told.
-    fn could_tell(&self, case: &Case<'_>) -> Result<(), Failure> {
+    fn could_tell(&self, drives: &verify::Drives<'_>) -> Result<(), Failure> {
+        let case = drives.case;
         let untold = || Failure::work(NO_CAR);
         if self.isolability {
             let answer = case.isolability().ok_or_else(untold)?;
             return self.put(&answer, &page::sensitivity::pairs(&answer));
         }
-        let answer = case.sensitivity().ok_or_else(untold)?;
+        let mut answer = case.sensitivity().ok_or_else(untold)?;
+        if let Some(wanted) = self.wanted() {
+            let kept = verify::kept_in(self.json.as_deref(), &self.logs[0]);
+            answer.verified = Some(verify::verified(&answer, &wanted, drives, &kept)?);
+        }
         if let Some(path) = &self.html {
             write_text(path, &page::sensitivity::page(&answer))?;
         }
         self.put(&answer, &page::sensitivity::text(&answer))
+    }
+
+    /// Effects whose prediction is to be verified; all where none is named. None where nothing is.
+    fn wanted(&self) -> Option<Vec<String>> {
+        let named = self.verify.as_ref()?.iter().filter(|name| !name.is_empty());
+        Some(named.cloned().collect())
     }
 
     fn put(&self, answer: &impl serde::Serialize, text: &str) -> Result<(), Failure> {

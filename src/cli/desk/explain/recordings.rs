@@ -1,6 +1,6 @@
 //! Recordings as they are explained: every reading at its own time, and what the audit of the chain says.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::cli::Failure;
 use crate::cli::desk::part::Part;
@@ -45,33 +45,55 @@ impl Read {
     }
 }
 
+/// One of them.
+pub struct One {
+    /// The recording.
+    pub recording: Recording,
+    /// When it begins.
+    pub start: Micros,
+    /// The audit.
+    pub chain: ChainReport,
+}
+
 /// Reads all recordings, of each by its place the part that is asked for.
 pub fn read(logs: &[PathBuf], part: impl Fn(usize) -> Part, config: &Config) -> Result<Read, Failure> {
-    let inputs = samples::inputs(config)?;
     let mut read = Read { recordings: Vec::new(), starts: Vec::new(), chain: Vec::new(), broken: Vec::new() };
     let progress = Progress::of_files(logs);
     for (place, path) in logs.iter().enumerate() {
-        // What is implausible is what there is to explain: nothing is taken out.
-        let mut unchecked = config.signals.sampling;
-        unchecked.cross_checks = false;
-        let mut sampler = Sampler::new(inputs.clone(), &unchecked);
-        let mut tracks = Tracks::new(path.display().to_string());
-        let take = |frame: &Frame, sampler: &Sampler, start: Option<Micros>| {
-            tracks.take(start.unwrap_or(frame.time), sampler);
-        };
-        let samples =
-            samples::of_recording((path, part(place)), &mut sampler, &progress, &mut read.broken, take)?;
-        if tracks.recording.seconds() == 0.0 && read.broken.is_empty() {
-            return Err(samples::none_of(&inputs, path, "nothing to explain"));
-        }
-        let there = samples::there(&inputs, &samples, path)?;
-        read.chain.push(chain::audit(&samples, &config.vehicle, &there));
-        read.starts.push(tracks.start.unwrap_or_default());
-        tracks.recording.begins_s = tracks.start.map(Micros::seconds);
-        read.recordings.push(tracks.recording);
+        let one = one((path, part(place)), config, &progress, &mut read.broken, |frame| frame)?;
+        read.chain.push(one.chain);
+        read.starts.push(one.start);
+        read.recordings.push(one.recording);
     }
     progress.finish();
     Ok(read)
+}
+
+/// Reads one recording, its frames altered; why it could not be read to its end goes to `broken`.
+pub fn one(
+    (path, part): (&Path, Part),
+    config: &Config,
+    progress: &Progress,
+    broken: &mut Vec<String>,
+    alter: impl FnMut(Frame) -> Frame,
+) -> Result<One, Failure> {
+    let inputs = samples::inputs(config)?;
+    // What is implausible is what there is to explain: nothing is taken out.
+    let mut unchecked = config.signals.sampling;
+    unchecked.cross_checks = false;
+    let mut sampler = Sampler::new(inputs.clone(), &unchecked);
+    let mut tracks = Tracks::new(path.display().to_string());
+    let take = |frame: &Frame, sampler: &Sampler, start: Option<Micros>| {
+        tracks.take(start.unwrap_or(frame.time), sampler);
+    };
+    let samples = samples::of_recording_altered((path, part), alter, &mut sampler, progress, broken, take)?;
+    if tracks.recording.seconds() == 0.0 && broken.is_empty() {
+        return Err(samples::none_of(&inputs, path, "nothing to explain"));
+    }
+    let there = samples::there(&inputs, &samples, path)?;
+    let chain = chain::audit(&samples, &config.vehicle, &there);
+    tracks.recording.begins_s = tracks.start.map(Micros::seconds);
+    Ok(One { chain, start: tracks.start.unwrap_or_default(), recording: tracks.recording })
 }
 
 /// Readings as they come.

@@ -353,7 +353,7 @@ impl Drives {
 }
 
 /// Every tire bends before its limit; with a shape of its own the curve is between a line and a brush.
-pub(super) fn with_bend(vehicle: &Vehicle) -> Vehicle {
+pub fn with_bend(vehicle: &Vehicle) -> Vehicle {
     let mut own = vehicle.clone();
     if own.tire != TireKind::MagicFormula {
         own.tire = TireKind::MagicFormula;

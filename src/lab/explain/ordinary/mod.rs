@@ -21,7 +21,7 @@ mod run;
 mod simulated;
 
 pub use answer::{Asked, FreeTrace, Number, Ordinary, could_tell};
-pub use beyond::{Beyond, History, OverDrives, Power, Powers, Since};
+pub use beyond::{Bar, Beyond, History, OverDrives, Power, Powers, Since};
 pub(super) use inputs::resampled_every;
 pub use remaining::Remaining;
 pub use simulated::{Incomparable, Simulated};

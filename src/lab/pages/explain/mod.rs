@@ -17,6 +17,7 @@ mod sure;
 mod tests;
 mod text;
 mod tried;
+mod verified;
 pub(in crate::pages) mod words;
 
 use crate::explain::{Explanation, Verdict};

@@ -55,6 +55,9 @@ pub fn text(sensitivity: &Sensitivity) -> String {
     text.push('\n');
     let rows: Vec<[String; 5]> = sensitivity.effects.iter().map(row).collect();
     table(&mut text, &COLUMNS.map(str::to_owned), &rows);
+    if let Some(verified) = &sensitivity.verified {
+        super::verified::text(&mut text, verified);
+    }
     text
 }
 
@@ -71,6 +74,9 @@ pub fn page(sensitivity: &Sensitivity) -> String {
         ));
     }
     page.raw("</tbody></table></div>");
+    if let Some(verified) = &sensitivity.verified {
+        super::verified::section(&mut page, verified);
+    }
     page.html()
 }
 

@@ -41,7 +41,7 @@ use round::Round;
 use trial::Trial;
 
 pub use history::{History, OverDrives, Since};
-pub use power::{Power, Powers, powers};
+pub use power::{Bar, Power, Powers, powers};
 pub use rows::rows;
 
 /// What was found, and everything that was tried.

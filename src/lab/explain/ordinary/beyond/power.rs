@@ -18,8 +18,24 @@ use super::{Question, Search, references};
 use crate::explain::select::LEAST_EVIDENCE;
 use physics::model::Vehicle;
 
+/// A bar that an effect must clear: what it has of it grows with its size, and scatters by one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bar {
+    /// By the ordinary size.
+    pub slope: f64,
+    /// What is needed.
+    pub needed: f64,
+}
+
+impl Bar {
+    /// The share of the ordinary size that clears it with 90 % probability.
+    fn share(self) -> f64 {
+        (self.needed + NINE_OF_TEN) / self.slope
+    }
+}
+
 /// What a drive could tell of an effect. Sizes are in the effect's unit, as a change from where it makes no difference.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Power {
     /// The effect with its channel, or the number of the car.
     pub name: String,
@@ -35,7 +51,39 @@ pub struct Power {
     pub named: f64,
     /// What it is most easily taken for, and the correlation of what both do.
     pub rival: Option<(String, f64)>,
+    /// What a name needs.
+    pub bars: Vec<Bar>,
+    /// Where it makes no difference, in its unit …
+    pub neutral: f64,
+    /// … and when it begins, s; always there without.
+    pub from_s: Option<f64>,
 }
+
+impl Power {
+    /// How probably a size is called by its name.
+    pub fn chance(&self, size: f64) -> f64 {
+        let share = size.abs() / self.ordinary;
+        let chances = self.bars.iter().map(|bar| normal_cdf(bar.slope * share - bar.needed));
+        chances.fold(1.0, f64::min)
+    }
+
+    /// The size that is called by its name with this probability, between none and ten times what is with 90 %; none where
+    /// nothing is.
+    pub fn size_of(&self, chance: f64) -> Option<f64> {
+        let (mut low, mut high) = (0.0, 10.0 * self.named);
+        if !high.is_finite() {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if self.chance(middle) < chance { low = middle } else { high = middle }
+        }
+        Some(high)
+    }
+}
+
+/// Numerical: to a millionth.
+const HALVINGS: usize = 40;
 
 /// All effects of a search, and how probably the one of a row, at its ordinary size, is told from the one of a column.
 #[derive(Clone, Debug, Default)]
@@ -155,19 +203,20 @@ impl Search<'_> {
         // What the evidence of the ordinary size must reach: the freedom of the number counts against it.
         let freedom = (clear * clear).max(1.0).ln();
         let needed = (LEAST_EVIDENCE + freedom + 2.0 * tried.ln()).sqrt();
-        let mut sizes = vec![(needed + NINE_OF_TEN) / clear];
+        let mut bars = vec![Bar { slope: clear, needed }];
         if self.references == 0 || !trace.trial.is_always_there() {
-            sizes.push((LEAST_HELD_GAIN.sqrt() + NINE_OF_TEN) / trace.held.sqrt());
+            bars.push(Bar { slope: trace.held.sqrt(), needed: LEAST_HELD_GAIN.sqrt() });
         }
         if self.references > 0 && trace.trial.is_always_there() {
-            sizes.push(references::least_share(clear, self.references));
+            bars.push(references::bar(clear, self.references));
         }
-        let noticed = sizes.iter().copied().fold(0.0, f64::max);
+        let noticed = bars.iter().map(|bar| bar.share()).fold(0.0, f64::max);
         let rivals = correlations.iter().enumerate().filter(|(other, _)| traces[*other].trial.name() != name);
         let rival = rivals.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
         // Its own evidence must be the larger one: the difference has twice its root as deviation.
         let apart = rival.map_or(1.0, |(_, rho)| (1.0 - rho * rho).max(LEAST_LEFT).sqrt());
-        let named = noticed.max(2.0 * NINE_OF_TEN / (clear * apart));
+        bars.push(Bar { slope: 0.5 * clear * apart, needed: 0.0 });
+        let named = bars.iter().map(|bar| bar.share()).fold(0.0, f64::max);
         let (model, _) = placed(&state.model, &state.free, &state.at, 0);
         let (number, unit, value) = trace.trial.size(&model, &trace.free, trace.by);
         Power {
@@ -177,6 +226,9 @@ impl Search<'_> {
             noticed: noticed * value,
             named: named * value,
             rival: rival.map(|(other, rho)| (traces[other].trial.name(), *rho)),
+            bars,
+            neutral: trace.trial.neutral_value(&trace.free),
+            from_s: trace.trial.begins(),
             name,
         }
     }

@@ -10,7 +10,7 @@ use super::super::fit::FreeFit;
 use super::super::numbers::{Free, Number, Scope};
 use super::Search;
 use super::climb::State;
-use super::power::NINE_OF_TEN;
+use super::power::Bar;
 use super::refit::Refitted;
 use super::scan::Scored;
 use super::trial::Trial;
@@ -104,11 +104,10 @@ impl Healthy {
     }
 }
 
-/// The share of what a number could be at which it is far enough from so many references' with 90 % probability, where the
-/// whole of it is so clear.
-pub fn least_share(clear: f64, references: usize) -> f64 {
+/// How far from so many references' a number must be, where the whole of what it could be is so clear.
+pub fn bar(clear: f64, references: usize) -> Bar {
     let spread = SPREAD * (1.0 + 1.0 / references.max(1) as f64).sqrt();
-    (LEAST_DISTANCE + NINE_OF_TEN) * clear.recip().hypot(spread)
+    Bar { slope: clear.recip().hypot(spread).recip(), needed: LEAST_DISTANCE }
 }
 
 impl Refitted<'_> {

@@ -342,6 +342,23 @@ impl Trial {
         }
     }
 
+    /// The value of a number of it where it makes no difference; of a changed number of the car, no change.
+    pub fn neutral_value(&self, free: &Free) -> f64 {
+        match (&self.what, free.number) {
+            (What::Effect(candidate), Number::Of(Place::Effect(_, number))) => {
+                let spec = candidate.kind.spec(number, candidate.channel);
+                spec.map_or(0.0, |spec| spec.value(free.prior.0))
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// From when it is there, s; none: always.
+    pub fn begins(&self) -> Option<f64> {
+        let patch = self.stretches().first().map(|[from, _]| *from);
+        self.onset().map(|(at, _)| at).or(patch).filter(|from| from.is_finite())
+    }
+
     /// The steps, in deviations of the prior, that tell how it acts; nothing: the number's own step.
     pub fn ways(&self) -> &'static [Option<f64>] {
         self.candidate().map_or(&[None], ways)

@@ -4,7 +4,7 @@ use physics::model::Vehicle;
 use physics::model::effect::{Channel, EffectConfig, Setting};
 use physics::{Quantity, Wheel};
 
-use super::super::answer::{LEAST_FIT, Number, as_configured, numbers, with_bend};
+use super::super::answer::{LEAST_FIT, Number, as_configured, numbers};
 use super::super::choice::fit_ordinary;
 use super::super::fit::FreeFit;
 use super::super::inputs::{FreeDrive, Held, STEP_S, compared_mean, resampled};
@@ -81,7 +81,7 @@ const BRAKING_MPS2: f64 = 0.8;
 const GRIPPING_BAR: f64 = 1.0;
 
 /// Everything along one free run.
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Courses {
     of: [Vec<f64>; Quantity::COUNT],
     force: Vec<f64>,
@@ -89,42 +89,64 @@ struct Courses {
     sideslip: Vec<f64>,
 }
 
-/// The car that was fitted, and what the effects of runs do to it.
-///
-/// # Errors
-/// Why there is no free run, or why the car cannot have the effects.
-pub(super) fn fitted(
-    asked: &Asked<'_>,
-    effects: &[EffectConfig],
-) -> Result<(Car, Option<Difference>), Refusal> {
-    let own = with_bend(asked.vehicle);
-    let no_run = |why: super::super::inputs::Unusable| Refusal::NoRun {
-        effect: titles(effects),
-        why: why.to_string(),
-    };
-    let drive = |most_s| FreeDrive::new(asked.recording, &own, Held::Nothing, most_s).map_err(no_run);
-    let drives = [drive(FITTED_S)?];
-    let found = fit_ordinary(&as_configured(&own, asked.configured), &own, &drives);
-    let (model, sensing) = placed(&found.model, &found.free, &found.at, 0);
-    let whole = drive(f64::INFINITY)?;
-    let without = courses(&whole, &model.car(), sensing);
-    let car = Car {
-        fit: yaw_fit(&whole, &without),
-        numbers: numbers(&found, &drives),
-        unexplained: Quantity::ALL.map(|quantity| unexplained(quantity, &whole, &without, asked.recording)),
-    };
-    if effects.is_empty() {
-        return Ok((car, None));
+/// The ordinary car as it drove, before anything is put in.
+#[derive(Debug)]
+pub struct Base<'a> {
+    found: FreeFit<'a>,
+    whole: FreeDrive,
+    sensing: SpeedSensing,
+    without: Courses,
+    /// What is told of it.
+    pub car: Car,
+}
+
+impl<'a> Base<'a> {
+    /// Fits the car; `own` is the vehicle with tires that bend ([`with_bend`]).
+    ///
+    /// # Errors
+    /// Why there is no free run.
+    pub fn of(own: &'a Vehicle, asked: &Asked<'_>) -> Result<Self, Refusal> {
+        let no_run = |why: super::super::inputs::Unusable| Refusal::NoRun {
+            effect: titles(asked.effects),
+            why: why.to_string(),
+        };
+        let drive = |most_s| FreeDrive::new(asked.recording, own, Held::Nothing, most_s).map_err(no_run);
+        let drives = [drive(FITTED_S)?];
+        let found = fit_ordinary(&as_configured(own, asked.configured), own, &drives);
+        let (model, sensing) = placed(&found.model, &found.free, &found.at, 0);
+        let whole = drive(f64::INFINITY)?;
+        let without = courses(&whole, &model.car(), sensing);
+        let car = Car {
+            fit: yaw_fit(&whole, &without),
+            numbers: numbers(&found, &drives),
+            unexplained: Quantity::ALL
+                .map(|quantity| unexplained(quantity, &whole, &without, asked.recording)),
+        };
+        Ok(Self { found, whole, sensing, without, car })
     }
-    let left = car.unexplained[Quantity::YawRate as usize].unwrap_or(f64::INFINITY);
-    if (car.fit.is_nan() || car.fit < LEAST_FIT) && left > SMALL_YAW_RATE {
-        return Err(Refusal::NotThisCar { fit: car.fit, left });
+
+    /// What effects of runs do to it.
+    ///
+    /// # Errors
+    /// Why the car cannot have them.
+    pub(super) fn difference(
+        &self,
+        effects: &[EffectConfig],
+        vehicle: &Vehicle,
+    ) -> Result<Option<Difference>, Refusal> {
+        if effects.is_empty() {
+            return Ok(None);
+        }
+        let left = self.car.unexplained[Quantity::YawRate as usize].unwrap_or(f64::INFINITY);
+        if (self.car.fit.is_nan() || self.car.fit < LEAST_FIT) && left > SMALL_YAW_RATE {
+            return Err(Refusal::NotThisCar { fit: self.car.fit, left });
+        }
+        let (model, _) = placed(&self.found.model, &self.found.free, &self.found.at, 0);
+        let changed = with(&model, effects)?;
+        let with = courses(&self.whole, &changed.car(), self.sensing);
+        check(&self.found, &self.whole, (&self.without, &with), effects)?;
+        Ok(Some(Difference::new(&self.whole, self.sensing, (&self.without, with), vehicle)))
     }
-    let changed = with(&model, effects)?;
-    let with = courses(&whole, &changed.car(), sensing);
-    check(&found, &whole, (&without, &with), effects)?;
-    let difference = Difference::new(&whole, sensing, (without, with), asked.vehicle);
-    Ok((car, Some(difference)))
 }
 
 /// The model with the effects. A kind that it has already takes the numbers that are given.
@@ -284,7 +306,7 @@ impl Difference {
     fn new(
         drive: &FreeDrive,
         sensing: SpeedSensing,
-        (without, with): (Courses, Courses),
+        (without, with): (&Courses, Courses),
         vehicle: &Vehicle,
     ) -> Self {
         let points = drive.points();
@@ -308,7 +330,7 @@ impl Difference {
             torque_per_force: Some(radius / ratio).filter(|share| share.is_finite()),
             radius,
             braking: BRAKING_MPS2 * average(without.mass.iter().copied()),
-            force: without.force,
+            force: without.force.clone(),
         }
     }
 

@@ -15,8 +15,9 @@ mod course;
 mod difference;
 mod readings;
 
+pub use super::answer::with_bend;
 pub use course::drawn;
-pub use difference::Car;
+pub use difference::{Base, Car};
 
 use physics::model::Vehicle;
 use physics::model::effect::{Course, EffectConfig, Kind, Spec};
@@ -159,6 +160,16 @@ pub enum Refusal {
     },
 }
 
+impl Refusal {
+    /// The same of these effects.
+    fn of(self, titles: &str) -> Self {
+        match self {
+            Self::NoRun { why, .. } => Self::NoRun { effect: titles.to_owned(), why },
+            other => other,
+        }
+    }
+}
+
 /// What each reading becomes.
 #[derive(Debug)]
 pub struct Concealment {
@@ -201,17 +212,26 @@ impl Concealment {
     /// # Errors
     /// Why an effect cannot be put into this recording, and what to do.
     pub fn of(asked: Asked<'_>) -> Result<Self, Refusal> {
+        let own = with_bend(asked.vehicle);
+        Self::beside(Base::of(&own, &asked).as_ref().map_err(Clone::clone), asked)
+    }
+
+    /// The same with a car that was fitted to this recording before, or with the reason why none was.
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    pub fn beside(base: Result<&Base<'_>, Refusal>, asked: Asked<'_>) -> Result<Self, Refusal> {
         for effect in asked.effects {
             possible(effect, asked.recording)?;
         }
         let of_runs: Vec<EffectConfig> =
             asked.effects.iter().filter(|effect| way(effect.kind()) == Way::Runs).cloned().collect();
         let titles = titles(&of_runs);
-        let (car, difference) = match difference::fitted(&asked, &of_runs) {
-            Ok((car, difference)) => (Some(car), difference),
+        let (car, difference) = match base {
+            Ok(base) => (Some(base.car.clone()), base.difference(&of_runs, asked.vehicle)?),
             // Nothing of it needs the car.
             Err(_) if of_runs.is_empty() => (None, None),
-            Err(refusal) => return Err(refusal),
+            Err(refusal) => return Err(refusal.of(&titles)),
         };
         let readers = Readers::new(asked.vehicle, asked.effects, asked.recording);
         let this = Self { readers, difference, car };

@@ -231,11 +231,11 @@ fn score<'t>(
     (thought, moments, price): (&[Vec<Free>], Range<usize>, f64),
 ) -> Option<Scored<'t>> {
     let at = |spread: &Spread, (moment, thought): (usize, &Vec<Free>)| {
-        linear.profile(spread, thought)?.courses(moment..moment + 1).0
+        Some(linear.profile(spread, thought)?.from(moment))
     };
     let of = |spread| moments.clone().zip(thought).filter_map(move |moment| at(spread, moment));
-    let (course, evidence) = spreads.iter().flat_map(of).max_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some(Scored { trial, course, beyond_scatter: evidence - price })
+    let best = spreads.iter().flat_map(of).max_by(|a, b| a.evidence.total_cmp(&b.evidence))?;
+    Some(Scored { trial, course: best.course, beyond_scatter: best.evidence - price })
 }
 
 /// Of an axle's wheels only the difference is compared, so that one has grown and that the other has shrunk differ by what is

@@ -61,6 +61,17 @@ pub struct Profile {
 /// Scatters between these multiples of what is thought are summed over, so many of them. Numerical.
 const SCATTERS: (f64, f64, usize) = (0.125, 32.0, 33);
 
+/// What begins at a drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judged {
+    /// Its likelier shape.
+    pub course: Course,
+    /// Twice the logarithm of the odds for that against none …
+    pub evidence: f64,
+    /// … and for both shapes together.
+    pub together: f64,
+}
+
 /// How well courses fit, and with which numbers.
 #[derive(Clone, Debug)]
 pub struct Fitted {
@@ -69,9 +80,6 @@ pub struct Fitted {
     /// The number before each course, in the order of the courses.
     pub numbers: Vec<Estimate>,
 }
-
-/// For each drive from which something may be different, the evidence for that.
-type ByMoment = Vec<(usize, f64)>;
 
 impl Profile {
     /// Linear in these courses, beside a level that all drives share.
@@ -131,27 +139,20 @@ impl Profile {
         cost.is_finite().then(|| (cost, numbers.collect()))
     }
 
-    /// The most evidence of all courses that begin at one of these drives, and for each drive what that is, the shapes
-    /// together.
-    pub fn courses(&self, moments: std::ops::Range<usize>) -> (Option<(Course, f64)>, ByMoment) {
+    /// The likelier shape from a drive on.
+    pub fn from(&self, since: usize) -> Judged {
         let none = self.fitted(&[]).cost;
-        let mut best: Option<(Course, f64)> = None;
-        let mut by_moment = Vec::new();
-        for since in moments {
-            let mut sum = 0.0;
-            let last = self.gradient.len() - 1;
-            // In the last drive alone nothing grows.
-            for shape in Shape::ALL.into_iter().filter(|shape| since < last || *shape == Shape::Step) {
-                let course = Course { since, shape };
-                let evidence = none - self.fitted(&[course.over(self.gradient.len())]).cost;
-                sum += (0.5 * evidence.min(MOST_EVIDENCE)).exp();
-                if best.is_none_or(|(_, most)| evidence > most) {
-                    best = Some((course, evidence));
-                }
-            }
-            by_moment.push((since, 2.0 * sum.ln()));
-        }
-        (best, by_moment)
+        let last = self.gradient.len() - 1;
+        let judged = |shape| {
+            let course = Course { since, shape };
+            (course, none - self.fitted(&[course.over(self.gradient.len())]).cost)
+        };
+        let step = judged(Shape::Step);
+        // In the last drive alone nothing grows.
+        let growth = (since < last).then(|| judged(Shape::Growth));
+        let (course, evidence) = growth.filter(|growth| growth.1 > step.1).unwrap_or(step);
+        let less = growth.map_or(f64::INFINITY, |growth| (growth.1 - step.1).abs());
+        Judged { course, evidence, together: evidence + 2.0 * (-0.5 * less).exp().ln_1p() }
     }
 
     /// By how much it grows from drive to drive after a step at `since`; none where that is in the last drive.
@@ -200,12 +201,16 @@ impl Profile {
     }
 }
 
-/// Where evidences are summed they end here: e to the half of it is still a number.
-const MOST_EVIDENCE: f64 = 1200.0;
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// All moments, the likeliest one first.
+    fn judged(profile: &Profile) -> Vec<Judged> {
+        let mut all: Vec<Judged> = (1..profile.gradient.len()).map(|since| profile.from(since)).collect();
+        all.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        all
+    }
 
     /// Drives that say each by itself what a number is, all as clearly.
     fn said(values: &[f64], std: f64) -> Profile {
@@ -218,11 +223,10 @@ mod tests {
     #[test]
     fn a_step_is_a_step_and_where_it_is() {
         let profile = said(&[0.03, -0.05, 0.02, 1.52, 1.45, 1.51], 0.05);
-        let (best, moments) = profile.courses(1..6);
-        let (course, evidence) = best.unwrap();
-        assert_eq!((course.since, course.shape), (3, Shape::Step));
-        assert!(evidence > 20.0, "{evidence}");
-        assert!(moments.iter().all(|(since, of)| *since == 3 || *of < evidence - 6.0), "{moments:?}");
+        let all = judged(&profile);
+        assert_eq!(all[0].course, Course { since: 3, shape: Shape::Step });
+        assert!(all[0].evidence > 20.0 && all[0].together >= all[0].evidence, "{all:?}");
+        assert!(all[1].together < all[0].together - 6.0, "{all:?}");
         let trend = profile.trend(3).unwrap();
         assert!(trend.value.abs() < 2.0 * trend.std, "{trend:?}");
         let values = profile.values(3);
@@ -232,8 +236,7 @@ mod tests {
     #[test]
     fn growth_is_growth() {
         let profile = said(&[0.02, -0.03, 0.01, 0.5, 1.0, 1.5], 0.05);
-        let (best, _) = profile.courses(1..6);
-        assert_eq!(best.unwrap().0, Course { since: 3, shape: Shape::Growth });
+        assert_eq!(judged(&profile)[0].course, Course { since: 3, shape: Shape::Growth });
         let trend = profile.trend(3).unwrap();
         assert!((trend.value - 0.5).abs() < 2.0 * trend.std && trend.value > 2.0 * trend.std, "{trend:?}");
     }
@@ -256,8 +259,7 @@ mod tests {
         for _ in 0..300 {
             for (scatter, most) in [0.1, 0.2].into_iter().zip(&mut most) {
                 let values: Vec<f64> = (0..6).map(|_| scatter * dice()).collect();
-                let (best, _) = said(&values, 0.02).courses(1..6);
-                *most = most.max(best.unwrap().1);
+                *most = most.max(judged(&said(&values, 0.02))[0].evidence);
             }
         }
         // Before the choice among nine courses is paid for, 4.4.
@@ -277,6 +279,6 @@ mod tests {
         for (value, truth) in values.iter().zip([0.0, 0.0, 0.0, 0.8, 0.8]) {
             assert!((value.value - truth).abs() < 0.01 && (value.std - 0.05).abs() < 0.01, "{values:?}");
         }
-        assert_eq!(profile.courses(1..5).0.unwrap().0.since, 3);
+        assert_eq!(judged(&profile)[0].course.since, 3);
     }
 }

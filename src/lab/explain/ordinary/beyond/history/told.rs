@@ -60,11 +60,8 @@ impl Search<'_> {
         let spread = linear.changed(place);
         let profiles: Vec<Profile> =
             thought.iter().filter_map(|thought| linear.profile(&spread, thought)).collect();
-        let odds: Vec<(usize, f64)> = moments
-            .clone()
-            .zip(&profiles)
-            .flat_map(|(moment, profile)| profile.courses(moment..moment + 1).1)
-            .collect();
+        let odds: Vec<(usize, f64)> =
+            moments.clone().zip(&profiles).map(|(since, of)| (since, of.from(since).together)).collect();
         let since = odds.iter().max_by(|a, b| a.1.total_cmp(&b.1))?.0;
         let profile = &profiles[since - moments.start];
         let number = self.told(state, trial, spread.main, profile, (since, since), price);

@@ -233,8 +233,9 @@ fn the_applied_file_says_what_the_answer_says() {
     assert!(doubt["deviations"].as_f64().unwrap() > 3.0, "{doubt}");
     assert!(text.contains("In doubt") && text.contains("Yaw inertia"), "{text}");
     let new = read("new.toml");
+    let head = new.replace("\n# ", " ");
     for line in text.lines().take(2) {
-        assert!(new.contains(&format!("# {line}")), "{line} is not in\n{new}");
+        assert!(head.contains(line), "{line} is not in\n{new}");
     }
     let inertia = |text: &str| {
         let table: toml::Table = text.parse().unwrap();

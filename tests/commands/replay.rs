@@ -87,6 +87,24 @@ fn frames(text: &str) -> Vec<Frame> {
     frames
 }
 
+/// GIVEN any drive THEN a table on the standard error says of each published number how much of the time it was valid and, where
+/// it was not, why; with -q it does not.
+#[test]
+fn what_was_learned_is_said_at_the_end() {
+    let place = Place::new();
+    let output = place.replay("drive.log");
+    let said = String::from_utf8(output.stderr).unwrap();
+    let line =
+        |name: &str| said.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{said}"));
+    let slope = line("Slip slope, front left");
+    assert!(slope.contains(" % ") && slope.contains('±'), "{slope}");
+    assert!(line("Friction available").contains("only a lower bound"), "{said}");
+    assert!(line("highest use of the friction: 0.").ends_with(" s after the first sample"), "{said}");
+    assert!(output.stdout.is_empty());
+    let quiet = place.replay("-q drive.log");
+    assert!(quiet.stderr.is_empty(), "{}", String::from_utf8_lossy(&quiet.stderr));
+}
+
 #[test]
 fn stdout_carries_the_published_frames_and_nothing_else() {
     let place = Place::new();

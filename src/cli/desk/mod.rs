@@ -3,6 +3,7 @@
 mod applied;
 mod calibrate;
 mod check;
+mod closing;
 mod completions;
 mod conceal;
 mod convert;

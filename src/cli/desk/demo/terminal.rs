@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::findings::Findings;
+use super::findings::{Findings, Quality};
+use crate::cli::desk::closing::{Line, percent, table};
 use bus::watch::Round;
 use lab::report::number;
 use physics::estimates::{MuSource, State};
@@ -66,21 +67,14 @@ pub fn summary(findings: &Findings, published: u64) -> String {
     }
     let _ = writeln!(text, "  {:<28} {:>5}", "false alarms", findings.false_notices());
     let _ = writeln!(text, "published frames {published}\n");
-    let _ = writeln!(text, "{:<30} {:>6} {:>20} {:>10}", "", "valid", "truth within 95 %", "rms error");
-    for quality in &findings.quality {
+    let line = |quality: &Quality| {
         let rms = if quality.rms.is_finite() {
             format!("{} {}", number(quality.rms, quality.decimals), quality.unit)
         } else {
             "–".into()
         };
-        let (valid, covered) = (percent(quality.valid), percent(quality.covered));
-        let line = format!("{:<30} {valid:>6} {covered:>20}   {rms}", quality.name);
-        let _ = writeln!(text, "{}", line.trim_end());
-    }
-    text
-}
-
-/// As a percentage.
-pub fn percent(share: f64) -> String {
-    if share.is_finite() { format!("{:.0} %", 100.0 * share) } else { "–".into() }
+        Line { name: quality.name.into(), valid: quality.valid, told: vec![percent(quality.covered), rms] }
+    };
+    let lines: Vec<Line> = findings.quality.iter().map(line).collect();
+    text + &table(&[("truth within 95 %", Some(20)), ("rms error", None)], &lines)
 }

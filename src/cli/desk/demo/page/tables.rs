@@ -2,8 +2,8 @@
 
 use super::super::findings::{InUse, Quality, Surface, at, driven};
 use super::super::row::Row;
-use super::super::terminal::percent;
 use super::{Story, side};
+use crate::cli::desk::closing::percent;
 use lab::report::number;
 use physics::model::Truth;
 

@@ -1,12 +1,16 @@
 //! `gripd replay`: the service's own engine over recordings.
 
+mod learned;
+
 use std::collections::BTreeMap;
+use std::io::Write as _;
 use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
 use serde::Serialize;
 
+use self::learned::Learning;
 use super::Failure;
 use super::output::{Output, check_outputs, write_json};
 use super::part::{Part, PartReader};
@@ -18,7 +22,7 @@ use bus::can::Frame;
 use bus::can::recording::{Format, LogError, Reader, Writer};
 use bus::service::saved::{Claim, Refusal};
 use bus::service::{Engine, SavedState, Sink};
-use physics::estimate::Learned;
+use physics::estimate::{EstimatorsConfig, Learned};
 use physics::{Estimates, Quantity, Sample};
 
 /// Without -i nothing touches a bus, and the same input gives the same output to the last bit.
@@ -130,6 +134,7 @@ impl Replay {
             }
         }
         let stats = totals.stats(&engine, started);
+        let learned = results.learning.text(&config.estimators);
         results.finish()?;
         if let Some(state) = state.filter(|_| engine.driving_s() > driven_before_s) {
             if let Some(contradiction) = engine.contradiction() {
@@ -143,6 +148,10 @@ impl Replay {
         }
         if let Some(path) = &self.stats {
             write_json(path, &stats)?;
+        }
+        // For people: whoever wants to hear of errors only is not told.
+        if tracing::enabled!(tracing::Level::INFO) && !learned.is_empty() {
+            let _ = write!(std::io::stderr().lock(), "\n{learned}\n");
         }
         tracing::info!(
             "{} frames in, {} published; {:.1} s of recording in {:.2} s",
@@ -217,6 +226,8 @@ struct Results {
     onto_bus: bool,
     /// Quantities that had a value, as bits.
     heard: u16,
+    learning: Learning,
+    estimators: EstimatorsConfig,
     failure: Option<Failure>,
 }
 
@@ -245,6 +256,8 @@ impl Results {
             published: Vec::new(),
             onto_bus: command.interface.is_some(),
             heard: 0,
+            learning: Learning::default(),
+            estimators: config.estimators.clone(),
             failure: None,
         })
     }
@@ -285,6 +298,7 @@ impl Results {
 impl Sink for Results {
     fn estimates(&mut self, sample: &Sample, estimates: &Estimates) {
         self.heard |= sample.present();
+        self.learning.take(estimates, &self.estimators);
         if let Some(table) = &mut self.estimates {
             let written = table.row(sample, estimates);
             self.check(written);

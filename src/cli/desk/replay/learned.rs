@@ -1,0 +1,302 @@
+//! What a replay has learned: each published number with its share of validity, its last value, and why it was not valid.
+
+use super::super::closing::{Line, table};
+use lab::report::number;
+use physics::Estimates;
+use physics::estimate::EstimatorsConfig;
+use physics::estimates::{Estimate, State};
+
+/// Why a number was not valid in a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Why {
+    /// What is required did not come.
+    NoInput,
+    /// The car stood, or the speed was not known.
+    Standing,
+    /// There was too little of what tells it.
+    LittleUse,
+    /// There was a value, and it was too uncertain.
+    Unsure,
+    /// There was one that was sure, and signals contradict each other, or it was too old.
+    Doubted,
+}
+
+/// So many reasons there are.
+const REASONS: usize = 5;
+
+/// What is published.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Published {
+    Slope(usize),
+    Offset(usize),
+    Cornering(usize),
+    Sideslip,
+    Friction,
+}
+
+use Published::{Cornering, Friction, Offset, Sideslip, Slope};
+
+/// In the order of the table.
+const ALL: [Published; 12] = [
+    Slope(0),
+    Slope(1),
+    Slope(2),
+    Slope(3),
+    Offset(0),
+    Offset(1),
+    Offset(2),
+    Offset(3),
+    Cornering(0),
+    Cornering(1),
+    Sideslip,
+    Friction,
+];
+
+const WHEELS: [&str; 4] = ["front left", "front right", "rear left", "rear right"];
+
+/// Below this excitation a number is not told for want of use. Tuned, no test on record.
+const LITTLE: f64 = 0.5;
+
+/// Of one published number.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tally {
+    valid: u64,
+    /// Value and standard deviation, if there is one; of the last row with a value.
+    last: Option<(f64, Option<f64>)>,
+    /// Rows by reason.
+    why: [u64; REASONS],
+}
+
+/// Watches all rows.
+#[derive(Debug, Default)]
+pub struct Learning {
+    rows: u64,
+    /// Time of the first, s.
+    start: f64,
+    tallies: [Tally; ALL.len()],
+    /// The highest use of the friction, and when, s.
+    used: Option<(f64, f64)>,
+    /// The highest excitation along and across.
+    excitation: [f64; 2],
+}
+
+impl Learning {
+    /// Takes a row.
+    pub fn take(&mut self, estimates: &Estimates, config: &EstimatorsConfig) {
+        let time = estimates.time.seconds();
+        if self.rows == 0 {
+            self.start = time;
+        }
+        self.rows += 1;
+        let excitation = [estimates.excitation_long, estimates.excitation_lat];
+        for (highest, now) in self.excitation.iter_mut().zip(excitation) {
+            *highest = highest.max(now);
+        }
+        if let Some(used) = estimates.friction.used
+            && self.used.is_none_or(|(most, _)| used > most)
+        {
+            self.used = Some((used, time - self.start));
+        }
+        for (published, tally) in ALL.into_iter().zip(&mut self.tallies) {
+            let told = published.told(estimates);
+            tally.last = told.or(tally.last);
+            if published.is_valid(estimates) && told.is_some() {
+                tally.valid += 1;
+            } else {
+                tally.why[published.why(estimates, config) as usize] += 1;
+            }
+        }
+    }
+
+    /// The table; nothing where there were no rows.
+    pub fn text(&self, config: &EstimatorsConfig) -> String {
+        if self.rows == 0 {
+            return String::new();
+        }
+        // Wheels that are not driven have no slope, and nobody misses it.
+        let is_there = |(published, tally): &(Published, &Tally)| {
+            !matches!(published, Slope(2..) | Offset(2..)) || tally.last.is_some()
+        };
+        let line = |(published, tally): (Published, &Tally)| Line {
+            name: published.name(),
+            valid: tally.valid as f64 / self.rows as f64,
+            told: vec![published.shown(tally.last), self.why(published, tally, config)],
+        };
+        let lines: Vec<Line> = ALL.into_iter().zip(&self.tallies).filter(is_there).map(line).collect();
+        let mut text = table(&[("last value", Some(18)), ("why not valid, mostly", None)], &lines);
+        text += &match self.used {
+            Some((used, at)) => {
+                format!(
+                    "highest use of the friction: {}, {} s after the first sample\n",
+                    number(used, 2),
+                    number(at, 1)
+                )
+            }
+            None => {
+                "the use of the friction is not known: no acceleration, and no speed to take it from\n".into()
+            }
+        };
+        text
+    }
+
+    /// The most frequent reason in words.
+    fn why(&self, published: Published, tally: &Tally, config: &EstimatorsConfig) -> String {
+        let all = [Why::NoInput, Why::Standing, Why::LittleUse, Why::Unsure, Why::Doubted];
+        let most = all.into_iter().max_by_key(|why| (tally.why[*why as usize], std::cmp::Reverse(*why)));
+        let Some(why) = most.filter(|why| tally.why[*why as usize] > 0) else { return String::new() };
+        let excitation = |place: usize| format!("{} %", number(100.0 * self.excitation[place], 0));
+        match (why, published) {
+            (Why::NoInput, _) => "required signals are missing (gripd check)".into(),
+            (Why::Standing, _) => "the car stood, or the speed is not known".into(),
+            (Why::LittleUse, Slope(_) | Offset(_)) => {
+                format!("too little force along, {} of enough at most", excitation(0))
+            }
+            (Why::LittleUse, Cornering(_) | Sideslip) => {
+                format!("too few curves, {} of enough at most", excitation(1))
+            }
+            (Why::LittleUse, Friction) => "never near the limit: only a lower bound is told".into(),
+            (Why::Unsure, Slope(_) | Offset(_)) => unsure(config.slope.valid_relative_std),
+            (Why::Unsure, Cornering(_) | Sideslip) => unsure(config.cornering.valid_relative_std),
+            (Why::Unsure, Friction) => "not near enough to the limit, or long ago".into(),
+            (Why::Doubted, _) => "too old, or signals contradict it (gripd check)".into(),
+        }
+    }
+}
+
+fn unsure(most: f64) -> String {
+    format!("not sure enough: σ above {} % of it", number(100.0 * most, 0))
+}
+
+impl Published {
+    fn name(self) -> String {
+        match self {
+            Slope(wheel) => format!("Slip slope, {}", WHEELS[wheel]),
+            Offset(wheel) => format!("Slip offset, {}", WHEELS[wheel]),
+            Cornering(0) => "Cornering stiffness, front".into(),
+            Cornering(_) => "Cornering stiffness, rear".into(),
+            Sideslip => "Sideslip".into(),
+            Friction => "Friction available".into(),
+        }
+    }
+
+    fn told(self, estimates: &Estimates) -> Option<(f64, Option<f64>)> {
+        let of = |estimate: Option<Estimate>| estimate.map(|it| (it.value, Some(it.std)));
+        match self {
+            Slope(wheel) => of(estimates.slope[wheel]),
+            Offset(wheel) => of(estimates.slip_offset[wheel]),
+            Cornering(axle) => of(estimates.cornering[axle]),
+            Sideslip => estimates.motion.sideslip.map(|angle| (angle.to_degrees(), None)),
+            Friction => {
+                let friction = &estimates.friction;
+                let ends = friction.low.zip(friction.high);
+                friction.max.map(|mu| (mu, ends.map(|(low, high)| (high - low) / (2.0 * 1.96))))
+            }
+        }
+    }
+
+    fn is_valid(self, estimates: &Estimates) -> bool {
+        match self {
+            Slope(_) | Offset(_) => estimates.slope_valid,
+            Cornering(_) => estimates.cornering_valid,
+            Sideslip => estimates.motion.valid,
+            Friction => estimates.friction.valid,
+        }
+    }
+
+    /// Of a row in which it is not valid.
+    fn why(self, estimates: &Estimates, config: &EstimatorsConfig) -> Why {
+        if matches!(estimates.state, State::Starting | State::NoInput) {
+            return Why::NoInput;
+        }
+        if estimates.motion.speed.is_none_or(|speed| speed < config.minimum_speed_mps) {
+            return if estimates.state == State::Degraded { Why::NoInput } else { Why::Standing };
+        }
+        let (known, excitation, most) = match self {
+            Slope(wheel) | Offset(wheel) => {
+                (estimates.slope[wheel], estimates.excitation_long, config.slope.valid_relative_std)
+            }
+            Cornering(axle) => {
+                (estimates.cornering[axle], estimates.excitation_lat, config.cornering.valid_relative_std)
+            }
+            Sideslip => return Why::Doubted,
+            Friction if estimates.friction.max.is_none() => return Why::LittleUse,
+            Friction => return Why::Unsure,
+        };
+        match known {
+            Some(known) if known.std <= most * known.value => Why::Doubted,
+            Some(_) if excitation >= LITTLE => Why::Unsure,
+            None if excitation >= LITTLE => Why::Unsure,
+            _ => Why::LittleUse,
+        }
+    }
+
+    /// Value ± standard deviation with its unit.
+    fn shown(self, last: Option<(f64, Option<f64>)>) -> String {
+        let Some((value, std)) = last else { return "–".into() };
+        let (decimals, factor, unit) = match self {
+            Slope(_) => (1, 1.0, ""),
+            Offset(_) => (2, 100.0, " %"),
+            Cornering(_) => (1, 1.0, "/rad"),
+            Sideslip => (2, 1.0, "°"),
+            Friction => (2, 1.0, ""),
+        };
+        let value = number(factor * value, decimals);
+        std.map_or(format!("{value}{unit}"), |std| {
+            format!("{value} ± {}{unit}", number(factor * std, decimals))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use physics::Micros;
+    use physics::estimates::Motion;
+
+    fn driving(time_s: f64) -> Estimates {
+        let motion = Motion { speed: Some(20.0), ..Motion::default() };
+        let time = Micros::from_seconds(time_s);
+        Estimates { time, state: State::Running, motion, ..Estimates::default() }
+    }
+
+    #[test]
+    fn a_drive_that_teaches_nothing_says_why() {
+        let config = EstimatorsConfig::default();
+        let mut learning = Learning::default();
+        assert_eq!(learning.text(&config), "");
+        for tick in 0..100 {
+            let mut row = driving(0.01 * f64::from(tick));
+            row.excitation_long = 0.03;
+            row.friction.used = Some(0.002 * f64::from(tick));
+            learning.take(&row, &config);
+        }
+        let text = learning.text(&config);
+        let line = |name: &str| text.lines().find(|line| line.starts_with(name)).unwrap().to_owned();
+        assert!(line("Slip slope, front left").contains("too little force along, 3 % of enough"), "{text}");
+        assert!(line("Cornering stiffness, rear").contains("too few curves, 0 %"), "{text}");
+        assert!(line("Friction").contains("0 %") && line("Friction").contains("lower bound"), "{text}");
+        assert!(text.contains("highest use of the friction: 0.20, 1.0 s after"), "{text}");
+        assert!(!text.contains("rear left"), "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+    }
+
+    #[test]
+    fn what_is_valid_has_its_share_and_its_last_value() {
+        let config = EstimatorsConfig::default();
+        let mut learning = Learning::default();
+        let estimate = Some(Estimate { value: 30.0, std: 2.0, age_s: 0.0 });
+        for tick in 0..4 {
+            let mut row = driving(f64::from(tick));
+            row.slope[0] = estimate;
+            row.slope_valid = tick > 0;
+            row.cornering[0] = Some(Estimate { value: 12.0, std: 6.0, age_s: 0.0 });
+            row.excitation_lat = 1.0;
+            learning.take(&row, &config);
+        }
+        let text = learning.text(&config);
+        let line = |name: &str| text.lines().find(|line| line.starts_with(name)).unwrap().to_owned();
+        let slope = line("Slip slope, front left");
+        assert!(slope.contains("75 %") && slope.contains("30.0 ± 2.0"), "{slope}");
+        assert!(line("Cornering stiffness, front").contains("σ above 15 % of it"), "{text}");
+    }
+}

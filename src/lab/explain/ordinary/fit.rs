@@ -63,17 +63,8 @@ const STARTS: [(f64, f64, f64); 5] =
 /// What a residual is divided by: size of a channel, and the memory of its residuals in points.
 #[derive(Clone, Copy, Debug)]
 pub struct Scale {
-    /// Yaw rate, rad/s, and lateral acceleration, m/s².
-    pub noise: [f64; 2],
-    /// 1 + 2 Σ ρ, rows.
-    pub memory: [f64; 2],
-}
-
-impl FreeFit<'_> {
-    /// What its residuals were divided by.
-    pub fn scale(&self) -> Scale {
-        Scale { noise: self.noise, memory: self.time_constants_s.map(Scale::memory_of) }
-    }
+    noise: [f64; 2],
+    memory: [f64; 2],
 }
 
 impl Scale {
@@ -219,8 +210,7 @@ impl<'p, 'a> Problem<'p, 'a> {
         self.free.iter().map(of).collect()
     }
 
-    /// What it says of each drive at these coordinates.
-    pub fn predict(&self, at: &[f64]) -> Vec<Predicted> {
+    fn predict(&self, at: &[f64]) -> Vec<Predicted> {
         (0..self.drives.len()).into_par_iter().map(|drive| self.predict_one(at, drive)).collect()
     }
 
@@ -289,7 +279,8 @@ impl<'p, 'a> Problem<'p, 'a> {
         cost
     }
 
-    fn prior_cost(&self, at: &[f64]) -> f64 {
+    /// What is thought of the numbers, −2 ln.
+    pub fn prior_cost(&self, at: &[f64]) -> f64 {
         let off = |(free, at): (&Free, &f64)| ((at - free.prior.0) / free.prior.1).powi(2);
         self.free.iter().zip(at).map(off).sum()
     }
@@ -394,7 +385,7 @@ impl<'p, 'a> Problem<'p, 'a> {
 
     /// Levenberg's and Marquardt's search within the bounds, with slopes that are kept as long as they serve: they are nearly
     /// all of the computing. Returns the cost and the end.
-    pub fn search(&self, from: Vec<f64>, scale: &Scale, steps: usize) -> (f64, Vec<f64>) {
+    fn search(&self, from: Vec<f64>, scale: &Scale, steps: usize) -> (f64, Vec<f64>) {
         let mut at = from;
         let mut predicted = self.predict(&at);
         let mut cost = self.cost(&at, &predicted, scale);

@@ -102,15 +102,15 @@ const ORDINARY: &[OrdinaryKind] = &[
     (LOAD_TRANSFER, &[("cg_height_m", 0.55, 0.08)]),
 ];
 
-/// Physics that every car has, and that the data are the first to refuse: at the limit, where the wheels that are unloaded decide
+/// Physics that every car has, and that the data may refuse: at the limit, where the wheels that are unloaded decide
 /// where a car goes, what the equations lack about differentials, brakes and tires is more than what they gain.
 const LOAD_TRANSFER: &str = "load_transfer";
 
-/// The model with the physics that every car has, unless the configuration has switched it on; the same without load
-/// transfer; and as it is.
-pub fn with_ordinary<'a>(model: &Model<'a>) -> [Model<'a>; 3] {
+/// The model with the physics that every car has, unless the configuration has switched it on; and the same without what
+/// the data may refuse.
+pub fn with_ordinary<'a>(model: &Model<'a>) -> [Model<'a>; 2] {
     let simpler = ORDINARY.iter().filter(|(name, _)| *name != LOAD_TRANSFER);
-    [with_all(model, ORDINARY.iter()), with_all(model, simpler), model.clone()]
+    [with_all(model, ORDINARY.iter()), with_all(model, simpler)]
 }
 
 fn with_all<'a>(model: &Model<'a>, all: impl Iterator<Item = &'static OrdinaryKind>) -> Model<'a> {

@@ -74,8 +74,17 @@ impl Took {
 
 fn explained(vehicle: &Vehicle, recording: &Recording, library: &[&'static Kind]) -> Took {
     let recordings = std::slice::from_ref(recording);
-    let case =
-        Case { vehicle, effects: &[], recordings, references: 0, held_out: 0, chain: &[], library, seed: 1 };
+    let case = Case {
+        vehicle,
+        effects: &[],
+        recordings,
+        references: 0,
+        in_order: false,
+        held_out: 0,
+        chain: &[],
+        library,
+        seed: 1,
+    };
     let (begin, before) = (Instant::now(), processor_seconds());
     let explanation = case.explain(&|_, _| {}).explanation;
     Took { clock: begin.elapsed().as_secs_f64(), processor: processor_seconds() - before, explanation }

@@ -75,6 +75,7 @@ fn over_drives(sizes: [f64; 2]) -> (TempDir, Value) {
 /// GIVEN four drives, in the last two of which a wheel is smaller THEN it is told since when, with its size in each, and that
 /// it does not grow; the page has it over the drives.
 #[test]
+#[ignore = "long: four drives searched"]
 fn a_wheel_is_smaller_since_the_third_drive() {
     let (folder, answer) = over_drives([-0.02, -0.02]);
     assert_eq!(answer["verdict"], "missing_physics", "{}", answer["findings"]);

@@ -70,9 +70,11 @@ const ANOTHER_CAR: &str = "nothing was compared: one car with sensors of each dr
 #[cfg(test)]
 mod tests {
     use super::super::bench::{case, recorded_as};
+    use super::super::predict::Recording;
     use super::super::result::Finding;
     use super::*;
     use physics::model::Scenario;
+    use physics::model::effect::named;
 
     /// What has changed in a drive since a healthy one.
     fn changed(effects: &str, change: impl FnOnce(&mut Scenario)) -> Explanation {
@@ -105,6 +107,32 @@ mod tests {
         assert_eq!(answer.verdict, Verdict::MissingPhysics);
         assert_eq!(answer.findings[0].effect, "payload", "{:?}", answer.findings);
         main_number(&answer.findings[0], "mass_kg", 300.0);
+    }
+
+    /// GIVEN three drives in time order, in the last of which a wheel is smaller THEN that is told since there; one drive does
+    /// not tell whether it grows.
+    #[test]
+    fn a_wheel_is_smaller_since_the_last_drive() {
+        let wheel = "[[effect]]\nkind = \"tire_radius\"\nrelative_difference_rl = -0.02\n";
+        let drive = |name: &str, effects: &str, seed| {
+            let (vehicle, recording) = recorded_as(effects, |scenario| scenario.seed = seed);
+            (vehicle, Recording { name: name.into(), ..recording })
+        };
+        let (vehicle, first) = drive("first", "", 11);
+        let recordings = [first, drive("second", "", 12).1, drive("third", wheel, 13).1];
+        let library: Vec<_> = named("tire_radius").into_iter().collect();
+        let case = Case { in_order: true, library: &library, ..case(&vehicle, &recordings) };
+        let answer = case.explain(&|_, _| {}).explanation;
+        assert_eq!(answer.verdict, Verdict::MissingPhysics, "{:?}", answer.history);
+        let history = answer.history.unwrap();
+        let change = &history.changes[0];
+        assert_eq!((change.parameter.as_str(), change.since.as_str()), ("relative_difference_rl", "third"));
+        assert_eq!((history.changes.len(), change.grows), (1, None), "{:?}", history.changes);
+        for (value, truth) in change.values.iter().zip([0.0, 0.0, -0.02]) {
+            assert!((value.value - truth).abs() < 4.0 * value.std.max(3e-4), "{change:?}");
+        }
+        let stiffness = history.numbers.iter().find(|it| it.effect == "lateral_stiffness_front").unwrap();
+        assert!(stiffness.told_from.is_some_and(|from| from > 0.0), "{stiffness:?}");
     }
 
     /// GIVEN a drive on other front tires THEN their stiffness is named, with the one before beside it.

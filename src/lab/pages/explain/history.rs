@@ -56,8 +56,8 @@ fn growth(change: &Change) -> String {
 /// What it is, with the effect that it is of.
 fn name(effect: &str, channel: Option<&str>, parameter: &str) -> String {
     let own = words::parameter(effect, channel, parameter);
-    let effect = words::effect(effect, channel);
-    if own == effect { own } else { format!("{effect} ({own})") }
+    // A number of the car is called by its name, what an effect has of it by both.
+    if effect == parameter { own } else { format!("{} ({own})", words::effect(effect, channel)) }
 }
 
 fn shown(change: &Change, estimate: Estimate) -> Shown {
@@ -258,7 +258,7 @@ mod tests {
         for part in [
             "since 2.log (95 %: 2.log to 3.log)",
             "rear left wheel",
-            "0.01 ± 0.03 before, −1.48 ± 0.04 % in the last drive",
+            "0.010 ± 0.028 before, −1.48 ± 0.04 % in the last drive",
             "does not grow (0.0300 % from drive to drive, 95 %: −0.0900 to 0.150)",
             "3: −1.51 ± 0.04 %",
             "front cornering stiffness by 1.50 1/rad",

@@ -101,7 +101,7 @@ pub struct Base<'a> {
 }
 
 impl<'a> Base<'a> {
-    /// Fits the car; `own` is the vehicle with tires that bend.
+    /// Fits the car; `own` is the vehicle with tires that bend ([`with_bend`](super::with_bend)).
     ///
     /// # Errors
     /// Why there is no free run.

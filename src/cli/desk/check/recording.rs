@@ -37,6 +37,16 @@ pub struct RecordingReport {
     pub faults: BTreeMap<String, u64>,
     /// Uniform samples made.
     pub samples: u64,
+    /// Intervals over which the car stood, all of its speeds near zero, s from the first frame.
+    pub standing: Vec<[f64; 2]>,
+}
+
+impl RecordingReport {
+    /// Did the car drive for a while in this interval? A car that is parked holds its steering wheel, too.
+    pub fn is_while_driving(&self, [from, to]: &[f64; 2]) -> bool {
+        let stood = self.standing.iter().map(|[begin, end]| (end.min(*to) - begin.max(*from)).max(0.0));
+        to - from - stood.sum::<f64>() > STUCK_S
+    }
 }
 
 /// One file.
@@ -123,7 +133,45 @@ pub struct Recorder {
     others: BTreeMap<CanId, u64>,
     last_time: Option<Micros>,
     same_stamp: u64,
+    standing: Standing,
     report: RecordingReport,
+}
+
+/// When the car stands: all of the speeds that there are near zero.
+#[derive(Default)]
+struct Standing {
+    /// The newest speeds: rim or road, m/s at a radius of a third of a metre.
+    speeds: BTreeMap<Quantity, f64>,
+    /// Since when.
+    since: Option<f64>,
+    intervals: Vec<[f64; 2]>,
+}
+
+/// Slower than this it stands, m/s. Physical: wheel sensors know nothing below.
+const STANDING_MPS: f64 = 0.3;
+
+impl Standing {
+    fn take(&mut self, quantity: Quantity, at: f64, value: f64) {
+        let rim = match quantity {
+            Quantity::VehicleSpeed => value.abs(),
+            wheel if wheel.wheel().is_some() => value.abs() / 3.0,
+            _ => return,
+        };
+        self.speeds.insert(quantity, rim);
+        match (self.speeds.values().all(|speed| *speed < STANDING_MPS), self.since) {
+            (true, None) => self.since = Some(at),
+            (false, Some(_)) => self.end(at),
+            _ => (),
+        }
+    }
+
+    fn end(&mut self, at: f64) {
+        if let Some(since) = self.since.take()
+            && at - since > STUCK_S
+        {
+            self.intervals.push([since, at]);
+        }
+    }
 }
 
 #[derive(Default)]
@@ -168,6 +216,7 @@ impl Recorder {
             others: BTreeMap::new(),
             last_time: None,
             same_stamp: 0,
+            standing: Standing::default(),
             report: RecordingReport::default(),
         }
     }
@@ -192,6 +241,9 @@ impl Recorder {
         }
         let at = (frame.time - first).seconds();
         inputs.read(frame, &mut |quantity, value| {
+            if let Some(value) = value {
+                self.standing.take(quantity, at, value);
+            }
             if let Some(channel) = self.channels.get_mut(&quantity) {
                 channel.take(quantity, frame.time, at, value);
             }
@@ -213,6 +265,9 @@ impl Recorder {
             time_backwards: stats.time_backwards,
             broken,
         });
+        let end = self.first.zip(self.last_time).map_or(0.0, |(first, last)| (last - first).seconds());
+        self.standing.end(end);
+        self.standing.speeds.clear();
         for channel in self.channels.values_mut() {
             channel.end_run();
             channel.last_time = None;
@@ -226,6 +281,7 @@ impl Recorder {
         self.report.unneeded_ids = self.others.len();
         self.report.unneeded_frames = self.others.values().sum();
         self.report.samples = samples;
+        self.report.standing = self.standing.intervals;
         self.report.faults = sampler.counts().iter().collect();
         let name = |id| sampler.inputs().message_name(id).unwrap_or_default().to_owned();
         self.report.messages = self

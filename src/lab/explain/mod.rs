@@ -50,6 +50,7 @@ mod signs_and_swaps;
 mod smooth;
 mod split;
 mod tuning;
+mod used;
 mod verdict;
 
 pub use case::{Answer, Case};
@@ -62,3 +63,4 @@ pub use result::{
     Parts, Ranked, Term, Trace, Verdict, Where,
 };
 pub use sensitivity::{Detectable, Isolability, Rival, Sensitivity};
+pub use used::{LeftOut, Used};

@@ -38,6 +38,9 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
     for paragraph in lead(explanation).into_iter().chain(explanation.simulation.as_ref().map(words::beside)) {
         page.raw(&format!("<p class=\"lead\">{}</p>", escape(&paragraph)));
     }
+    for line in words::used(explanation) {
+        page.raw(&format!("<p class=\"aside\">Used: {}</p>", escape(&stopped(&line))));
+    }
     if explanation.verdict == Verdict::InsufficientExcitation {
         to_drive(page, explanation);
     }

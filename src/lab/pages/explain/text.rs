@@ -25,6 +25,9 @@ pub fn print(explanation: &Explanation, output: &mut impl Write) -> io::Result<(
 /// The whole text.
 fn text(explanation: &Explanation) -> String {
     let mut text = words::answer(explanation).join("\n") + "\n";
+    for line in words::used(explanation) {
+        wrapped(&mut text, "Used: ", &stopped(&line));
+    }
     if !explanation.certain.is_empty() {
         text += "\nFirst of all, of the measurement (as `gripd check` says it)\n";
         for line in &explanation.certain {

@@ -1,6 +1,6 @@
 //! Names and units as a chassis engineer says them.
 
-use crate::explain::{Confirmed, Estimate, Explanation, Finding, Nature, Simulated, Verdict};
+use crate::explain::{Confirmed, Estimate, Explanation, Finding, Nature, Simulated, Used, Verdict};
 use crate::identify::{Doubt, Parameter};
 use physics::model::effect::{self, Kind, Spec};
 
@@ -272,6 +272,19 @@ pub fn verdict(verdict: Verdict) -> &'static str {
 /// The answer's first two lines, the same wherever it stands: verdict and subject; what it came to.
 pub fn answer(explanation: &Explanation) -> [String; 2] {
     [format!("{} ({})", verdict(explanation.verdict), subject(explanation)), headline(explanation)]
+}
+
+/// Which part of each recording was used, and why not the rest; nothing of those that were used whole.
+pub fn used(explanation: &Explanation) -> Vec<String> {
+    let of = |used: &Used| {
+        let left: Vec<String> =
+            used.left_out.iter().map(|it| format!("{} s {}", number(it.seconds, 0), it.why)).collect();
+        (!left.is_empty()).then(|| {
+            let (long, whole) = (number(used.used_s, 0), number(used.seconds, 0));
+            format!("{long} of {whole} s of {}; left out: {}", used.recording, list(&left))
+        })
+    };
+    explanation.used.iter().filter_map(of).collect()
 }
 
 /// A number in doubt, as it is shown.

@@ -40,7 +40,7 @@ pub fn percent(share: f64) -> String {
     match 100.0 * share {
         percent if !percent.is_finite() => "–".into(),
         percent if percent > 0.0 && percent < 0.5 => "< 1 %".into(),
-        percent if percent < 100.0 && percent >= 99.5 => "> 99 %".into(),
+        percent if (99.5..100.0).contains(&percent) => "> 99 %".into(),
         percent => format!("{percent:.0} %"),
     }
 }

@@ -19,8 +19,8 @@ pub struct Convert {
     /// The recording (gzip or zstd around it; `-` is the standard input).
     recording: PathBuf,
     /// What it becomes: Vector ASC where the name ends in `.asc`, BLF in `.blf`, MF4 in `.mf4`, TRC in `.trc`,
-    /// python-can's CSV in `.csv`, a candump log in `.log` or without an ending; others are refused. (Texts with `.gz` and `.zst` behind are packed; `-` is the
-    /// standard output.)
+    /// python-can's CSV in `.csv`, a candump log in `.log` or without an ending; others are refused. (Texts
+    /// with `.gz` and `.zst` behind are packed; `-` is the standard output.)
     #[arg(short, long)]
     out: PathBuf,
     /// The format, whatever the name ends in.

@@ -221,10 +221,10 @@ mod tests {
     fn everything_is_where_it_was() {
         let svg = timeline().svg();
         assert!(svg.contains("<rect x=\"240.0\" y=\"0.0\" width=\"176.0\""), "20 to 40 s: {svg}");
-        assert!(svg.contains("<rect x=\"504.0\" y=\"130.0\" width=\"88.0\" height=\"14.0\""), "{svg}");
+        assert!(svg.contains("<rect x=\"504.0\" y=\"164.0\" width=\"88.0\" height=\"14.0\""), "{svg}");
         assert!(svg.contains("width=\"2.0\""), "what is short can still be seen");
         assert!(svg.contains("x &lt; y") && svg.contains("a &amp; b") && !svg.contains("NaN"));
-        assert!(!svg.contains("nothing"), "a panel without points is left out");
+        assert!(svg.contains("nothing: no value of it"), "a panel without points says so");
         assert!(timeline().legend().contains("held &lt;out&gt;"));
     }
 

@@ -3,6 +3,7 @@
 mod configuration;
 mod layout;
 mod recording;
+mod standing;
 mod text;
 
 use std::io::{IsTerminal, Write};

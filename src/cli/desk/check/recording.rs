@@ -7,10 +7,11 @@ use bus::can::{CanId, Frame};
 use bus::signals::{Inputs, Pushed, Sampler};
 use physics::{Faults, Micros, Quantity};
 
+use super::standing::Standing;
 use std::collections::BTreeMap;
 
 /// A value that stands still for longer than this is worth a line, s.
-const STUCK_S: f64 = 5.0;
+pub(super) const STUCK_S: f64 = 5.0;
 /// So many stuck intervals are kept for each quantity.
 const STUCK_KEPT: usize = 10;
 /// An interval this many times the median is a gap and no jitter.
@@ -137,43 +138,6 @@ pub struct Recorder {
     report: RecordingReport,
 }
 
-/// When the car stands: all of the speeds that there are near zero.
-#[derive(Default)]
-struct Standing {
-    /// The newest speeds: rim or road, m/s at a radius of a third of a metre.
-    speeds: BTreeMap<Quantity, f64>,
-    /// Since when.
-    since: Option<f64>,
-    intervals: Vec<[f64; 2]>,
-}
-
-/// Slower than this it stands, m/s. Physical: wheel sensors know nothing below.
-const STANDING_MPS: f64 = 0.3;
-
-impl Standing {
-    fn take(&mut self, quantity: Quantity, at: f64, value: f64) {
-        let rim = match quantity {
-            Quantity::VehicleSpeed => value.abs(),
-            wheel if wheel.wheel().is_some() => value.abs() / 3.0,
-            _ => return,
-        };
-        self.speeds.insert(quantity, rim);
-        match (self.speeds.values().all(|speed| *speed < STANDING_MPS), self.since) {
-            (true, None) => self.since = Some(at),
-            (false, Some(_)) => self.end(at),
-            _ => (),
-        }
-    }
-
-    fn end(&mut self, at: f64) {
-        if let Some(since) = self.since.take()
-            && at - since > STUCK_S
-        {
-            self.intervals.push([since, at]);
-        }
-    }
-}
-
 #[derive(Default)]
 struct Message {
     frames: u64,
@@ -266,8 +230,7 @@ impl Recorder {
             broken,
         });
         let end = self.first.zip(self.last_time).map_or(0.0, |(first, last)| (last - first).seconds());
-        self.standing.end(end);
-        self.standing.speeds.clear();
+        self.standing.end_of_file(end);
         for channel in self.channels.values_mut() {
             channel.end_run();
             channel.last_time = None;
@@ -281,7 +244,7 @@ impl Recorder {
         self.report.unneeded_ids = self.others.len();
         self.report.unneeded_frames = self.others.values().sum();
         self.report.samples = samples;
-        self.report.standing = self.standing.intervals;
+        self.report.standing = self.standing.intervals();
         self.report.faults = sampler.counts().iter().collect();
         let name = |id| sampler.inputs().message_name(id).unwrap_or_default().to_owned();
         self.report.messages = self

@@ -1,7 +1,7 @@
 //! Names and units as a chassis engineer says them.
 
-use crate::explain::{Confirmed, Estimate, Explanation, Finding, Nature, Simulated, Used, Verdict};
-use crate::identify::{Doubt, Parameter};
+use crate::explain::{Confirmed, Estimate, Explanation, Finding, Nature, Simulated, Verdict};
+use crate::identify::Parameter;
 use physics::model::effect::{self, Kind, Spec};
 
 pub use super::numbers::{number, plus_minus, probability, signed, three, with_unit};
@@ -272,63 +272,6 @@ pub fn verdict(verdict: Verdict) -> &'static str {
 /// The answer's first two lines, the same wherever it stands: verdict and subject; what it came to.
 pub fn answer(explanation: &Explanation) -> [String; 2] {
     [format!("{} ({})", verdict(explanation.verdict), subject(explanation)), headline(explanation)]
-}
-
-/// Which part of each recording was used, and why not the rest; nothing of those that were used whole.
-pub fn used(explanation: &Explanation) -> Vec<String> {
-    let of = |used: &Used| {
-        let left: Vec<String> =
-            used.left_out.iter().map(|it| format!("{} s {}", number(it.seconds, 0), it.why)).collect();
-        (!left.is_empty()).then(|| {
-            let (long, whole) = (number(used.used_s, 0), number(used.seconds, 0));
-            format!("{long} of {whole} s of {}; left out: {}", used.recording, list(&left))
-        })
-    };
-    explanation.used.iter().filter_map(of).collect()
-}
-
-/// A number in doubt, as it is shown.
-pub struct InDoubt {
-    /// What it is.
-    pub name: String,
-    /// What was found.
-    pub found: String,
-    /// What the table has, if it has it.
-    pub table: Option<String>,
-    /// Why it is in doubt.
-    pub why: String,
-    /// What may be behind it, if anybody knows.
-    pub behind: String,
-}
-
-impl InDoubt {
-    /// All of it.
-    pub fn line(&self) -> String {
-        let mut line = format!("{} {}: {}", self.name, self.found, self.why);
-        if let Some(table) = &self.table {
-            line += &format!(" ({table})");
-        }
-        if !self.behind.is_empty() {
-            line += &format!("; what may be behind it: {}", self.behind);
-        }
-        line
-    }
-}
-
-/// What is in doubt of an answer.
-pub fn in_doubt(explanation: &Explanation) -> Vec<InDoubt> {
-    let of = |(name, doubt): (&String, &Doubt)| {
-        let found = ordinary(name, Estimate { value: doubt.value, std: doubt.std });
-        let table = doubt.table.map(|table| ordinary(name, Estimate { value: table.value, std: table.std }));
-        InDoubt {
-            name: found.name.clone(),
-            found: found.value(),
-            table: table.map(|table| table.value()),
-            why: doubt.why.clone(),
-            behind: doubt.behind.into(),
-        }
-    };
-    explanation.in_doubt.iter().map(of).collect()
 }
 
 /// What it came to, in a sentence without full stop.

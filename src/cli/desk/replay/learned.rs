@@ -149,16 +149,16 @@ impl Learning {
             (Why::NoInput, _) => "required signals are missing (gripd check)".into(),
             (Why::Standing, _) => "the car stood, or the speed is not known".into(),
             (Why::LittleUse, Slope(_) | Offset(_)) => {
-                format!("too little force along, {} of enough at most", excitation(0))
+                format!("too little force along, {} of enough", excitation(0))
             }
             (Why::LittleUse, Cornering(_) | Sideslip) => {
-                format!("too few curves, {} of enough at most", excitation(1))
+                format!("too few curves, {} of enough", excitation(1))
             }
-            (Why::LittleUse, Friction) => "never near the limit: only a lower bound is told".into(),
+            (Why::LittleUse, Friction) => "far from the limit: only a lower bound".into(),
             (Why::Unsure, Slope(_) | Offset(_)) => unsure(config.slope.valid_relative_std),
             (Why::Unsure, Cornering(_) | Sideslip) => unsure(config.cornering.valid_relative_std),
             (Why::Unsure, Friction) => "not near enough to the limit, or long ago".into(),
-            (Why::Doubted, _) => "too old, or signals contradict it (gripd check)".into(),
+            (Why::Doubted, _) => "old, or signals contradict it (gripd check)".into(),
         }
     }
 }

@@ -270,6 +270,80 @@ fn offsets_are_measured_and_gross_ones_are_findings() {
     }
 }
 
+/// GIVEN a late accelerometer, and whatever zeros the sensors have (or a configuration takes from them) THEN the delays are the
+/// same.
+#[test]
+fn delays_are_the_same_whatever_the_offsets_are() {
+    use Quantity::{LateralAcceleration, SteeringWheelAngle, YawRate};
+    let late = delayed(&[LateralAcceleration], 4);
+    let delays = |offsets: [f64; 3]| -> Vec<Option<f64>> {
+        let mut samples = late.clone();
+        for sample in &mut samples {
+            for (quantity, offset) in
+                [YawRate, LateralAcceleration, SteeringWheelAngle].into_iter().zip(offsets)
+            {
+                if let Some(value) = sample.get(quantity) {
+                    sample.set(quantity, value + offset);
+                }
+            }
+        }
+        judge(&samples).relations.iter().map(|relation| relation.delay_s).collect()
+    };
+    let without = delays([0.0; 3]);
+    assert!(without.iter().flatten().count() >= 4, "{without:?}");
+    for offsets in [[0.03, -2.0, 0.2], [-0.05, 3.0, -0.3]] {
+        for (delay, before) in delays(offsets).iter().zip(&without) {
+            let (delay, before) = (delay.unwrap_or(f64::NAN), before.unwrap_or(f64::NAN));
+            assert!(delay.is_nan() && before.is_nan() || (delay - before).abs() < 1e-3, "{delay} {before}");
+        }
+    }
+}
+
+/// GIVEN a car that is parked, its wheel sensors saying that it creeps THEN it has not moved, and nothing is wrong.
+#[test]
+fn a_parked_car_is_no_fault() {
+    let mut samples = clean();
+    samples.truncate(1000);
+    for (row, sample) in samples.iter_mut().enumerate() {
+        for wheel in WHEELS {
+            sample.set(wheel, 0.1);
+        }
+        sample.set(Quantity::YawRate, if row % 2 == 0 { 0.001 } else { -0.001 });
+    }
+    let report = judge(&samples);
+    assert_eq!(report.moving_seconds, 0.0);
+    assert!(report.findings.is_empty() && !report.compared, "{}", summary(&report));
+    assert!(report.offsets.iter().any(|offset| offset.from == "at standstill"));
+}
+
+/// GIVEN an axle whose wheels turn alike (a locked differential), and no accelerometer THEN that is why they tell of no curves: not
+/// that too little happened.
+#[test]
+fn what_could_not_be_compared_has_its_reason() {
+    let mut samples = clean();
+    for (row, sample) in samples.iter_mut().enumerate() {
+        let wheels = [Quantity::WheelSpeedRl, Quantity::WheelSpeedRr];
+        if let [Some(left), Some(right)] = wheels.map(|wheel| sample.get(wheel)) {
+            let mean = 0.5 * (left + right);
+            // Each has teeth of its own.
+            sample.set(wheels[0], mean + 0.01 * (0.7 * row as f64).sin());
+            sample.set(wheels[1], mean + 0.01 * (1.1 * row as f64).cos());
+        }
+        sample.clear(Quantity::LateralAcceleration);
+    }
+    let report = judge(&samples);
+    let said = |relation: &str| {
+        let unclear = report.unclear.iter().find(|it| it.what.starts_with(relation));
+        unclear.unwrap_or_else(|| panic!("{:?}", report.unclear)).what.clone()
+    };
+    assert!(said("rear wheel speed difference").contains("the axle is locked"), "{:?}", report.unclear);
+    assert!(
+        said("lateral acceleration").contains("there is no lateral_acceleration"),
+        "{:?}",
+        report.unclear
+    );
+}
+
 #[test]
 fn a_worn_tire_is_named() {
     for wheel in WHEELS {

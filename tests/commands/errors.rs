@@ -136,6 +136,72 @@ fn packed(text: &str) -> Vec<u8> {
     encoder.finish().unwrap()
 }
 
+/// GIVEN a name that ends as no format does THEN it is refused with those that do, and nothing is written; --format says it all the
+/// same, and a name without an ending is a candump log.
+#[test]
+fn a_recording_is_converted_to_a_format_that_is_known() {
+    let garage = Garage::new();
+    garage
+        .gripd(&["convert", "drive.log", "-o", "drive.xyz"])
+        .with(2, &["drive.xyz", ".xyz", ".mf4", "--format"]);
+    garage.gripd(&["convert", "drive.log", "-o", "drive.xyz.gz"]).with(2, &[".xyz"]);
+    assert!(!garage.path("drive.xyz").exists());
+    for (arguments, name) in [(&["--format", "asc"][..], "drive.xyz"), (&[], "drive"), (&[], "packed.gz")] {
+        garage.gripd(&[&["convert", "drive.log", "-o", name], arguments].concat()).with(0, &[]);
+        assert!(garage.path(name).exists(), "{name}");
+    }
+}
+
+/// GIVEN a recording of a car that is parked THEN `check` says that it stands and warns of no signal, and `explain` says in words
+/// that this is too little, with exit code 0.
+#[test]
+fn a_parked_car_is_told_in_words() {
+    let garage = Garage::new();
+    // Wheels and yaw rate rest at the same code, as they do at standstill.
+    let frame =
+        |i: i32, id: &str, data: &str| format!("({}.{:02}0000) can0 {id}#{data}\n", 100 + i / 100, i % 100);
+    let log: String = (0..2000)
+        .flat_map(|i| {
+            [
+                frame(i, "1A0", "0A000A000A000A00"),
+                frame(i, "1B0", "0000000000000000"),
+                frame(i, "1C0", "10000000"),
+            ]
+        })
+        .collect();
+    garage.write("parked.log", log);
+    let checked = garage.gripd(&["-q", "check", "-c", "car.toml", "parked.log"]);
+    checked.with(0, &[]);
+    assert!(checked.stdout.contains("the car stands from 0.0 s to 20.0 s"), "{}", checked.stdout);
+    assert!(!checked.stdout.contains("stands still"), "{}", checked.stdout);
+    assert!(checked.stdout.contains("nothing could be compared"), "{}", checked.stdout);
+    let explained = garage.gripd(&["-q", "explain", "-c", "car.toml", "parked.log", "--json", "answer.json"]);
+    explained.with(0, &[]);
+    for part in
+        ["Too little excitation", "Used: 0 of 20 s", "standing, or slower than 3 m/s", "To drive next"]
+    {
+        assert!(explained.stdout.replace("\n  ", " ").contains(part), "{part}: {}", explained.stdout);
+    }
+    assert!(!explained.stdout.contains("-0 s") && !explained.stdout.contains("−0 s"), "{}", explained.stdout);
+    let answer = std::fs::read_to_string(garage.path("answer.json")).unwrap();
+    let answer: serde_json::Value = serde_json::from_str(&answer).unwrap();
+    assert_eq!(answer["verdict"], "insufficient_excitation");
+    assert_eq!(answer["used"][0]["used_s"].as_f64(), Some(0.0));
+}
+
+/// GIVEN a shell THEN it completes the names of parameters; one that is none is refused with those that are.
+#[test]
+fn shells_complete_names_of_parameters() {
+    let garage = Garage::new();
+    for shell in ["bash", "zsh", "fish"] {
+        let completions = garage.gripd(&["completions", shell]);
+        completions.with(0, &[]);
+        for name in ["yaw_inertia_kgm2", "lateral_stiffness", "steering_wheel_angle_offset"] {
+            assert!(completions.stdout.contains(name), "{shell}: {name}");
+        }
+    }
+}
+
 #[test]
 fn the_good_car_is_good() {
     let garage = Garage::new();

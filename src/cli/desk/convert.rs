@@ -19,8 +19,8 @@ pub struct Convert {
     /// The recording (gzip or zstd around it; `-` is the standard input).
     recording: PathBuf,
     /// What it becomes: Vector ASC where the name ends in `.asc`, BLF in `.blf`, MF4 in `.mf4`, TRC in `.trc`,
-    /// python-can's CSV in `.csv`, else a candump log. (Texts with `.gz` and `.zst` behind are packed; `-` is the
-    /// standard output.)
+    /// python-can's CSV in `.csv`, a candump log in `.log` or without an ending; others are refused. (Texts
+    /// with `.gz` and `.zst` behind are packed; `-` is the standard output.)
     #[arg(short, long)]
     out: PathBuf,
     /// The format, whatever the name ends in.
@@ -42,7 +42,10 @@ impl Convert {
             name.parse::<bus::can::InterfaceName>().map_err(Failure::usage)?;
         }
         let mut reader = self.part.open(&self.recording)?;
-        let format = self.format.or_else(|| Format::of_name(&self.out)).unwrap_or(Format::Candump);
+        let format = match self.format {
+            Some(format) => format,
+            None => recordings::format_of(&self.out)?,
+        };
         let mut log = Writer::create(&self.out, format, "can0")?;
         let progress = Progress::of_files(std::slice::from_ref(&self.recording));
         let broken = loop {

@@ -16,6 +16,7 @@ use super::predict::{GriddedDrive, grid::COMPARED};
 use super::proof::{self, Comparisons};
 use super::result::{Block, Estimate, Explanation, Finding, Missing, Models, Parts, Trace, Verdict, Where};
 use super::split::Part;
+use super::used::Used;
 
 /// The innovations of each drive.
 type Innovations = Vec<Vec<Innovation>>;
@@ -99,6 +100,7 @@ impl<'a> Conclusion<'_, 'a> {
         }
         explanation.equations = equations;
         explanation.split = self.blocks();
+        explanation.used = self.drives.iter().map(Used::of).collect();
         explanation.seconds = usable;
         explanation.traces = traces;
         if let Some((ordinary, decided)) = self.ordinary {

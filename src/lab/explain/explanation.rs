@@ -15,6 +15,7 @@ use super::result::{Explanation, Verdict};
 use super::select::{Selection, select};
 use super::signs_and_swaps;
 use super::split::{Part, Split};
+use super::used::Used;
 use super::verdict::Gains;
 use physics::Quantity;
 
@@ -44,7 +45,7 @@ impl<'a> Case<'a> {
         let usable: f64 =
             drives.iter().flat_map(|d| &d.runs).map(|(from, to)| (to - from) as f64 * STEP_S).sum();
         if usable < LEAST_SECONDS {
-            let mut explanation = too_little(usable);
+            let mut explanation = too_little(usable, &drives);
             explanation.take_chain(self.chain);
             return Answer { explanation, model: plain };
         }
@@ -133,12 +134,15 @@ fn first_noise(drives: &[GriddedDrive], knows_torque: bool) -> Noise {
     noise.with(Live { size: 1.5, length_s: 1.0, least_s: 0.2, difference: 0.03 })
 }
 
-fn too_little(usable: f64) -> Explanation {
+fn too_little(usable: f64, drives: &[GriddedDrive]) -> Explanation {
     let mut explanation = Explanation::empty(Verdict::InsufficientExcitation);
-    explanation.seconds = usable;
+    // Without any run the sum is −0.
+    explanation.seconds = usable + 0.0;
+    explanation.used = drives.iter().map(Used::of).collect();
+    let there = if usable > 0.0 { format!("only {usable:.0} s") } else { "nothing".to_owned() };
     explanation.to_drive.push(format!(
-        "only {usable:.0} s of driving above 3 m/s with all inputs could be used; drive for two minutes with curves \
-         to both sides, accelerating and braking"
+        "{there} of driving above 3 m/s with all inputs could be used; drive for two minutes with curves to both sides, \
+         accelerating and braking"
     ));
     explanation
 }

@@ -51,6 +51,7 @@ mod signs_and_swaps;
 mod smooth;
 mod split;
 mod tuning;
+mod used;
 mod verdict;
 mod verify;
 
@@ -65,4 +66,5 @@ pub use result::{
     Parts, Ranked, Term, Trace, Verdict, Where,
 };
 pub use sensitivity::{Detectable, Isolability, Rival, Sensitivity};
+pub use used::{Unused, Used};
 pub use verify::{Bin, Known, LeftOut, Outcome, Try, Verified};

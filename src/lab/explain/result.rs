@@ -12,6 +12,7 @@ use super::doubt::is_of_a_finding;
 use super::finding::says;
 use super::history::History;
 use super::ordinary::{FreeTrace, Number, Ordinary, Remaining, Simulated};
+use super::used::Used;
 use crate::identify::Doubt;
 
 /// What the comparison came to.
@@ -296,6 +297,9 @@ pub struct Explanation {
     pub split: Vec<Block>,
     /// Seconds that were used.
     pub seconds: f64,
+    /// Of which recordings, and why not all of them; empty where references or a simulation were asked about.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub used: Vec<Used>,
     /// For plots; not in the JSON.
     #[serde(skip)]
     pub traces: Vec<Trace>,
@@ -338,6 +342,7 @@ impl Explanation {
             confirm: Vec::new(),
             split: Vec::new(),
             seconds: 0.0,
+            used: Vec::new(),
             traces: Vec::new(),
             ordinary: None,
             needs_ordinary: false,

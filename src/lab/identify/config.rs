@@ -91,6 +91,13 @@ impl IdentifyConfig {
     }
 }
 
+impl IdentifyConfig {
+    /// All names that `parameters` takes.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        Parameter::ALL.into_iter().map(Parameter::name).chain(["lateral_stiffness"])
+    }
+}
+
 /// The parameter, or the two, of a name.
 pub(super) fn named(name: &str) -> Result<Tied, IdentifyError> {
     match name {

@@ -181,11 +181,12 @@ fn plotted(page: &mut Page, trace: &FreeTrace) -> Result<(), crate::report::Plot
     for row in finite {
         (low, high) = (low.min(row[1]).min(row[2]), high.max(row[1]).max(row[2]));
     }
-    let (Some(first), Some(last)) = (trace.rows.first(), trace.rows.last()) else { return Ok(()) };
-    if low >= high {
-        return Ok(());
-    }
     let heading = format!("{}, {}", file(&trace.recording), plain(trace.channel.name()));
+    let ends = trace.rows.first().zip(trace.rows.last()).filter(|_| low < high);
+    let Some((first, last)) = ends else {
+        page.paragraph(&format!("{heading}: no values to draw."));
+        return Ok(());
+    };
     let plot = Plot::new(&heading, trace.channel.unit(), first[0]..last[0], low..high)
         .height(200)
         .line("measured", Color::Truth, trace.rows.iter().map(|row| (row[0], row[1])))

@@ -72,18 +72,22 @@ impl Timeline {
         if !(length.is_finite() && length > 0.0) {
             return String::new();
         }
-        let panels: Vec<&Panel> =
-            self.panels.iter().filter(|panel| extent(&panel.points).is_some()).collect();
-        let bottom = (NAME + PANEL + GAP) * panels.len() as f64 + (NAME + ROW + GAP) * self.rows.len() as f64;
+        // One without data says so in its line, and takes no more.
+        let height = |panel: &Panel| if extent(&panel.points).is_some() { PANEL } else { 0.0 };
+        let panels: f64 = self.panels.iter().map(|panel| NAME + height(panel) + GAP).sum();
+        let bottom = panels + (NAME + ROW + GAP) * self.rows.len() as f64;
         let mut svg = open_svg(&self.title, WIDTH, bottom + AXIS);
         for [from, to] in &self.shaded {
             svg += &self.block([*from, *to], 0.0, bottom, SHADE);
         }
         let mut top = 0.0;
-        for panel in panels {
-            svg += &text(LEFT + 4.0, top + 16.0, 14.0, "start", Color::Ink, &panel.name);
+        for panel in &self.panels {
+            let height = height(panel);
+            let name =
+                if height > 0.0 { panel.name.clone() } else { format!("{}: no value of it", panel.name) };
+            svg += &text(LEFT + 4.0, top + 16.0, 14.0, "start", Color::Ink, &name);
             svg += &self.panel(panel, top + NAME);
-            top += NAME + PANEL + GAP;
+            top += NAME + height + GAP;
         }
         for row in &self.rows {
             svg += &text(LEFT + 4.0, top + 16.0, 14.0, "start", Color::Ink, &row.name);
@@ -217,10 +221,10 @@ mod tests {
     fn everything_is_where_it_was() {
         let svg = timeline().svg();
         assert!(svg.contains("<rect x=\"240.0\" y=\"0.0\" width=\"176.0\""), "20 to 40 s: {svg}");
-        assert!(svg.contains("<rect x=\"504.0\" y=\"130.0\" width=\"88.0\" height=\"14.0\""), "{svg}");
+        assert!(svg.contains("<rect x=\"504.0\" y=\"164.0\" width=\"88.0\" height=\"14.0\""), "{svg}");
         assert!(svg.contains("width=\"2.0\""), "what is short can still be seen");
         assert!(svg.contains("x &lt; y") && svg.contains("a &amp; b") && !svg.contains("NaN"));
-        assert!(!svg.contains("nothing"), "a panel without points is left out");
+        assert!(svg.contains("nothing: no value of it"), "a panel without points says so");
         assert!(timeline().legend().contains("held &lt;out&gt;"));
     }
 

@@ -1,10 +1,12 @@
 //! `gripd check`: is a configuration usable, and do recordings agree with it?
 
 mod configuration;
+mod layout;
 mod recording;
+mod standing;
 mod text;
 
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -73,7 +75,8 @@ impl Check {
         // With `--json -` the standard output is for programs.
         if self.json.as_deref() != Some(Path::new("-")) {
             let mut stdout = std::io::stdout().lock();
-            text::write(&mut Printable(&mut stdout), &report).and_then(|()| stdout.flush())?;
+            let is_terminal = stdout.is_terminal();
+            text::write(&mut Printable(&mut stdout), is_terminal, &report).and_then(|()| stdout.flush())?;
         }
         if let Some(path) = &self.json {
             write_json(path, &report)?;

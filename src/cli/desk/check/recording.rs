@@ -7,10 +7,11 @@ use bus::can::{CanId, Frame};
 use bus::signals::{Inputs, Pushed, Sampler};
 use physics::{Faults, Micros, Quantity};
 
+use super::standing::Standing;
 use std::collections::BTreeMap;
 
 /// A value that stands still for longer than this is worth a line, s.
-const STUCK_S: f64 = 5.0;
+pub(super) const STUCK_S: f64 = 5.0;
 /// So many stuck intervals are kept for each quantity.
 const STUCK_KEPT: usize = 10;
 /// An interval this many times the median is a gap and no jitter.
@@ -37,6 +38,16 @@ pub struct RecordingReport {
     pub faults: BTreeMap<String, u64>,
     /// Uniform samples made.
     pub samples: u64,
+    /// Intervals over which the car stood, all of its speeds near zero, s from the first frame.
+    pub standing: Vec<[f64; 2]>,
+}
+
+impl RecordingReport {
+    /// Did the car drive for a while in this interval? A car that is parked holds its steering wheel, too.
+    pub fn is_while_driving(&self, [from, to]: &[f64; 2]) -> bool {
+        let stood = self.standing.iter().map(|[begin, end]| (end.min(*to) - begin.max(*from)).max(0.0));
+        to - from - stood.sum::<f64>() > STUCK_S
+    }
 }
 
 /// One file.
@@ -123,6 +134,7 @@ pub struct Recorder {
     others: BTreeMap<CanId, u64>,
     last_time: Option<Micros>,
     same_stamp: u64,
+    standing: Standing,
     report: RecordingReport,
 }
 
@@ -168,6 +180,7 @@ impl Recorder {
             others: BTreeMap::new(),
             last_time: None,
             same_stamp: 0,
+            standing: Standing::default(),
             report: RecordingReport::default(),
         }
     }
@@ -192,6 +205,9 @@ impl Recorder {
         }
         let at = (frame.time - first).seconds();
         inputs.read(frame, &mut |quantity, value| {
+            if let Some(value) = value {
+                self.standing.take(quantity, at, value);
+            }
             if let Some(channel) = self.channels.get_mut(&quantity) {
                 channel.take(quantity, frame.time, at, value);
             }
@@ -213,6 +229,8 @@ impl Recorder {
             time_backwards: stats.time_backwards,
             broken,
         });
+        let end = self.first.zip(self.last_time).map_or(0.0, |(first, last)| (last - first).seconds());
+        self.standing.end_of_file(end);
         for channel in self.channels.values_mut() {
             channel.end_run();
             channel.last_time = None;
@@ -226,6 +244,7 @@ impl Recorder {
         self.report.unneeded_ids = self.others.len();
         self.report.unneeded_frames = self.others.values().sum();
         self.report.samples = samples;
+        self.report.standing = self.standing.intervals();
         self.report.faults = sampler.counts().iter().collect();
         let name = |id| sampler.inputs().message_name(id).unwrap_or_default().to_owned();
         self.report.messages = self

@@ -4,19 +4,21 @@ use std::io::{self, Write};
 
 use super::Report;
 use super::configuration::ConfigurationReport;
+use super::layout::{Column, Layout};
 use super::recording::{ChannelReport, RecordingReport};
 use lab::explain::chain::{ChainReport, Confidence};
 
-/// Writes everything.
-pub fn write(out: &mut impl Write, report: &Report) -> io::Result<()> {
-    configuration(out, &report.configuration)?;
+/// Writes everything; on a terminal no line is longer than that is wide.
+pub fn write(out: &mut impl Write, is_terminal: bool, report: &Report) -> io::Result<()> {
+    let mut out = Layout::new(out, is_terminal);
+    configuration(&mut out, &report.configuration)?;
     if let Some(recordings) = &report.recordings {
-        writeln!(out)?;
-        recording(out, recordings)?;
+        out.gap()?;
+        recording(&mut out, recordings)?;
     }
     if let Some(chain) = &report.chain {
-        writeln!(out)?;
-        audit(out, chain)?;
+        out.gap()?;
+        audit(&mut out, chain)?;
     }
     Ok(())
 }
@@ -40,86 +42,104 @@ fn optional(value: Option<f64>) -> String {
     value.map_or_else(|| "-".into(), number)
 }
 
-fn configuration(out: &mut impl Write, report: &ConfigurationReport) -> io::Result<()> {
-    writeln!(out, "configuration {}: usable; interface {}", report.file, report.interface)?;
-    writeln!(
-        out,
-        "\n{:<26} {:<40} {:>10}  {:<28} {:>10}  {:<22} {:>6} {:>8}  checks",
-        "quantity", "signal", "id", "unit", "one step", "range, SI", "late", "time-out"
-    )?;
-    for q in &report.quantities {
-        let unit = format!(
-            "{} x {} = {}",
-            if q.unit.is_empty() { "1" } else { &q.unit },
-            number(q.to_si),
-            q.si_unit
-        );
-        let range = format!(
-            "{} … {}",
-            number(q.carried[0].max(q.plausible[0])),
-            number(q.carried[1].min(q.plausible[1]))
-        );
+const SIGNALS: [Column; 9] = [
+    ("quantity", 26, false),
+    ("signal", 40, false),
+    ("id", 10, true),
+    (" unit", 29, false),
+    ("one step", 9, true),
+    (" range, SI", 23, false),
+    ("late", 6, true),
+    ("time-out", 8, true),
+    (" checks", 18, false),
+];
+
+fn configuration(out: &mut Layout<impl Write>, report: &ConfigurationReport) -> io::Result<()> {
+    out.line(&format!("configuration {}: usable; interface {}", report.file, report.interface))?;
+    out.gap()?;
+    let row = |q: &super::configuration::QuantityReport| {
+        let unit = if q.unit.is_empty() { "1" } else { &q.unit };
+        let (low, high) = (q.carried[0].max(q.plausible[0]), q.carried[1].min(q.plausible[1]));
         let checks = match (q.counter, q.checksum) {
             (true, true) => "counter, checksum",
             (true, false) => "counter",
             (false, true) => "checksum",
             (false, false) => "none",
         };
-        writeln!(
-            out,
-            "{:<26} {:<40} {:>10}  {:<28} {:>10}  {:<22} {:>3} ms {:>5} ms  {checks}",
-            q.quantity,
-            q.source,
-            q.id,
-            unit,
+        vec![
+            q.quantity.to_string(),
+            q.source.to_string(),
+            q.id.to_string(),
+            format!(" {unit} x {} = {}", number(q.to_si), q.si_unit),
             number(q.resolution),
-            range,
-            q.delay_ms,
-            q.timeout_ms
-        )?;
-    }
+            format!(" {} … {}", number(low), number(high)),
+            format!("{} ms", q.delay_ms),
+            format!("{} ms", q.timeout_ms),
+            format!(" {checks}"),
+        ]
+    };
+    out.table(0, &SIGNALS, &report.quantities.iter().map(row).collect::<Vec<_>>())?;
     if !report.missing.is_empty() {
-        writeln!(out, "\nnot configured:")?;
+        out.gap()?;
+        out.line("not configured:")?;
         for missing in &report.missing {
-            writeln!(out, "  {:<26} {}", missing.quantity, missing.cost)?;
+            out.line(&format!("  {:<26} {}", missing.quantity, missing.cost))?;
         }
     }
     for warning in &report.mapping_warnings {
-        writeln!(out, "\n{warning}")?;
+        out.gap()?;
+        out.line(&warning.to_string())?;
     }
     for warning in &report.dbc_warnings {
-        writeln!(out, "\nDBC: {warning}")?;
+        out.gap()?;
+        out.line(&format!("DBC: {warning}"))?;
     }
     if let Some(first) = &report.first_other_dbc_warning {
         let count = report.other_dbc_warnings;
-        writeln!(out, "\nDBC: {count} warnings about messages that are not needed, the first: {first}")?;
+        out.gap()?;
+        out.line(&format!("DBC: {count} warnings about messages that are not needed, the first: {first}"))?;
     }
     for warning in &report.publish_warnings {
-        writeln!(out, "output DBC: {warning}")?;
+        out.line(&format!("output DBC: {warning}"))?;
     }
+    out.gap()?;
     if report.published.is_empty() {
-        writeln!(out, "\npublished: nothing")?;
+        out.line("published: nothing")?;
     } else {
-        writeln!(out, "\npublished every {} ms:", report.publish_period_ms)?;
+        out.line(&format!("published every {} ms:", report.publish_period_ms))?;
         for frame in &report.published {
-            writeln!(out, "  {:>10}  {}", frame.id, frame.message)?;
+            out.line(&format!("  {:>10}  {}", frame.id, frame.message))?;
         }
     }
     if !report.vehicle_defaults.is_empty() {
-        writeln!(out, "\n[vehicle] not given, so taken as:")?;
+        out.gap()?;
+        out.line("[vehicle] not given, so taken as:")?;
         for default in &report.vehicle_defaults {
-            writeln!(out, "  {:<30} {} ± {}", default.key, number(default.value), number(default.std))?;
+            out.line(&format!("  {:<30} {} ± {}", default.key, number(default.value), number(default.std)))?;
         }
     }
     Ok(())
 }
 
-fn recording(out: &mut impl Write, report: &RecordingReport) -> io::Result<()> {
+const CHANNELS: [Column; 12] = [
+    ("quantity", 26, false),
+    ("frames", 8, true),
+    ("rate/Hz", 8, true),
+    ("jitter/ms", 9, true),
+    ("gap/s", 9, true),
+    ("batch", 7, true),
+    ("absent", 7, true),
+    ("min", 10, true),
+    ("mean", 10, true),
+    ("max", 10, true),
+    ("step", 10, true),
+    ("noise", 10, true),
+];
+
+fn recording(out: &mut Layout<impl Write>, report: &RecordingReport) -> io::Result<()> {
     for file in &report.files {
-        writeln!(
-            out,
-            "recording {} ({}): {:.1} s, {} frames, {} lines skipped, {} times backwards, {} dropped by the \
-             recorder",
+        out.line(&format!(
+            "recording {} ({}): {:.1} s, {} frames, {} lines skipped, {} times backwards, {} dropped by the recorder",
             file.file,
             file.format,
             file.seconds,
@@ -127,26 +147,25 @@ fn recording(out: &mut impl Write, report: &RecordingReport) -> io::Result<()> {
             file.skipped_lines,
             file.time_backwards,
             file.dropped
-        )?;
+        ))?;
         for line in &file.first_skipped {
-            writeln!(out, "  line {line}")?;
+            out.line(&format!("  line {line}"))?;
         }
         if let Some(broken) = &file.broken {
-            writeln!(out, "  broken: {broken}")?;
+            out.line(&format!("  broken: {broken}"))?;
         }
     }
-    writeln!(
-        out,
+    out.line(&format!(
         "{} frames of {} identifiers are not needed; {:.1} % of all frames bear the stamp of the one before; \
          {} samples made",
         report.unneeded_frames,
         report.unneeded_ids,
         100.0 * report.batch_stamps,
         report.samples
-    )?;
+    ))?;
     for message in &report.messages {
         if message.frames == 0 {
-            writeln!(out, "warning: {} ({}) never comes", message.message, message.id)?;
+            out.line(&format!("warning: {} ({}) never comes", message.message, message.id))?;
         }
         for (count, what) in [
             (message.wrong_frames, "too short or of the wrong kind"),
@@ -155,77 +174,69 @@ fn recording(out: &mut impl Write, report: &RecordingReport) -> io::Result<()> {
         ] {
             if count > 0 {
                 let of = message.frames;
-                writeln!(
-                    out,
+                out.line(&format!(
                     "warning: {} ({}): {count} of {of} frames {what}",
                     message.message, message.id
-                )?;
+                ))?;
             }
         }
     }
     if !report.faults.is_empty() {
         let faults: Vec<String> =
             report.faults.iter().map(|(name, count)| format!("{name} {count}")).collect();
-        writeln!(out, "faults: {}", faults.join(", "))?;
+        out.line(&format!("faults: {}", faults.join(", ")))?;
     }
-    writeln!(
-        out,
-        "\n{:<26} {:>8} {:>8} {:>9} {:>9} {:>7} {:>7} {:>10} {:>10} {:>10} {:>10} {:>10}",
-        "quantity",
-        "frames",
-        "rate/Hz",
-        "jitter/ms",
-        "gap/s",
-        "batch",
-        "absent",
-        "min",
-        "mean",
-        "max",
-        "step",
-        "noise"
-    )?;
-    for channel in &report.quantities {
-        quantity(out, channel)?;
-    }
+    out.gap()?;
+    out.table(0, &CHANNELS, &report.quantities.iter().map(quantity).collect::<Vec<_>>())?;
     for channel in report.quantities.iter().filter(|channel| channel.min.is_none()) {
-        writeln!(out, "warning: {} never has a value: as if it were not configured", channel.quantity)?;
+        out.line(&format!("warning: {} never has a value: as if it were not configured", channel.quantity))?;
+    }
+    for [from, to] in &report.standing {
+        out.line(&format!("the car stands from {from:.1} s to {to:.1} s"))?;
     }
     for channel in &report.quantities {
-        for [from, to] in &channel.stuck {
-            writeln!(out, "warning: {} stands still from {from:.1} s to {to:.1} s", channel.quantity)?;
+        for [from, to] in channel.stuck.iter().filter(|stuck| report.is_while_driving(stuck)) {
+            out.line(&format!("warning: {} stands still from {from:.1} s to {to:.1} s", channel.quantity))?;
         }
     }
     Ok(())
 }
 
-fn quantity(out: &mut impl Write, channel: &ChannelReport) -> io::Result<()> {
-    writeln!(
-        out,
-        "{:<26} {:>8} {:>8} {:>9} {:>9} {:>6.1}% {:>6.1}% {:>10} {:>10} {:>10} {:>10} {:>10}",
-        channel.quantity,
-        channel.frames,
+fn quantity(channel: &ChannelReport) -> Vec<String> {
+    vec![
+        channel.quantity.to_string(),
+        channel.frames.to_string(),
         optional(channel.rate_hz),
         optional(channel.jitter_ms),
         optional(channel.longest_gap_s),
-        100.0 * channel.batch_stamps,
-        100.0 * channel.not_available,
+        format!("{:.1}%", 100.0 * channel.batch_stamps),
+        format!("{:.1}%", 100.0 * channel.not_available),
         optional(channel.min),
         optional(channel.mean),
         optional(channel.max),
         optional(channel.resolution_seen),
-        optional(channel.white_noise_std)
-    )
+        optional(channel.white_noise_std),
+    ]
 }
 
-fn audit(out: &mut impl Write, chain: &ChainReport) -> io::Result<()> {
-    writeln!(out, "measurement chain: {:.0} s, {:.0} s of them moving", chain.seconds, chain.moving_seconds)?;
+const RELATIONS: [Column; 4] = [
+    ("relation (should be 1)", 48, false),
+    ("slope", 16, true),
+    ("later by, ms", 18, true),
+    ("explained", 10, true),
+];
+
+fn audit(out: &mut Layout<impl Write>, chain: &ChainReport) -> io::Result<()> {
+    out.line(&format!(
+        "measurement chain: {:.0} s, {:.0} s of them moving",
+        chain.seconds, chain.moving_seconds
+    ))?;
     if chain.findings.is_empty() {
-        let words = if chain.compared {
-            "nothing found wrong"
+        out.line(if chain.compared {
+            "  nothing found wrong"
         } else {
-            "nothing could be compared, so nothing is said"
-        };
-        writeln!(out, "  {words}")?;
+            "  nothing could be compared, so nothing is said"
+        })?;
     }
     for finding in &chain.findings {
         let confidence = match finding.confidence {
@@ -234,49 +245,44 @@ fn audit(out: &mut impl Write, chain: &ChainReport) -> io::Result<()> {
             Confidence::Unclear => "unclear",
         };
         let value = finding.amount().map_or(String::new(), |amount| format!(" {amount}"));
-        writeln!(out, "  {confidence}: {} of {}{value}", finding.effect, finding.channel)?;
-        writeln!(out, "    because  {}", finding.evidence)?;
-        writeln!(out, "    repair   {}", finding.repair)?;
+        out.line(&format!("  {confidence}: {} of {}{value}", finding.effect, finding.channel))?;
+        out.line(&format!("    because  {}", finding.evidence))?;
+        out.line(&format!("    repair   {}", finding.repair))?;
         if !finding.or.is_empty() {
-            writeln!(out, "    or       {}", finding.or.join("; "))?;
+            out.line(&format!("    or       {}", finding.or.join("; ")))?;
         }
     }
-    if !chain.relations.is_empty() {
-        writeln!(
-            out,
-            "\n  {:<50} {:>18} {:>20} {:>10}",
-            "relation (should be 1)", "slope", "later by, ms", "explained"
-        )?;
-    }
-    for relation in &chain.relations {
-        let pair = |value: Option<f64>, std: Option<f64>, scale: f64, digits: usize| match (value, std) {
-            (Some(value), Some(std)) => format!("{:.digits$} ± {:.digits$}", scale * value, scale * std),
-            _ => "-".into(),
-        };
-        writeln!(
-            out,
-            "  {:<50} {:>18} {:>20} {:>10}",
-            relation.relation,
+    let pair = |value: Option<f64>, std: Option<f64>, scale: f64, digits: usize| match (value, std) {
+        (Some(value), Some(std)) => format!("{:.digits$} ± {:.digits$}", scale * value, scale * std),
+        _ => "-".into(),
+    };
+    let row = |relation: &lab::explain::chain::RelationReport| {
+        vec![
+            relation.relation.to_string(),
             pair(relation.gain, relation.gain_std, 1.0, 3),
             pair(relation.delay_s, relation.delay_std, 1e3, 1),
-            relation.explained.map_or_else(|| "-".into(), |e| format!("{:.0} %", 100.0 * e))
-        )?;
+            relation.explained.map_or_else(|| "-".into(), |e| format!("{:.0} %", 100.0 * e)),
+        ]
+    };
+    if !chain.relations.is_empty() {
+        out.gap()?;
+        out.table(2, &RELATIONS, &chain.relations.iter().map(row).collect::<Vec<_>>())?;
     }
     if !chain.offsets.is_empty() {
-        writeln!(out, "\n  offsets (the estimators learn them; to take them out, change `offset`)")?;
+        out.gap()?;
+        out.line("  offsets (the estimators learn them; to take them out, change `offset`)")?;
     }
     for offset in &chain.offsets {
-        writeln!(
-            out,
+        out.line(&format!(
             "  {:<26} {:>10} ± {:<10} {}",
             offset.channel,
             number(offset.value),
             number(offset.std),
             offset.from
-        )?;
+        ))?;
     }
     for unclear in &chain.unclear {
-        writeln!(out, "  unclear: {}: {}", unclear.what, unclear.to_do)?;
+        out.line(&format!("  unclear: {}: {}", unclear.what, unclear.to_do))?;
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use serde::de::value::{Error as ValueError, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
@@ -44,7 +44,7 @@ pub struct Identify {
     #[arg(long, requires = "apply")]
     force: bool,
     /// Identify these, by their names in [vehicle]; `lateral_stiffness` means both axles' as one.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = ParameterNames, hide_possible_values = true)]
     parameters: Option<Vec<String>>,
     /// How segments of the recordings are tied.
     #[arg(long, value_parser = one_of::<Method>(&["auto", "free_run", "segments", "ordinary"]))]
@@ -138,6 +138,27 @@ impl Identify {
         used.starts = self.starts.unwrap_or(used.starts);
         used.validate().map_err(Failure::usage)?;
         Ok(used)
+    }
+}
+
+/// Names of parameters. Shells complete them; which of them can be used, the search knows, and says better.
+#[derive(Clone)]
+struct ParameterNames;
+
+impl TypedValueParser for ParameterNames {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&clap::Arg>,
+        value: &std::ffi::OsStr,
+    ) -> Result<String, clap::Error> {
+        clap::builder::StringValueParser::new().parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(IdentifyConfig::names().map(PossibleValue::new)))
     }
 }
 

@@ -33,7 +33,7 @@ fn covariance(series: &Series, links: &[Link]) -> DMatrix<f64> {
     let share = |u: physics::model::Uncertain| u.std / u.value;
     let radius = share(vehicle.wheel_radius_m);
     let track = share(vehicle.track_rear_m).max(share(vehicle.track_front_m));
-    let is_axle = |link: &Link| matches!(link.relation, Relation::RearWheels | Relation::FrontWheels);
+    let is_axle = |link: &Link| link.relation.is_of_an_axle();
     DMatrix::from_fn(links.len(), links.len(), |i, j| {
         let (a, b) = (&links[i], &links[j]);
         let mut sum =
@@ -57,7 +57,7 @@ pub(super) fn scales(series: &mut Series, report: &mut ChainReport) {
     for _ in 0..3 {
         let links: Vec<Link> = Relation::ALL.into_iter().filter_map(|r| link(series, r)).collect();
         if std::mem::take(&mut first) {
-            note(&links, report);
+            note(series, &links, report);
         }
         let links: Vec<Link> = links.into_iter().filter(Link::has_scale).collect();
         let Some((channel, factor)) = next_scale(series, &links, report) else { return };
@@ -69,7 +69,7 @@ pub(super) fn scales(series: &mut Series, report: &mut ChainReport) {
 }
 
 /// Every comparison goes into the report, and what could not be compared.
-fn note(links: &[Link], report: &mut ChainReport) {
+fn note(series: &Series, links: &[Link], report: &mut ChainReport) {
     for relation in Relation::ALL {
         let link = links.iter().find(|link| link.relation == relation);
         let clear = link.filter(|link| link.is_clear);
@@ -82,12 +82,31 @@ fn note(links: &[Link], report: &mut ChainReport) {
             explained: link.map(|link| link.explained),
         });
         if clear.is_none() {
-            report.unclear(
-                format!("{}: too little happened to compare them", relation.name()),
-                relation.manoeuvre(),
-            );
+            let (why, to_do) = why_not(series, relation, link);
+            report.unclear(format!("{}: {why}", relation.name()), to_do);
         }
     }
+}
+
+/// A locked axle's wheels differ by less than this share of what the yaw rate asks for. Physical: tracks differ by a tenth.
+const LOCKED: f64 = 0.3;
+
+/// Why a relation was not to be compared, and what to do.
+fn why_not(series: &Series, relation: Relation, link: Option<&Link>) -> (String, &'static str) {
+    let lacking = relation.needs().into_iter().find(|quantity| !series.has(*quantity));
+    if let Some(lacking) = lacking {
+        return (format!("there is no {lacking}"), "map it, if the bus has it (gripd map)");
+    }
+    // So small, and so surely: the car did turn.
+    let is_locked = |link: &&Link| link.gain.abs() + 3.0 * link.gain_std < LOCKED;
+    if relation.is_of_an_axle() && link.is_some_and(|link| is_locked(&link)) {
+        return (
+            "its wheels turn alike while the car turns: the axle is locked (a spool, a locked differential)"
+                .into(),
+            "nothing is wrong if it is; else look for the right signals of its wheels",
+        );
+    }
+    ("too little happened to compare them".into(), relation.manoeuvre())
 }
 
 fn next_scale(series: &Series, links: &[Link], report: &mut ChainReport) -> Option<(SensorGroup, f64)> {

@@ -86,6 +86,7 @@ pub fn audit(samples: &[Sample], vehicle: &Vehicle, sensors: &Sensors) -> ChainR
     signs::lateral(&mut series, &mut report);
     longitudinal::signs(&mut series, &mut report);
     wheels::swaps(&mut series, &mut report);
+    offsets::take_zeros(&mut series);
     gains::scales(&mut series, &mut report);
     let delays = delays::delays(&series, &mut report);
     offsets::offsets(&series, &delays, &mut report);

@@ -1,14 +1,14 @@
 //! What each channel reads when it should read zero.
 
-use super::regression::{FREE, Fit, fit, student};
+use super::regression::{FREE, Fit, Prior, fit, student};
 use super::relations::{Link, Relation, rows};
 use super::report::{AuditFinding, ChainReport, Confidence, Offset};
 use super::series::Series;
 use super::tuning::TUNING;
 use physics::Quantity;
 
-/// Wheels slower than this stand, rad/s. Physical: less than a tooth a second.
-const STANDING: f64 = 0.05;
+/// Wheels slower than this stand, rad/s. Physical: less than one of 48 teeth a second.
+const STANDING: f64 = 0.13;
 /// Standing for less than this is not counted, s. Tuned, no test on record.
 const STANDING_S: f64 = 1.0;
 
@@ -22,14 +22,16 @@ fn extraordinary(quantity: Quantity) -> (f64, Option<&'static str>) {
     }
 }
 
+/// What was taken before counts in.
 fn add(
     report: &mut ChainReport,
-    quantity: Quantity,
+    (series, quantity): (&Series, Quantity),
     value: f64,
     std: f64,
     blocks: usize,
     from: &'static str,
 ) {
+    let value = value + series.zero(quantity);
     if !(value.is_finite() && std.is_finite()) {
         return;
     }
@@ -54,8 +56,49 @@ fn add(
     report.offsets.push(Offset { channel: quantity.name(), value, std, from, repair });
 }
 
+/// Zeros of yaw rate sensors that are known to this, rad/s, are worth taking out.
+const TAKEN_OUT: f64 = 0.005;
+
+/// Takes out the zeros of yaw rate and lateral acceleration: whatever they are, scales and delays are the same then. They are
+/// in products with the speed, so that no constant makes up for them.
+pub(super) fn take_zeros(series: &mut Series) {
+    let yaw = standing(series).map(|(mean, std, _)| (mean, std)).or_else(|| {
+        let axles = [
+            (Quantity::WheelSpeedRl, Quantity::WheelSpeedRr, series.vehicle.track_rear_m.value),
+            (Quantity::WheelSpeedFl, Quantity::WheelSpeedFr, series.vehicle.track_front_m.value),
+        ];
+        let zeros = axles.into_iter().filter_map(|(left, right, track)| {
+            let fit = turning(series, (left, right, track), 0.0, FREE)?;
+            fit.is_significant(0).then(|| (-fit.value[1] / fit.value[0], fit.std[1] / fit.value[0].abs()))
+        });
+        zeros.min_by(|a, b| a.1.total_cmp(&b.1))
+    });
+    if let Some((zero, _)) = yaw.filter(|(zero, std)| zero.is_finite() && *std < TAKEN_OUT) {
+        series.take_zero(Quantity::YawRate, zero);
+        series.refresh();
+    }
+    if let Some(fit) = lateral(series, 0.0, (0.0, TAKEN_OUT)).filter(|fit| fit.value[3].is_finite()) {
+        series.take_zero(Quantity::LateralAcceleration, fit.value[3]);
+    }
+    if let Some(fit) = steering(series, 0.0, (0.0, TAKEN_OUT)).filter(|fit| fit.value[4].is_finite()) {
+        series.take_zero(Quantity::SteeringWheelAngle, fit.value[4] * steering_scale(series));
+    }
+}
+
+/// From δ v / L, per speed, to the steering wheel's angle, rad.
+fn steering_scale(series: &Series) -> f64 {
+    series.vehicle.steering_ratio.value * series.vehicle.wheelbase_m.value
+}
+
 /// The yaw rate while the car stands: nothing could be clearer.
-pub(super) fn at_standstill(series: &Series, report: &mut ChainReport) -> bool {
+pub(super) fn at_standstill(series: &Series, report: &mut ChainReport) {
+    if let Some((mean, std, count)) = standing(series) {
+        add(report, (series, Quantity::YawRate), mean, std, count.max(10), "at standstill");
+    }
+}
+
+/// Its mean, the standard deviation of that, and of how many seconds.
+fn standing(series: &Series) -> Option<(f64, f64, usize)> {
     let standing: Vec<bool> = (0..series.len()).map(|row| series.stands(row, STANDING)).collect();
     let stands = |row: usize| standing[row];
     let yaw = series.raw(Quantity::YawRate);
@@ -76,13 +119,12 @@ pub(super) fn at_standstill(series: &Series, report: &mut ChainReport) -> bool {
     }
     let count = means.len();
     if count < 2 {
-        return false;
+        return None;
     }
     let mean = means.iter().sum::<f64>() / count as f64;
     let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (count - 1) as f64;
     let std = (variance / count as f64).sqrt().max(1e-6);
-    add(report, Quantity::YawRate, mean, std, count.max(10), "at standstill");
-    true
+    Some((mean, std, count))
 }
 
 /// All offsets.
@@ -93,36 +135,53 @@ pub(super) fn offsets(series: &Series, delays: &[Link], report: &mut ChainReport
     };
     let yaw = yaw_rate(series, delay(Relation::RearWheels));
     if let Some(fit) = &yaw {
-        add(report, Quantity::YawRate, -fit.value[1], fit.std[1], fit.blocks, "against the rear wheels");
+        add(
+            report,
+            (series, Quantity::YawRate),
+            -fit.value[1],
+            fit.std[1],
+            fit.blocks,
+            "against the rear wheels",
+        );
     }
     let zero = yaw.map_or((0.0, 0.02), |fit| (-fit.value[1], fit.std[1]));
     if let Some(fit) = lateral(series, delay(Relation::Lateral), zero) {
         let from = "against speed x yaw rate (includes the road's bank)";
-        add(report, Quantity::LateralAcceleration, fit.value[3], fit.std[3], fit.blocks, from);
+        add(report, (series, Quantity::LateralAcceleration), fit.value[3], fit.std[3], fit.blocks, from);
     }
     if let Some(fit) = steering(series, delay(Relation::Steering), zero) {
-        let scale = series.vehicle.steering_ratio.value * series.vehicle.wheelbase_m.value;
+        let scale = steering_scale(series);
         let (value, std) = (fit.value[4] * scale, fit.std[4] * scale);
-        add(report, Quantity::SteeringWheelAngle, value, std, fit.blocks, "against the yaw rate");
+        add(report, (series, Quantity::SteeringWheelAngle), value, std, fit.blocks, "against the yaw rate");
     }
     let y = series.smooth(Quantity::LongitudinalAcceleration);
     let level = rows(series, &y, delay(Relation::Longitudinal), |_| true, |row| [1.0, series.v_dot[row]]);
     if let Some(fit) = fit(&level, [FREE, (1.0, 0.1)]) {
         let from = "against the wheels (includes the road's grade)";
-        add(report, Quantity::LongitudinalAcceleration, fit.value[0], fit.std[0], fit.blocks, from);
+        add(report, (series, Quantity::LongitudinalAcceleration), fit.value[0], fit.std[0], fit.blocks, from);
     }
 }
 
-/// The rear wheels' difference when the yaw rate reads zero; equal radii within some tenths of a percent.
+/// The rear wheels' difference when the yaw rate reads zero; equal radii within some tenths of a percent. Going round one way
+/// at one speed, a zero and a slope look alike: track and radius are known by a tenth at least.
 fn yaw_rate(series: &Series, delay: f64) -> Option<Fit<3>> {
-    let vehicle = &series.vehicle;
-    let track = vehicle.track_rear_m.value;
-    let (left, right) = (series.raw(Quantity::WheelSpeedRl), series.raw(Quantity::WheelSpeedRr));
-    let to_yaw = vehicle.wheel_radius_m.value / track;
+    let rear = (Quantity::WheelSpeedRl, Quantity::WheelSpeedRr, series.vehicle.track_rear_m.value);
+    turning(series, rear, delay, (1.0, 0.1))
+}
+
+/// The difference of an axle's wheels against the yaw rate: its slope, with what is thought of it; what it is where the yaw
+/// rate reads zero; and a share of the speed.
+fn turning(
+    series: &Series,
+    (left, right, track): (Quantity, Quantity, f64),
+    delay: f64,
+    slope: Prior,
+) -> Option<Fit<3>> {
+    let (left, right) = (series.raw(left), series.raw(right));
+    let to_yaw = series.vehicle.wheel_radius_m.value / track;
     let y = series.smoothed(|row| (right[row] - left[row]) * to_yaw);
     let rows = rows(series, &y, delay, |_| true, |row| [series.r[row], 1.0, series.v[row]]);
-    // Going round one way at one speed, a zero and a slope look alike: track and radius are known by a tenth at least.
-    fit(&rows, [(1.0, 0.1), FREE, (0.0, 0.002 / track)])
+    fit(&rows, [slope, FREE, (0.0, 0.002 / track)])
 }
 
 fn lateral(series: &Series, delay: f64, zero: (f64, f64)) -> Option<Fit<4>> {
@@ -139,8 +198,7 @@ fn lateral(series: &Series, delay: f64, zero: (f64, f64)) -> Option<Fit<4>> {
 
 /// Only while going nearly straight: there the steering ratio does not matter.
 fn steering(series: &Series, delay: f64, zero: (f64, f64)) -> Option<Fit<5>> {
-    let vehicle = &series.vehicle;
-    let to_yaw = 1.0 / (vehicle.steering_ratio.value * vehicle.wheelbase_m.value);
+    let to_yaw = 1.0 / steering_scale(series);
     let angle = series.raw(Quantity::SteeringWheelAngle);
     let y = series.smoothed(|row| angle[row] * series.speed(row) * to_yaw);
     let rows = rows(

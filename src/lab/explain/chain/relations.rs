@@ -56,6 +56,23 @@ impl Relation {
         }
     }
 
+    /// The channels beside a speed without which there is nothing to compare.
+    pub(super) fn needs(self) -> Vec<Quantity> {
+        use Quantity::{LateralAcceleration, LongitudinalAcceleration, SteeringWheelAngle, YawRate};
+        match self {
+            Self::RearWheels => vec![Quantity::WheelSpeedRl, Quantity::WheelSpeedRr, YawRate],
+            Self::FrontWheels => vec![Quantity::WheelSpeedFl, Quantity::WheelSpeedFr, YawRate],
+            Self::Lateral => vec![LateralAcceleration, YawRate],
+            Self::Steering => vec![SteeringWheelAngle, YawRate],
+            Self::Longitudinal => vec![LongitudinalAcceleration],
+        }
+    }
+
+    /// Does it compare the wheels of an axle?
+    pub(super) fn is_of_an_axle(self) -> bool {
+        matches!(self, Self::RearWheels | Self::FrontWheels)
+    }
+
     /// What to drive where it was not excited.
     pub(super) fn manoeuvre(self) -> &'static str {
         match self {

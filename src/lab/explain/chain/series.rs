@@ -13,6 +13,10 @@ const SLOWEST: f64 = 3.0;
 /// Where a unit is wrong by a factor the above means nothing: then this share of the usual speed.
 /// Tuned, no test on record.
 const SLOWEST_SHARE: f64 = 0.3;
+/// A car this slow all the time, m/s, whose speed changes by this share at most, is parked: a wrong unit makes speeds small, and
+/// does not hold them. Physical: half a wheel's turn in ten seconds.
+const PARKED_MPS: f64 = 0.1;
+const PARKED_SPREAD: f64 = 0.01;
 /// Blocks for jackknife and bootstrap, s: longer than manoeuvres are correlated. Statistical.
 const BLOCK_S: f64 = 3.0;
 /// Less motion than this is not worth an audit, s. Tuned, no test on record.
@@ -25,6 +29,8 @@ pub(super) struct Series {
     /// Distance of the rows, s.
     pub(super) dt: f64,
     raw: Vec<Vec<f64>>,
+    /// What was taken from each channel, so that it reads zero where it should.
+    zeros: [f64; Quantity::COUNT],
     /// The wheels whose speed is the car's; none: the vehicle's speed is.
     reference: Vec<Wheel>,
     /// Smoothed speed, m/s, of the wheels that are not driven (of all, where all are), or the vehicle's.
@@ -63,6 +69,7 @@ impl Series {
             dt,
             reference: Vec::new(),
             raw,
+            zeros: [0.0; Quantity::COUNT],
             v: Vec::new(),
             v_dot: Vec::new(),
             r: Vec::new(),
@@ -114,11 +121,24 @@ impl Series {
     /// Multiplies a channel; call [`Self::refresh`] afterwards.
     pub(super) fn scale(&mut self, quantity: Quantity, factor: f64) {
         self.raw[quantity as usize].iter_mut().for_each(|value| *value *= factor);
+        self.zeros[quantity as usize] *= factor;
+    }
+
+    /// Takes a constant from a channel; call [`Self::refresh`] afterwards.
+    pub(super) fn take_zero(&mut self, quantity: Quantity, zero: f64) {
+        self.raw[quantity as usize].iter_mut().for_each(|value| *value -= zero);
+        self.zeros[quantity as usize] += zero;
+    }
+
+    /// The constant that was taken.
+    pub(super) fn zero(&self, quantity: Quantity) -> f64 {
+        self.zeros[quantity as usize]
     }
 
     /// Exchanges two channels; call [`Self::refresh`] afterwards.
     pub(super) fn swap(&mut self, one: Quantity, other: Quantity) {
         self.raw.swap(one as usize, other as usize);
+        self.zeros.swap(one as usize, other as usize);
     }
 
     /// A channel, smoothed.
@@ -195,8 +215,11 @@ impl Series {
         self.vr_dot = self.derivative(&self.vr);
         let mut speeds: Vec<f64> = self.v.iter().copied().filter(|v| v.is_finite()).collect();
         speeds.sort_by(f64::total_cmp);
-        let usual = speeds.get(speeds.len() * 9 / 10).copied().unwrap_or(0.0);
-        let slowest = SLOWEST.min(SLOWEST_SHARE * usual).max(1e-3);
+        let share = |tenths: usize| speeds.get(speeds.len() * tenths / 10).copied().unwrap_or(0.0);
+        let usual = share(9);
+        // Some sensors of a car that is parked say that it creeps, always at the same speed.
+        let is_parked = usual < PARKED_MPS && usual - share(1) < PARKED_SPREAD * usual;
+        let slowest = if is_parked { f64::INFINITY } else { SLOWEST.min(SLOWEST_SHARE * usual).max(1e-3) };
         self.moving = self.v.iter().map(|v| *v > slowest).collect();
     }
 

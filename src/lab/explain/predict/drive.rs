@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::grid::{COMPARED, Measured, SLOWEST_MPS, SPEED, STEP_S, points};
 use super::slide::{Slide, slides};
 use super::smoothing::{on_grid, smooth_on_grid};
+use crate::explain::used::Why;
 use physics::model::effect::Recorded;
 use physics::model::{Scenario, ScenarioError, Simulation, Vehicle};
 use physics::{Quantity, Wheel};
@@ -69,6 +70,8 @@ pub struct GriddedDrive {
     pub knows_torque: bool,
     /// Where wheels slide.
     pub slides: Arc<Vec<Slide>>,
+    /// Why grid points are in no run, one by one.
+    pub unused: Arc<Vec<Why>>,
 }
 
 impl GriddedDrive {
@@ -130,20 +133,30 @@ impl GriddedDrive {
             }
             first.push(place as u32);
         }
-        let usable = |k: usize| {
+        let why_not = |k: usize| {
             let comes_back = || slides.iter().any(|slide| slide.comes_back(k as f64 * STEP_S));
             let is_known = steering[k].is_finite() && (!knows_torque || torque[k].is_finite());
-            speed[k] > SLOWEST_MPS && is_known && !comes_back()
+            match () {
+                () if !is_known || !speed[k].is_finite() => Some(Why::Unknown),
+                () if speed[k] <= SLOWEST_MPS => Some(Why::Slow),
+                () if comes_back() => Some(Why::Sliding),
+                () => None,
+            }
         };
         let mut runs = Vec::new();
+        let mut unused = Vec::new();
         let mut begin = None;
         for k in 0..=steps + 1 {
-            let goes = k <= steps && usable(k);
+            let why = if k <= steps { why_not(k) } else { None };
+            let goes = k <= steps && why.is_none();
+            unused.extend(why);
             match begin {
                 None if goes => begin = Some(k),
                 Some(from) if !goes => {
                     if (k - from) as f64 * STEP_S >= SHORTEST_RUN_S {
                         runs.push((from, k - 1));
+                    } else {
+                        unused.extend(std::iter::repeat_n(Why::Short, k - from));
                     }
                     begin = None;
                 }
@@ -159,6 +172,7 @@ impl GriddedDrive {
             speed: Arc::new(speed),
             knows_torque,
             slides: Arc::new(slides),
+            unused: Arc::new(unused),
         }
     }
 

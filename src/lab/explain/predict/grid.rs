@@ -13,7 +13,7 @@ pub const fn points(seconds: f64) -> usize {
 
 /// Below this speed slip angles mean nothing and wheel sensors are coarse, m/s.
 /// Physical: few teeth pass a sensor in a step.
-pub(super) const SLOWEST_MPS: f64 = 3.0;
+pub const SLOWEST_MPS: f64 = 3.0;
 
 /// One reading.
 #[derive(Clone, Copy, Debug, PartialEq)]

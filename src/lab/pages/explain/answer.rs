@@ -1,5 +1,6 @@
 //! The first screen: the answer in words, its numbers, and one plot.
 
+use super::caveats;
 use super::courses;
 use super::stretch;
 use super::tried;
@@ -37,6 +38,9 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
     }
     for paragraph in lead(explanation).into_iter().chain(explanation.simulation.as_ref().map(words::beside)) {
         page.raw(&format!("<p class=\"lead\">{}</p>", escape(&paragraph)));
+    }
+    for line in caveats::used(explanation) {
+        page.raw(&format!("<p class=\"aside\">Used: {}</p>", escape(&stopped(&line))));
     }
     if explanation.verdict == Verdict::InsufficientExcitation {
         to_drive(page, explanation);

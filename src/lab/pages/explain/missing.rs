@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use super::words::{self, Shown, sentence, stopped};
-use super::{answer, formula, place};
+use super::{answer, caveats, formula, place};
 use crate::explain::{Explanation, Finding, Verdict};
 use crate::report::{Page, Shift, escape};
 
@@ -33,12 +33,12 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
 
 /// Numbers that are not taken over.
 fn in_doubt(page: &mut Page, explanation: &Explanation) {
-    let all = words::in_doubt(explanation);
+    let all = caveats::in_doubt(explanation);
     if all.is_empty() {
         return;
     }
     page.heading("In doubt: left as they were where this is applied");
-    let row = |it: &words::InDoubt| {
+    let row = |it: &caveats::InDoubt| {
         let table = it.table.clone().unwrap_or_else(|| "–".into());
         vec![sentence(&it.name), it.found.clone(), table, it.why.clone(), it.behind.clone()]
     };

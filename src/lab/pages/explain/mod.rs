@@ -1,6 +1,7 @@
 //! The answer of `explain` as text and as a page: the answer first, then where, what, how sure, and everything else.
 
 mod answer;
+mod caveats;
 mod courses;
 mod formula;
 mod history;

@@ -31,10 +31,11 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
         }
         page.raw("</ul>");
     }
+    page.section("plots", "All channels", "");
     if explanation.traces.is_empty() {
+        page.paragraph("There is nothing to draw: no stretch of the recordings could be simulated.");
         return;
     }
-    page.section("plots", "All channels", "");
     let recordings = words::recordings(explanation);
     for recording in &recordings {
         if recordings.len() > 1 {

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use super::caveats;
 use super::tried::Tried;
 use super::words::{self, number, sentence, signed, stopped};
 use crate::explain::{ByChannel, Explanation, Finding, Ranked, Where};
@@ -25,6 +26,9 @@ pub fn print(explanation: &Explanation, output: &mut impl Write) -> io::Result<(
 /// The whole text.
 fn text(explanation: &Explanation) -> String {
     let mut text = words::answer(explanation).join("\n") + "\n";
+    for line in caveats::used(explanation) {
+        wrapped(&mut text, "Used: ", &stopped(&line));
+    }
     if !explanation.certain.is_empty() {
         text += "\nFirst of all, of the measurement (as `gripd check` says it)\n";
         for line in &explanation.certain {
@@ -191,7 +195,7 @@ fn in_doubt(text: &mut String, explanation: &Explanation) {
         return;
     }
     *text += "\nIn doubt (--apply leaves them as they were, unless --force)\n";
-    for doubted in words::in_doubt(explanation) {
+    for doubted in caveats::in_doubt(explanation) {
         wrapped(text, "  - ", &stopped(&doubted.line()));
     }
 }

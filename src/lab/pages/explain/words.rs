@@ -1,7 +1,7 @@
 //! Names and units as a chassis engineer says them.
 
 use crate::explain::{Confirmed, Estimate, Explanation, Finding, Nature, Simulated, Verdict};
-use crate::identify::{Doubt, Parameter};
+use crate::identify::Parameter;
 use physics::model::effect::{self, Kind, Spec};
 
 pub use super::numbers::{number, plus_minus, probability, signed, three, with_unit};
@@ -280,50 +280,6 @@ pub fn verdict(verdict: Verdict) -> &'static str {
 /// The answer's first two lines, the same wherever it stands: verdict and subject; what it came to.
 pub fn answer(explanation: &Explanation) -> [String; 2] {
     [format!("{} ({})", verdict(explanation.verdict), subject(explanation)), headline(explanation)]
-}
-
-/// A number in doubt, as it is shown.
-pub struct InDoubt {
-    /// What it is.
-    pub name: String,
-    /// What was found.
-    pub found: String,
-    /// What the table has, if it has it.
-    pub table: Option<String>,
-    /// Why it is in doubt.
-    pub why: String,
-    /// What may be behind it, if anybody knows.
-    pub behind: String,
-}
-
-impl InDoubt {
-    /// All of it.
-    pub fn line(&self) -> String {
-        let mut line = format!("{} {}: {}", self.name, self.found, self.why);
-        if let Some(table) = &self.table {
-            line += &format!(" ({table})");
-        }
-        if !self.behind.is_empty() {
-            line += &format!("; what may be behind it: {}", self.behind);
-        }
-        line
-    }
-}
-
-/// What is in doubt of an answer.
-pub fn in_doubt(explanation: &Explanation) -> Vec<InDoubt> {
-    let of = |(name, doubt): (&String, &Doubt)| {
-        let found = ordinary(name, Estimate { value: doubt.value, std: doubt.std });
-        let table = doubt.table.map(|table| ordinary(name, Estimate { value: table.value, std: table.std }));
-        InDoubt {
-            name: found.name.clone(),
-            found: found.value(),
-            table: table.map(|table| table.value()),
-            why: doubt.why.clone(),
-            behind: doubt.behind.into(),
-        }
-    };
-    explanation.in_doubt.iter().map(of).collect()
 }
 
 /// What it came to, in a sentence without full stop.

@@ -117,6 +117,6 @@ impl Figure {
 
     /// No point is in it.
     pub fn is_empty(&self) -> bool {
-        self.points.iter().all(|points| points.x.is_empty())
+        self.points.iter().all(|points| points.x.is_empty() || points.y.is_empty())
     }
 }

@@ -129,8 +129,12 @@ mod tests {
             values,
             interval: None,
         };
-        document.panel(Panel { series: vec![series], ..Panel::new("Yaw", "yaw rate, °/s") });
-        assert!(!document.panels[0].empty.is_empty());
-        assert!(document.panels[1].empty.is_empty());
+        document.panel(Panel { series: vec![series.clone()], ..Panel::new("Yaw", "yaw rate, °/s") });
+        // A column without a number, its interval likewise.
+        let none = || Numbers::new(vec![f64::NAN; 3]);
+        let unknown = Series { values: none(), interval: Some((none(), none())), ..series };
+        document.panel(Panel { series: vec![unknown], ..Panel::new("Stiffness", "1/rad") });
+        let says_so: Vec<bool> = document.panels.iter().map(|panel| !panel.empty.is_empty()).collect();
+        assert_eq!(says_so, [true, false, true]);
     }
 }

@@ -91,8 +91,11 @@ impl Panel {
 
     /// Nothing is in it.
     pub fn is_empty(&self) -> bool {
-        self.series.iter().all(|series| series.values.is_empty() && series.interval.is_none())
-            && self.lanes.is_empty()
+        let is_empty = |series: &Series| {
+            let edges = series.interval.as_ref();
+            series.values.is_empty() && edges.is_none_or(|(low, high)| low.is_empty() && high.is_empty())
+        };
+        self.series.iter().all(is_empty) && self.lanes.is_empty()
     }
 }
 

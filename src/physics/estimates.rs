@@ -66,7 +66,7 @@ pub enum MuSource {
     SlopeMap,
     /// The brush model's curvature.
     Brush,
-    /// The joint lateral filter.
+    /// The tires' curve sideways: forces and slip angles of both axles.
     Joint,
     /// Deceleration during ABS braking.
     Abs,

@@ -48,7 +48,7 @@ pub fn source_words(source: Option<MuSource>) -> &'static str {
         Some(MuSource::LowerBound) => "at least what was used",
         Some(MuSource::SlopeMap) => "mapped from the slip slope",
         Some(MuSource::Brush) => "bend of the slip curve",
-        Some(MuSource::Joint) => "an axle slides sideways",
+        Some(MuSource::Joint) => "tires bend sideways",
         Some(MuSource::Abs) => "an ABS braking",
         Some(MuSource::Limit) => "spinning wheels",
         None => "unknown",

@@ -7,6 +7,8 @@
 //! weight ([`Belief::forget`]). Evidence contradicts the belief: the road is another one, and only the newest
 //! evidence counts.
 
+use super::saturating::Likelihood;
+
 /// Lowest friction that there is a cell for. Physical: no road is more slippery than wet ice.
 const LOWEST: f64 = 0.02;
 /// Width of a cell. A cell is half of what the sensors can tell apart.
@@ -129,10 +131,23 @@ impl Belief {
         self.learn(possible)
     }
 
-    /// It is between these, give or take. True if that contradicted what was believed.
-    pub fn learn_between(&mut self, (low, high): (f64, f64), std: f64) -> bool {
-        let possible = |mu: f64| (-0.5 * ((low - mu).max(mu - high).max(0.0) / std).powi(2)).exp();
-        self.learn(possible)
+    /// Each friction made what was seen this likely. True if that contradicted what was believed.
+    pub fn learn_likelihood(&mut self, likelihood: &Likelihood) -> bool {
+        self.learn(|mu| likelihood.of(mu))
+    }
+
+    /// What one believes who knows nothing else.
+    pub fn of(likelihood: &Likelihood) -> Self {
+        let weight = std::array::from_fn(|cell| likelihood.of(middle(cell)));
+        let mut belief = Self { weight, ..Self::UNKNOWN };
+        belief.normalize();
+        belief
+    }
+
+    /// The mean friction.
+    pub fn mean(&self) -> f64 {
+        let weighted = self.weight.iter().enumerate().map(|(cell, weight)| weight * middle(cell));
+        weighted.sum::<f64>() / self.sum
     }
 
     /// How likely the friction is at most this.

@@ -11,9 +11,9 @@ use super::abs_braking::AbsFriction;
 use super::belief::{Belief, HIGHEST, Use};
 use super::brush::BrushFriction;
 use super::config::FrictionConfig;
-use super::cornering::LateralLimit;
 use super::kinematics::{Car, Kinematics};
 use super::mapping::MappedFriction;
+use super::saturating::Likelihood;
 use super::saturation::LimitFriction;
 use crate::estimates::{Friction, MuSource};
 use crate::filter::Fading;
@@ -54,8 +54,8 @@ struct Tuning {
     abs_told_s: f64,
     /// The car spins if a_y and v r differ by more than this, m/s².
     spinning: f64,
-    /// Deviation of a sideways limit: absolute (sensors), and of its value (load transfer, longitudinal forces).
-    lateral_std: (f64, f64),
+    /// The curve alone tells a value to act upon where its interval is narrower than this.
+    curve_sure: f64,
     /// Up to this lateral share of the longitudinal force the slip curve is that of driving straight on.
     straight: f64,
     /// Older evidence of the curve may be of another surface, s.
@@ -82,7 +82,7 @@ const TUNING: Tuning = Tuning {
     abs_slippery: 0.25,
     abs_told_s: 0.5,
     spinning: 1.5,
-    lateral_std: (0.02, 0.02),
+    curve_sure: 0.25,
     straight: 0.4,
     brush_lasts_s: 0.3,
     brush_model_error: 1.2,
@@ -135,8 +135,8 @@ pub struct Evidence {
     pub brakes_at_limit: Option<bool>,
     /// That of the driven wheels at their limit.
     pub limit: Option<LimitFriction>,
-    /// That of an axle that slides sideways.
-    pub lateral: Option<LateralLimit>,
+    /// What the tires' curves leave of each friction.
+    pub curve: Option<Likelihood>,
     /// The slope's, by a calibrated mapping.
     pub map: Option<MappedFriction>,
 }
@@ -184,7 +184,9 @@ impl FrictionMonitor {
         if let Some(limit) = evidence.limit.filter(|limit| limit.age_s == 0.0) {
             self.learn_measured(limit.mu, [limit.std; 2], MuSource::Limit, true);
         }
-        self.learn_lateral(evidence.lateral);
+        if let Some(curve) = evidence.curve {
+            self.learn_curve(&curve);
+        }
         let mut friction = Friction {
             used,
             brush: evidence.brush.map(|b| b.mu),
@@ -291,18 +293,19 @@ impl FrictionMonitor {
         self.learn_measured(used, [TUNING.abs_std, TUNING.abs_std.hypot(reserve)], MuSource::Abs, true);
     }
 
-    /// An axle that slides has its friction between two bounds.
-    fn learn_lateral(&mut self, limit: Option<LateralLimit>) {
-        let Some(LateralLimit { low, high, is_sure }) = limit else { return };
+    /// Tires that bend, or do not, at the force in use.
+    fn learn_curve(&mut self, likelihood: &Likelihood) {
         let (known_low, known_high) = self.belief.interval();
-        let is_another =
-            self.belief.learn_between((low, high), TUNING.lateral_std.0 + TUNING.lateral_std.1 * low);
+        let is_another = self.belief.learn_likelihood(likelihood);
+        let alone = Belief::of(likelihood);
+        let (low, high) = alone.interval();
+        if high > MOST_TOLD {
+            return;
+        }
         let says_more = high - low < known_high - known_low;
-        let middle = 0.5 * (low + high);
-        self.take(
-            Measured { mu: middle, source: MuSource::Joint, age_s: 0.0, is_sure },
-            is_another || says_more,
-        );
+        let is_sure = high - low < TUNING.curve_sure;
+        let measured = Measured { mu: alone.mean(), source: MuSource::Joint, age_s: 0.0, is_sure };
+        self.take(measured, is_another || says_more);
     }
 
     /// Do yaw rate and curvature of the path disagree? Then the wheels pull in different directions.

@@ -22,6 +22,7 @@ mod overall_slope;
 mod pipeline;
 mod plain_readings;
 mod roughness;
+mod saturating;
 mod saturation;
 mod slope;
 pub mod thesis;

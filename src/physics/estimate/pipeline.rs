@@ -15,6 +15,7 @@ use super::motion::MotionFilter;
 use super::overall_slope::OverallSlope;
 use super::plain_readings::{Plain, PlainReadings};
 use super::roughness::Roughness;
+use super::saturating::SaturatingTires;
 use super::saturation::SaturationDetector;
 use super::slope::SlopeEstimator;
 use super::thesis::Thesis;
@@ -78,6 +79,7 @@ pub struct Pipeline {
     cornering: CorneringEstimator,
     apart: Apart,
     motion: MotionFilter,
+    saturating: SaturatingTires,
     brush: BrushEstimator,
     abs: AbsBraking,
     brake_slip: BrakeSlip,
@@ -115,6 +117,7 @@ impl Pipeline {
             cornering: CorneringEstimator::new(&car, sensors, &config.cornering, slow),
             apart: Apart::default(),
             motion: MotionFilter::new(&car, sensors, slow, config.cornering.valid_sideslip_std),
+            saturating: SaturatingTires::new(&car, slow),
             brush: BrushEstimator::new(car.slope_prior[driven].0, &config.brush),
             abs: AbsBraking::new(&car),
             brake_slip: BrakeSlip::new(&car),
@@ -283,6 +286,7 @@ impl Pipeline {
     fn believe_nothing(&mut self) {
         self.cornering.distrust();
         self.motion.distrust();
+        self.saturating.stop();
         self.friction.surface_changed();
         let latest = &mut self.latest;
         (latest.slope_valid, latest.cornering_valid) = (false, false);
@@ -390,6 +394,9 @@ impl Pipeline {
         }
         let known = self.cornering.known(!self.motion.leaves_out_acceleration());
         self.motion.step(said, self.acceleration(now), &known);
+        let motion =
+            self.motion.motion().map(|motion| (motion.lateral_velocity, motion.lateral_velocity_std));
+        self.saturating.step(now, self.acceleration(now), motion, &known.offsets, self.cornering.noise());
         if self.motion.doubt().is_some() {
             self.doubted_s += now.elapsed_s;
         } else if std::mem::take(&mut self.doubted_s) > TUNING.spoils_s {
@@ -436,7 +443,7 @@ impl Pipeline {
             abs_working_s: self.abs.working_s(),
             brakes_at_limit: self.brake_slip.is_at_limit(&self.latest.slope),
             limit: self.saturation.friction(),
-            lateral: self.cornering.limit().filter(|_| self.motion.doubt().is_none()),
+            curve: self.saturating.likelihood(),
             map: self.mapped(),
         };
         self.latest.friction = self.friction.step(now, self.acceleration(now), evidence);
@@ -466,6 +473,7 @@ impl Pipeline {
             self.latest.surface_changes = self.latest.surface_changes.saturating_add(1);
         }
         self.unchanged_s = 0.0;
+        self.saturating.surface_changed();
         self.friction.surface_changed();
         self.brush.surface_changed();
     }

@@ -77,11 +77,6 @@ impl AxleMonitor {
         }
     }
 
-    /// Variance of the axle's equation as it was learned, rad².
-    pub fn variance(&self, equation: &Equation) -> f64 {
-        self.noise.variance(equation.promised)
-    }
-
     /// The axle surely slides.
     pub fn is_sliding(&self) -> bool {
         self.sliding.is_sure()

@@ -8,8 +8,6 @@ use crate::model::GRAVITY;
 
 /// Tuned with the tests `campaign` and `long_drives`.
 struct Tuning {
-    /// Up to this share of the lateral acceleration, a yaw acceleration is that of driving round a bend.
-    steady: f64,
     /// Where the curve is too steep to say how far it is bent.
     most_bent: f64,
     /// Deviation of a tire's shape from the straightest one, of its distance to the roundest.
@@ -18,19 +16,15 @@ struct Tuning {
     bent_anyhow: (f64, f64),
 }
 
-const TUNING: Tuning = Tuning { steady: 0.5, most_bent: 0.97, shape_std: 0.3, bent_anyhow: (2.0, 4.0) };
+const TUNING: Tuning = Tuning { most_bent: 0.97, shape_std: 0.3, bent_anyhow: (2.0, 4.0) };
 
 /// One axle's equation at a window.
 pub struct Equation {
     pub axle: usize,
-    /// Sensitivity of the motion's slip angle to the state …
-    pub motion: Row,
-    /// … and of the difference between it and the force's.
+    /// Sensitivity of the difference between the motion's slip angle and the force's to the state.
     pub h: Row,
     /// Residual of the equation, rad: the force's slip angle less the motion's.
     pub residual: f64,
-    /// Slip angle by the motion, rad.
-    pub angle: f64,
     /// Lateral force over the load, and the total one with the longitudinal.
     pub force: f64,
     pub used: f64,
@@ -40,9 +34,6 @@ pub struct Equation {
     pub bend_variance: f64,
     /// Noise by the data sheets, rad².
     pub promised: f64,
-    /// The car drives forwards round a bend. A larger yaw acceleration may come from a single brake, and is then no
-    /// lateral force of this axle; a car that rolls backwards, with wheel speeds without sign, turns the other way.
-    pub is_cornering: bool,
 }
 
 impl Equation {
@@ -64,30 +55,25 @@ impl Equation {
         let angle = steered - along.atan();
         let (bend, bend_variance) = model.expected_bend(used, belief);
         let straight = x[axle] * force;
-        let mut motion = Row::zeros();
-        motion[VY] = -1.0 / speed;
-        motion[YAW_OFFSET] = lever / speed;
-        motion[SPEED_SCALE] = along;
+        let mut h = Row::zeros();
+        h[VY] = -1.0 / speed;
+        h[YAW_OFFSET] = lever / speed;
+        h[SPEED_SCALE] = along;
         if front {
-            motion[ANGLE_OFFSET] = -1.0;
-            motion[ANGLE_SCALE] = now.angle;
+            h[ANGLE_OFFSET] = -1.0;
+            h[ANGLE_SCALE] = now.angle;
         }
-        let mut h = motion;
         h[axle] = -force * bend;
         h[AY_OFFSET] = x[axle] * bend / GRAVITY;
         Self {
             axle,
-            motion,
             h,
             residual: straight * bend - angle,
-            angle,
             force,
             used,
             straight,
             bend_variance: straight * straight * bend_variance,
             promised: model.promised_variance(axle, x[axle], turning, lever / speed, now),
-            is_cornering: turned.abs() < TUNING.steady * now.acceleration.abs()
-                && now.yaw_rate * now.acceleration > 0.0,
         }
     }
 }

@@ -1,14 +1,12 @@
 //! The filter: samples in, motion, stiffnesses and offsets out.
 
 use super::axle::{AxleMonitor, OtherCar};
-use super::bound::bent_limit;
 use super::config::CorneringConfig;
 use super::doubt::{Axle, Doubt, Surprises};
 use super::equation::Equation;
 use super::lasting;
 use super::model::{Model, SensorNoise};
 use super::single_brake::SingleBrake;
-use super::sliding::LateralLimit;
 use super::standstill::Standstill;
 use super::state::{ANGLE_OFFSET, AY_OFFSET, FRONT, REAR, STATES, State, UNKNOWN_VY, VY, YAW_OFFSET, prior};
 use super::window::{Means, Window, YawAcceleration};
@@ -81,7 +79,6 @@ pub struct CorneringEstimator {
     seen: bool,
     /// For how long the car may have driven without usable sensors, s.
     blind_s: f64,
-    limit: Option<LateralLimit>,
     /// The stiffnesses when they were last known well. The surface may have changed since.
     settled: [Option<learned::Known>; 2],
     /// What was taken up from an earlier drive is on trial.
@@ -116,7 +113,6 @@ impl CorneringEstimator {
             idle_s: 0.0,
             seen: false,
             blind_s: 0.0,
-            limit: None,
             settled: [None; 2],
             trial: None,
             taken: None,
@@ -146,7 +142,6 @@ impl CorneringEstimator {
     pub fn step(&mut self, now: &Kinematics, longitudinal: Option<f64>, belief: &Belief) -> bool {
         self.age_s += now.elapsed_s;
         self.idle_s += now.elapsed_s;
-        self.limit = None;
         self.watch_standstill(now);
         let Some(Cornering { speed, yaw_rate: r, lateral_acceleration: ay, road_angle: angle }) =
             now.cornering(self.minimum_speed)
@@ -196,6 +191,11 @@ impl CorneringEstimator {
         noise.acceleration = acceleration.max(self.promised.acceleration);
     }
 
+    /// Noise of single readings as it is believed: yaw rate (rad/s) and lateral acceleration (m/s²).
+    pub fn noise(&self) -> [f64; 2] {
+        [self.model.noise.yaw_rate, self.model.noise.acceleration]
+    }
+
     /// All that is known of tires and sensors at the moment, by earlier drives, too. What is hardly known of a tire is
     /// left to the data sheet; all is, where the accelerometer is not `believed`.
     pub fn known(&self, believed: bool) -> Known {
@@ -216,11 +216,6 @@ impl CorneringEstimator {
             offsets: [ANGLE_OFFSET, AY_OFFSET, YAW_OFFSET].map(estimate),
             is_braked: believed && self.is_braked,
         }
-    }
-
-    /// Friction, at a sample by which an axle was found to slide.
-    pub fn limit(&self) -> Option<LateralLimit> {
-        self.limit.map(|limit| LateralLimit { is_sure: limit.is_sure && self.is_consistent(), ..limit })
     }
 
     /// Normalized cornering stiffness front and rear, 1/rad.
@@ -372,10 +367,6 @@ impl CorneringEstimator {
     /// Both axles' measurement updates; returns whether a stiffness jumped.
     fn measure(&mut self, now: &Means, belief: &Belief) -> Result<bool, OtherCar> {
         let front = Equation::new(FRONT, now, &self.state, &self.model, belief);
-        let rear = Equation::new(REAR, now, &self.state, &self.model, belief);
-        let [front_noise, rear_noise] = [(&front, 0), (&rear, 1)].map(|(e, i)| self.axles[i].variance(e));
-        self.limit =
-            bent_limit([(&front, front_noise), (&rear, rear_noise)], &self.state, &self.model, belief);
         let (mut changed, mut surprised) = (false, false);
         let [front_axle, rear_axle] = &mut self.axles;
         let at_front = front_axle.update(&front, now, &mut self.state, &mut self.trial, belief)?;

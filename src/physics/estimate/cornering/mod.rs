@@ -19,8 +19,8 @@
 //!
 //! Tires bend: near their limit they slip further than κ μ, by a factor that depends on the share of the friction in
 //! use ([`bend`]); the belief over the friction gives the factor's mean and variance. Tires slide: an axle whose slip
-//! angle its force does not explain at all is left out, and v_y follows its kinematics alone ([`sliding`]). An axle
-//! that is bent beyond doubt bounds the friction ([`bound`]).
+//! angle its force does not explain at all is left out, and v_y follows its kinematics alone ([`sliding`]).
+//! What the bend says of the friction see [`saturating`](super::saturating).
 //!
 //! Further states are the offsets of steering, accelerometer and gyro, the scales of speed and
 //! steering angle, and the road's bank, which turns v_y but is no tire force. Noise is learned from the
@@ -29,7 +29,6 @@
 mod apart;
 mod axle;
 mod bend;
-mod bound;
 mod config;
 mod doubt;
 mod equation;
@@ -49,4 +48,3 @@ pub use config::CorneringConfig;
 pub use doubt::{Axle, Doubt};
 pub use estimator::CorneringEstimator;
 pub use lasting::expected_errors;
-pub use sliding::LateralLimit;

@@ -5,10 +5,7 @@
 //! wider than the filter believes (a banked curve begins); in the second it may have any positive size. Bayes's rule
 //! weighs both; the belief over the friction gives the prior of sliding.
 //!
-//! While an axle slides, its equation says nothing of motion and stiffness; what it says of the friction see
-//! [`bound`](super::bound).
-
-use super::bend::Bend;
+//! While an axle slides, its equation says nothing of motion and stiffness.
 
 /// Tuned with the tests `campaign` and `long_drives`.
 struct Tuning {
@@ -20,37 +17,13 @@ struct Tuning {
     least: f64,
     /// … and by no more than this, rad.
     largest: f64,
-    /// With less bend the bound on the friction would be too far off to be of use.
-    least_bend: f64,
 }
 
-const TUNING: Tuning =
-    Tuning { likeliest: 0.9, wrong: (0.05, 5.0), least: 0.4, largest: 0.3, least_bend: 1.4 };
+const TUNING: Tuning = Tuning { likeliest: 0.9, wrong: (0.05, 5.0), least: 0.4, largest: 0.3 };
 
 /// As likely as this, sliding is taken for true. Statistical: one in ten is taken wrongly, if the belief over the
 /// friction is right.
 pub const SURE: f64 = 0.9;
-
-/// Friction between two bounds, by an axle that slides sideways.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LateralLimit {
-    /// In use.
-    pub low: f64,
-    /// More than this the slip angle would have fetched from the road.
-    pub high: f64,
-    /// The filter agrees with its sensors, and the car does not spin.
-    pub is_sure: bool,
-}
-
-impl LateralLimit {
-    /// What bounds the friction more closely.
-    pub fn narrower(one: Option<Self>, other: Option<Self>) -> Option<Self> {
-        match (one, other) {
-            (Some(one), Some(other)) => Some(if one.high < other.high { one } else { other }),
-            _ => one.or(other),
-        }
-    }
-}
 
 /// One axle's slip angle against what its force accounts for.
 #[derive(Clone, Copy, Debug)]
@@ -100,16 +73,6 @@ impl Sliding {
     }
 }
 
-/// What the friction is by an axle that slides with this force in use, from `least` to `most` times as far as its
-/// stiffness has it.
-pub fn limit(used: f64, (least, most): (f64, f64), tires: &Bend) -> Option<LateralLimit> {
-    (least > TUNING.least_bend).then(|| LateralLimit {
-        low: used,
-        high: used / tires.least_share(least, most),
-        is_sure: true,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -127,13 +90,5 @@ mod tests {
         assert!(sliding.weigh(&excess(0.0, 0.9)) < 0.2);
         // The filter errs to either side, sliding is to one.
         assert!(sliding.weigh(&excess(-0.05, 0.5)) < 0.01);
-    }
-
-    #[test]
-    fn what_is_used_at_twice_the_slip_is_nearly_all_there_is() {
-        let tires = Bend::new();
-        let found = limit(0.3, (2.0, 3.0), &tires).unwrap();
-        assert!(found.low == 0.3 && (0.3..0.33).contains(&found.high), "{found:?}");
-        assert_eq!(limit(0.3, (1.2, 3.0), &tires), None);
     }
 }

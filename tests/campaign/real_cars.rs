@@ -147,6 +147,27 @@ fn no_impossible_rav4_is_identified() {
 const ZOES: [&[&str]; 2] = [&["0103", "0655", "0757"], &["0061", "0796", "0916", "1077", "1094", "1100"]];
 
 /// Scenes as records, 50 Hz as they were recorded.
+
+/// GIVEN a car on one road WHEN it uses more of the friction within ten seconds THEN no interval excluded that before.
+#[test]
+fn no_interval_excludes_what_a_gti_uses_next() {
+    let Some(folder) = testing::shared("recordings/gti") else { return };
+    let config = Config::load(&folder.join("drives.toml")).unwrap();
+    for drive in ["group1controller", "group5controller", "group7lookahead", "group10controller"] {
+        let all = replay(&config, &folder.join(format!("{drive}.log.gz")));
+        let moving: Vec<_> = all.iter().filter(|e| e.motion.speed.is_some_and(|speed| speed > 5.0)).collect();
+        let excludes = |(place, now): (usize, &&Estimates)| {
+            let until = now.time.seconds() + 10.0;
+            let next = moving[place..].iter().take_while(|later| later.time.seconds() < until);
+            let used = next.filter_map(|later| later.friction.used).fold(0.0, f64::max);
+            now.friction.high.is_some_and(|high| high < used - 0.05)
+        };
+        let excluding = moving.iter().enumerate().filter(|at| excludes((at.0, at.1))).count();
+        assert!(moving.len() > 2000, "{drive}: {}", moving.len());
+        assert!(excluding * 200 < moving.len(), "{drive}: {excluding} of {}", moving.len());
+    }
+}
+
 fn zoe_records(folder: &Path, config: &Config, scenes: &[&str]) -> Vec<gripd::identify::Record> {
     let log = |scene: &&str| folder.join(format!("zoe/scene-{scene}.log.gz"));
     scenes.iter().map(|scene| recorded(&log(scene), config)).collect()

@@ -54,8 +54,6 @@ struct Tuning {
     abs_told_s: f64,
     /// The car spins if a_y and v r differ by more than this, m/s².
     spinning: f64,
-    /// The curve alone tells a value to act upon where its interval is narrower than this.
-    curve_sure: f64,
     /// Up to this lateral share of the longitudinal force the slip curve is that of driving straight on.
     straight: f64,
     /// Older evidence of the curve may be of another surface, s.
@@ -82,7 +80,6 @@ const TUNING: Tuning = Tuning {
     abs_slippery: 0.25,
     abs_told_s: 0.5,
     spinning: 1.5,
-    curve_sure: 0.25,
     straight: 0.4,
     brush_lasts_s: 0.3,
     brush_model_error: 1.2,
@@ -297,14 +294,13 @@ impl FrictionMonitor {
     fn learn_curve(&mut self, likelihood: &Likelihood) {
         let (known_low, known_high) = self.belief.interval();
         let is_another = self.belief.learn_likelihood(likelihood);
-        let alone = Belief::of(likelihood);
-        let (low, high) = alone.interval();
-        if high > MOST_TOLD {
+        if Belief::of(likelihood).interval().1 > MOST_TOLD {
             return;
         }
+        let (low, high) = self.belief.interval();
         let says_more = high - low < known_high - known_low;
-        let is_sure = high - low < TUNING.curve_sure;
-        let measured = Measured { mu: alone.mean(), source: MuSource::Joint, age_s: 0.0, is_sure };
+        let measured =
+            Measured { mu: self.belief.mean(), source: MuSource::Joint, age_s: 0.0, is_sure: true };
         self.take(measured, is_another || says_more);
     }
 

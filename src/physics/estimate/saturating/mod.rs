@@ -82,8 +82,8 @@ struct Tuning {
 }
 
 const TUNING: Tuning = Tuning {
-    memory_s: 4.0,
-    repeated: 10.0,
+    memory_s: 5.0,
+    repeated: 5.0,
     crude: 0.02,
     crude_share: 0.1,
     late_s: 0.05,
@@ -98,12 +98,12 @@ const TUNING: Tuning = Tuning {
     hopeless: 12.0,
     noise_memory: 400.0,
     starts_s: 1.0,
-    fit: (0.05, 1.0),
+    fit: (0.1, 1.0),
     apart: 3.0,
     motion_std: 0.01,
     spinning: 0.6,
     implausible: 3.5,
-    lost: 0.2,
+    lost: 0.4,
     gap_s: 0.1,
 };
 

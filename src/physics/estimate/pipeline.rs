@@ -396,7 +396,7 @@ impl Pipeline {
         self.motion.step(said, self.acceleration(now), &known);
         let motion =
             self.motion.motion().map(|motion| (motion.lateral_velocity, motion.lateral_velocity_std));
-        self.saturating.step(now, self.acceleration(now), motion, &known.offsets, self.cornering.noise());
+        self.saturating.step(now, self.acceleration(now), motion, &known, self.cornering.noise());
         if self.motion.doubt().is_some() {
             self.doubted_s += now.elapsed_s;
         } else if std::mem::take(&mut self.doubted_s) > TUNING.spoils_s {

@@ -19,7 +19,7 @@ use self::curve::{Curves, SHAPES};
 use self::filter::{ANGLE, BANK, FRONT, Filter, Noise, REAR, STATES, Surface, VY};
 use self::window::{Window, Windows};
 use super::kinematics::{Car, Kinematics};
-use crate::estimates::Estimate;
+use super::motion::Known;
 use crate::filter::{Gaussian, LearnedNoise};
 use crate::model::GRAVITY;
 
@@ -31,7 +31,8 @@ const HIGHEST: f64 = 1.35;
 
 /// Tuned with the drives of the test `campaign` (other seeds than those of the tests), none of them to an edge: half or twice
 /// of each number changes the shares in the tables of `results.md` by a few percent. What `fit` and `apart` allow was set by
-/// recorded drives of a Golf GTI, on which no interval excludes what the car uses in the next ten seconds (test `real_cars`).
+/// recorded drives of a Golf GTI, on which no interval excludes what the car uses in the next ten seconds (test `real_cars`),
+/// and with single brakes and banks by the test `long_drives`.
 struct Tuning {
     /// The evidence is that of so many seconds.
     memory_s: f64,
@@ -67,6 +68,10 @@ struct Tuning {
     starts_s: f64,
     /// … when the likeliest filter's NIS has this mean at most, over this time, s, …
     fit: (f64, f64),
+    /// … when no single wheel was braked for so long, s, which turns the car without any slip angle, …
+    unbraked_s: f64,
+    /// … when an axle used this much lately: curves that are hardly begun say nothing, …
+    used: f64,
     /// … while its motion is not this many deviations apart from the one that is published, …
     apart: f64,
     /// … which has this deviation at least, as a share of the speed, …
@@ -99,7 +104,9 @@ const TUNING: Tuning = Tuning {
     noise_memory: 400.0,
     starts_s: 1.0,
     fit: (0.1, 1.0),
-    apart: 3.0,
+    unbraked_s: 4.0,
+    used: 0.06,
+    apart: 1.0,
     motion_std: 0.01,
     spinning: 0.6,
     implausible: 3.5,
@@ -136,12 +143,16 @@ pub struct SaturatingTires {
     evidence: [[f64; SHAPES]; FRICTIONS],
     /// Of front and rear force, by the innovations of the likeliest filter.
     learned: [LearnedNoise; 2],
+    /// The largest force of an axle over its load in these seconds.
+    used: f64,
     /// Mean NIS of the likeliest filter.
     fit: f64,
     windows: Windows,
     minimum_speed: f64,
     /// For how long the car has been driving, s.
     driving_s: f64,
+    /// Since a single wheel was last braked, s.
+    unbraked_s: f64,
     likelihood: Option<Likelihood>,
 }
 
@@ -155,10 +166,12 @@ impl SaturatingTires {
             filters: Box::new(std::array::from_fn(|_| std::array::from_fn(|_| filter.clone()))),
             evidence: [[0.0; SHAPES]; FRICTIONS],
             learned: [LearnedNoise::new(TUNING.noise_memory); 2],
+            used: 0.0,
             fit: 0.0,
             windows: Windows::default(),
             minimum_speed,
             driving_s: 0.0,
+            unbraked_s: f64::INFINITY,
             likelihood: None,
             curves: Curves::new(),
             car: car.clone(),
@@ -174,7 +187,7 @@ impl SaturatingTires {
         now: &Kinematics,
         along: Option<f64>,
         motion: Option<(f64, f64)>,
-        offsets: &[Estimate; 3],
+        known: &Known,
         white: [f64; 2],
     ) {
         self.likelihood = None;
@@ -185,7 +198,8 @@ impl SaturatingTires {
         };
         let along = along.map_or(0.0, |a| self.car.longitudinal_force(a, cornering.speed));
         let along = self.car.axle_forces(along);
-        let offsets = offsets.map(|offset| offset.value);
+        let offsets = known.offsets.map(|offset| offset.value);
+        self.unbraked_s = if known.is_braked { 0.0 } else { self.unbraked_s + now.elapsed_s };
         let ended = self.windows.step(&self.car, &cornering, now, along, offsets);
         let Some(window) = ended else { return };
         if self.driving_s == 0.0 || self.fit > TUNING.lost {
@@ -196,7 +210,9 @@ impl SaturatingTires {
         self.driving_s += window.elapsed_s;
         self.update(&window, white);
         let best = self.best();
-        if self.tells(&window, &self.filters.as_flattened()[best].state, motion) {
+        if self.unbraked_s < TUNING.unbraked_s {
+            self.surface_changed();
+        } else if self.tells(&window, &self.filters.as_flattened()[best].state, motion) {
             self.likelihood = Some(self.of_frictions());
         }
     }
@@ -237,6 +253,7 @@ impl SaturatingTires {
         };
         let noise = Noise { variance: [repeated(0), repeated(1)], unmodelled: TUNING.unmodelled };
         let kept = (-now.elapsed_s / TUNING.memory_s).exp();
+        self.used = now.force.into_iter().fold(kept * self.used, |most, force| most.max(force.abs()));
         let best = self.best();
         let prior = prior(&self.car);
         let share = now.elapsed_s / TUNING.tends_s;
@@ -309,6 +326,7 @@ impl SaturatingTires {
         let is_plausible =
             |i: usize| (state.mean[i] - prior.mean[i]).abs() < TUNING.implausible * prior.std(i);
         self.driving_s > TUNING.starts_s
+            && self.used > TUNING.used
             && motion.is_some_and(agrees)
             && self.fit < TUNING.fit.0
             && state.mean[VY].abs() < TUNING.spinning * now.speed

@@ -1,6 +1,13 @@
 use super::*;
+use crate::estimates::Estimate;
 use crate::model::{Scenario, Simulation, Vehicle};
 use crate::{Quantity, Sample};
+
+/// That is known but the data sheet.
+fn nothing() -> Known {
+    let offset = Estimate { value: 0.0, std: 1e-3, age_s: 0.0 };
+    Known { stiffness: [None; 2], offsets: [offset; 3], is_braked: false }
+}
 
 /// Drives with this friction and steers to and fro, the wheel turned by so much (rad); what is left of each friction at the end,
 /// and how often there was evidence.
@@ -18,7 +25,7 @@ fn left(friction: f64, steering: f64, sheet: impl Fn(&mut Vehicle)) -> (Likeliho
     sheet(&mut vehicle);
     let car = Car::new(&vehicle);
     let mut tires = SaturatingTires::new(&car, 4.0);
-    let nothing = [Estimate { value: 0.0, std: 1e-3, age_s: 0.0 }; 3];
+    let nothing = nothing();
     let (mut last, mut count) = (None, 0);
     let mut simulation = Simulation::new(&scenario, 1).unwrap();
     let mut before = None;
@@ -88,7 +95,7 @@ fn another_road_and_a_stop_leave_no_evidence() {
     assert!(tires.evidence.as_flattened().iter().all(|evidence| *evidence == 0.0));
     let standing = Sample::empty(crate::Micros(0), 0.01);
     tires.driving_s = 7.0;
-    let nothing = [Estimate { value: 0.0, std: 1e-3, age_s: 0.0 }; 3];
+    let nothing = nothing();
     tires.step(&Kinematics::new(&standing, &car), None, None, &nothing, [0.003, 0.07]);
     assert_eq!((tires.driving_s, tires.likelihood()), (0.0, None));
 }

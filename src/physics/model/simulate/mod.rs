@@ -34,6 +34,7 @@ mod commands;
 mod drive;
 mod driver;
 mod effects;
+mod given;
 mod input;
 mod random;
 mod sensor;
@@ -44,6 +45,7 @@ mod truth;
 
 pub use drive::SimulatedDrive;
 pub(super) use effects::OWN_STATES;
+pub use given::{Given, Line};
 pub use truth::{Truth, TruthWriter};
 
 use self::commands::{Commands, Known};
@@ -131,10 +133,7 @@ impl Simulation {
     pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, ScenarioError> {
         scenario.validate()?;
         let vehicle = &scenario.vehicle;
-        let mut plant = Plant::new(vehicle);
-        for (radius, difference) in plant.radius.iter_mut().zip(scenario.radius_difference.to_array()) {
-            *radius *= 1.0 + difference;
-        }
+        let plant = Plant::of_scenario(scenario);
         let commands = Commands::new(scenario, seed, &plant);
         let mut surface = Surface::new(&plant.nominal.contact, &scenario.road);
         let on_road = surface.at(0.0);
@@ -209,12 +208,17 @@ impl Simulation {
             }
         }
         self.started = true;
+        Some(self.tick())
+    }
+
+    /// What is now, and the readings since the last time it was asked.
+    fn tick(&mut self) -> Tick<'_> {
         self.deliver();
         self.truth = self.row();
         if let Some(effects) = &self.effects {
             effects.series(self.time.seconds(), &mut self.effect_series);
         }
-        Some(Tick { truth: &self.truth, readings: &self.readings, effects: &self.effect_series })
+        Tick { truth: &self.truth, readings: &self.readings, effects: &self.effect_series }
     }
 
     /// One integration step.
@@ -394,6 +398,17 @@ impl Simulation {
             fy: response.fy,
             fz: *load,
         }
+    }
+}
+
+impl Plant {
+    /// A scenario's, with the wheels' own radii.
+    fn of_scenario(scenario: &Scenario) -> Self {
+        let mut plant = Self::new(&scenario.vehicle);
+        for (radius, difference) in plant.radius.iter_mut().zip(scenario.radius_difference.to_array()) {
+            *radius *= 1.0 + difference;
+        }
+        plant
     }
 }
 

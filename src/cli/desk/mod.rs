@@ -67,7 +67,7 @@ pub enum Command {
     Plot(plot::Plot),
     /// Turn a recording of any format into one of another.
     Convert(convert::Convert),
-    /// Write the tires of a configuration for other programs: a magic formula file (.tir).
+    /// Write the car of a configuration for other programs: its tires (.tir), or all of it as an FMU.
     Export(export::Export),
     /// Watch a bus or a recording in the terminal: inputs, estimates, faults, frame rates.
     Monitor(monitor::Monitor),

@@ -14,6 +14,7 @@ pub mod abi;
 pub mod car;
 pub mod description;
 pub mod export;
+pub mod foreign;
 pub mod instance;
 mod quantities;
 pub mod variables;

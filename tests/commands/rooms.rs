@@ -59,7 +59,21 @@ const MAP: &[Member] = &[
             ("reproduce", &["report", "identify"]),
         ],
     },
-    Member { folder: "src", uses: &["bus", "lab", "physics"], rooms: &[("cli", &[]), ("guide", &[])] },
+    Member {
+        folder: "src/fmu",
+        uses: &["physics"],
+        rooms: &[
+            ("quantities", &[]),
+            ("car", &[]),
+            ("variables", &["quantities", "car"]),
+            ("description", &["quantities", "car", "variables"]),
+            ("instance", &["car", "variables"]),
+            ("export", &["car", "description", "instance"]),
+            ("foreign", &["export"]),
+            ("abi", &["car", "description", "instance"]),
+        ],
+    },
+    Member { folder: "src", uses: &["bus", "fmu", "lab", "physics"], rooms: &[("cli", &[]), ("guide", &[])] },
 ];
 
 fn project(path: &str) -> PathBuf {

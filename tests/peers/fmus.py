@@ -1,7 +1,8 @@
 """fmus.py FOLDER: what FMPy makes of the FMUs in a folder, beside the truth that `gripd simulate` wrote.
 
-FOLDER has car2.fmu, car3.fmu, and truth.csv, a row for each millisecond. Prints for each way of running how far both are
-apart at most; fails where FMPy finds something wrong with an FMU."""
+FOLDER has car2.fmu, car3.fmu, and truth.csv, a row for each millisecond. Prints for each FMU how far both are apart at
+most; fails where FMPy finds something wrong with one. Derivatives of inputs are left out: this FMPy sets them of nine inputs
+only."""
 
 import csv
 import pathlib
@@ -29,34 +30,31 @@ inputs = {
     "steering_wheel_angle": lambda t: sum(piece(t) for piece in steering),
     "drive_torque": ramp(0.2, 0.6, 500.0),
     "brake_torque": ramp(2.0, 2.4, 1500.0),
+    "brake_pressure": np.zeros_like,
+    "wanted_speed": np.zeros_like,
 }
 
 
-def signals(ahead: float) -> np.ndarray:
-    """What is set at each time: the inputs so much later."""
-    table = np.zeros(len(t), dtype=[("time", float)] + [(name, float) for name in inputs])
-    table["time"] = t
-    for name, value in inputs.items():
-        table[name] = value(np.round(t + ahead, 6))
-    return table
+# What is set at each time: the inputs at the end of the step.
+table = np.zeros(len(t), dtype=[("time", float)] + [(name, float) for name in inputs])
+table["time"] = t
+for name, value in inputs.items():
+    table[name] = value(np.round(t + 1e-3, 6))
 
-
-for version, way in [("2", "ends"), ("2", "derivatives"), ("3", "ends")]:
+for version in "23":
     path = str(folder / f"car{version}.fmu")
     problems = validate_fmu(path)
     assert not problems, f"{path}: {problems}"
-    ends = way == "ends"
     result = simulate_fmu(
         path,
         stop_time=float(t[-1]),
         step_size=1e-3,
         output_interval=1e-3,
-        start_values={"initial_speed": 22.0, "inputs_are_of_the_end": ends},
-        input=signals(1e-3 if ends else 0.0),
-        set_input_derivatives=way == "derivatives",
+        start_values={"initial_speed": 22.0, "inputs_are_of_the_end": True},
+        input=table,
         output=columns,
     )
     assert len(result) == len(t), (len(result), len(t))
     apart = {name: float(np.max(np.abs(result[name] - truth[name]))) for name in columns}
     worst = max(apart, key=apart.get)
-    print(f"{version},{way},{worst},{apart[worst]:.3e}")
+    print(f"{version},{worst},{apart[worst]:.3e}")

@@ -43,7 +43,7 @@ pub fn tune(
     let knobs = &wiring.tuned;
     let mut at: Vec<f64> =
         knobs.iter().map(|knob| (knob.start - knob.range[0]) / (knob.range[1] - knob.range[0])).collect();
-    let mut rows = search.runs(&[at.clone()])?.remove(0);
+    let mut rows = search.runs(std::slice::from_ref(&at))?.remove(0);
     let mut residual = search.residual(&rows);
     let before = rms(&residual);
     let mut damping = 1e-3;
@@ -72,7 +72,7 @@ pub fn tune(
             let step = step(&normal, &gradient, damping, &at);
             let next: Vec<f64> =
                 at.iter().zip(step.iter()).map(|(at, step)| (at - step).clamp(0.0, 1.0)).collect();
-            let next_rows = search.runs(&[next.clone()])?.remove(0);
+            let next_rows = search.runs(std::slice::from_ref(&next))?.remove(0);
             let next_residual = search.residual(&next_rows);
             let gain = cost - next_residual.norm_squared();
             if gain > 0.0 {

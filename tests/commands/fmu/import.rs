@@ -166,7 +166,7 @@ fn its_own_fmu_lacks_what_it_was_exported_without() {
         assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
         let concealed = gripd_in(
             folder.path(),
-            "-q conceal -c car.toml drive.log -o late.log --effect sensor_delay:yaw_rate --set delay_s=0.08",
+            "-q conceal -c car.toml drive.log -o late.log --effect sensor_delay --set channel=yaw_rate --set delay_s=0.08",
         );
         assert!(concealed.status.success(), "{}", String::from_utf8_lossy(&concealed.stderr));
         let output =

@@ -11,12 +11,33 @@ use thiserror::Error;
 /// The longest drive, s: that of a scenario.
 pub const LONGEST_S: f64 = 1e5;
 
+/// What an FMU is of a car.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Part {
+    /// The whole of it.
+    #[default]
+    Car,
+    /// What its effects add to a plain car that somebody else simulates.
+    Correction,
+}
+
+impl Part {
+    // By reference, because serde asks so.
+    fn is_car(&self) -> bool {
+        *self == Self::Car
+    }
+}
+
 /// A car with everything that was found of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Car {
     /// What the FMU is called.
     pub name: String,
+    /// What the FMU is of it.
+    #[serde(default, skip_serializing_if = "Part::is_car")]
+    pub part: Part,
     /// The plain car.
     pub vehicle: Vehicle,
     /// Physics beyond it, and errors of the sensors.

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use physics::model::{Given, Line, Simulation};
+use physics::model::body::Velocity;
+use physics::model::{Given, Line, Simulation, State};
 use physics::{Micros, Quantity};
 use thiserror::Error;
 
-use crate::car::{Car, CarError, LONGEST_S, Setting};
-use crate::variables::{Causality, Input, Place, Setting as Fixed, Variable, variables};
+use crate::car::{Car, CarError, LONGEST_S, Part, Setting};
+use crate::variables::{ADDED, Causality, Input, Place, Setting as Fixed, Variable, variables};
 
 /// Why a call cannot be obeyed.
 #[derive(Debug, Error)]
@@ -52,9 +53,9 @@ pub struct Instance {
     /// What has been set, by value reference.
     values: Vec<f64>,
     /// Rates of the inputs until the end of the next step, per second.
-    rates: [f64; Input::COUNT],
+    rates: Inputs,
     /// Inputs at the end of the last step.
-    last: [f64; Input::COUNT],
+    last: Inputs,
     start_s: f64,
     /// From the first question on, or the end of the initialization.
     simulation: Option<Box<Simulation>>,
@@ -65,6 +66,9 @@ pub struct Instance {
     /// The columns of the truth now, and what the sensors say.
     truth: Vec<f64>,
     measured: [f64; Quantity::COUNT],
+    /// What perfect sensors would say, and what effects add to a plain car: of a correction.
+    perfect: [f64; Quantity::COUNT],
+    added: [f64; ADDED.len()],
 }
 
 impl Instance {
@@ -76,14 +80,16 @@ impl Instance {
             car: Arc::new(car),
             variables,
             values,
-            rates: [0.0; Input::COUNT],
-            last: [0.0; Input::COUNT],
+            rates: NO_RATES,
+            last: NO_RATES,
             start_s: 0.0,
             simulation: None,
             is_running: false,
             is_retuned: false,
             truth: vec![],
             measured: [f64::NAN; Quantity::COUNT],
+            perfect: [f64::NAN; Quantity::COUNT],
+            added: [0.0; ADDED.len()],
         }
     }
 
@@ -172,6 +178,14 @@ impl Instance {
                 self.ready()?;
                 Ok(self.measured[quantity as usize])
             }
+            Place::Error(quantity) => {
+                self.ready()?;
+                Ok(self.measured[quantity as usize] - self.perfect[quantity as usize])
+            }
+            Place::Added(place) => {
+                self.ready()?;
+                Ok(self.added.get(place).copied().unwrap_or(f64::NAN))
+            }
             _ => Ok(self.values.get(reference as usize).copied().unwrap_or(f64::NAN)),
         }
     }
@@ -188,23 +202,20 @@ impl Instance {
 
     fn setting(&self) -> Setting {
         let value = |of| self.value(Place::Setting(of));
+        let inputs = self.inputs();
         Setting {
-            initial_speed_mps: value(Fixed::InitialSpeed),
-            initial_steering_rad: self.inputs()[Input::SteeringWheelAngle as usize],
+            initial_speed_mps: match self.car.part {
+                Part::Car => value(Fixed::InitialSpeed),
+                Part::Correction => inputs[Input::VelocityForward as usize],
+            },
+            initial_steering_rad: inputs[Input::SteeringWheelAngle as usize],
             step_us: (value(Fixed::Step) * 1e6).round() as u32,
             holds_speed: value(Fixed::HoldsSpeed) != 0.0,
         }
     }
 
-    fn inputs(&self) -> [f64; Input::COUNT] {
-        let all = [
-            Input::SteeringWheelAngle,
-            Input::DriveTorque,
-            Input::BrakeTorque,
-            Input::BrakePressure,
-            Input::Speed,
-        ];
-        all.map(|input| self.value(Place::Input(input)))
+    fn inputs(&self) -> Inputs {
+        Input::ALL.map(|input| self.value(Place::Input(input)))
     }
 
     /// The car with the numbers that it has now.
@@ -232,9 +243,10 @@ impl Instance {
             let scenario = self.tuned()?.scenario(&self.setting())?;
             let mut simulation = Simulation::new(&scenario, 0).map_err(CarError::from)?;
             self.last = self.inputs();
-            simulation.give(&given(&self.last, &[0.0; Input::COUNT]));
+            simulation.give(&given(&self.last, &NO_RATES));
             self.simulation = Some(Box::new(simulation));
-            self.go_on(0)?;
+            let last = self.last;
+            self.go_on(0, &last, &NO_RATES)?;
         }
         Ok(())
     }
@@ -260,38 +272,75 @@ impl Instance {
         }
         let retuned = if self.is_retuned { Some(self.tuned()?.scenario(&setting)?) } else { None };
         let inputs = self.inputs();
-        let given = if self.value(Place::Setting(Fixed::InputsAreOfTheEnd)) != 0.0 {
-            let rates = std::array::from_fn(|i| (inputs[i] - self.last[i]) / (steps * step_s));
-            given(&self.last, &rates)
+        let (from, rates) = if self.value(Place::Setting(Fixed::InputsAreOfTheEnd)) != 0.0 {
+            (self.last, std::array::from_fn(|i| (inputs[i] - self.last[i]) / (steps * step_s)))
         } else {
-            given(&inputs, &self.rates)
+            (inputs, self.rates)
         };
         if let Some(simulation) = &mut self.simulation {
             if let Some(scenario) = retuned {
                 simulation.retune(&scenario).map_err(CarError::from)?;
             }
-            simulation.give(&given);
+            simulation.give(&given(&from, &rates));
         }
         self.is_retuned = false;
-        self.rates = [0.0; Input::COUNT];
+        self.rates = NO_RATES;
         self.last = inputs;
-        self.go_on(steps as u32)
+        self.go_on(steps as u32, &from, &rates)
     }
 
-    fn go_on(&mut self, steps: u32) -> Result<(), Refused> {
+    /// So many steps, with the inputs going on as they are said.
+    fn go_on(&mut self, steps: u32, from: &Inputs, rates: &Inputs) -> Result<(), Refused> {
+        let has_wheels = self.value(Place::Setting(Fixed::HasWheels)) != 0.0;
         let Some(simulation) = &mut self.simulation else { return Ok(()) };
-        let tick = simulation.go_on(steps);
+        let is_led = self.car.part == Part::Correction;
+        let tick = if is_led {
+            let radius = simulation.plant().radius;
+            let freely_on = (!has_wheels).then_some(radius);
+            let motion = |of: &Inputs| motion(of, freely_on);
+            simulation.led_along(&motion(from), &motion(rates), steps)
+        } else {
+            simulation.go_on(steps)
+        };
         let is_finite = tick.truth.is_finite();
         self.truth = tick.truth.values();
         for reading in tick.readings {
             self.measured[reading.quantity as usize] = reading.value;
         }
         let Micros(now) = tick.truth.time;
+        if is_led {
+            let added = simulation.added();
+            let [fl, fr, rl, rr] = added.wheel_torque;
+            self.added = [added.fx, added.fy, added.moment, fl, fr, rl, rr];
+            self.perfect = simulation.perfect_readings();
+        }
         if is_finite { Ok(()) } else { Err(Refused::Diverged(self.start_s + now as f64 * 1e-6)) }
     }
 }
 
-fn given(values: &[f64; Input::COUNT], rates: &[f64; Input::COUNT]) -> Given {
+/// A number for each input.
+type Inputs = [f64; Input::COUNT];
+
+const NO_RATES: Inputs = [0.0; Input::COUNT];
+
+/// The motion that is said, or its rate; wheels of these radii roll freely, if they are given.
+fn motion(of: &Inputs, freely_on: Option<[f64; 4]>) -> State {
+    let forward = of[Input::VelocityForward as usize];
+    let wheels = [Input::WheelFl, Input::WheelFr, Input::WheelRl, Input::WheelRr];
+    State {
+        velocity: Velocity {
+            vx: forward,
+            vy: of[Input::VelocityLeft as usize],
+            yaw_rate: of[Input::YawRate as usize],
+        },
+        wheel_speed: freely_on.map_or_else(
+            || wheels.map(|input| of[input as usize]),
+            |radius| radius.map(|radius| forward / radius),
+        ),
+    }
+}
+
+fn given(values: &Inputs, rates: &Inputs) -> Given {
     let line = |input: Input| Line { value: values[input as usize], rate: rates[input as usize] };
     Given {
         steering_wheel_angle: line(Input::SteeringWheelAngle),
@@ -301,3 +350,6 @@ fn given(values: &[f64; Input::COUNT], rates: &[f64; Input::COUNT]) -> Given {
         speed: line(Input::Speed),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,7 +4,7 @@ use physics::Quantity;
 use physics::model::Truth;
 use physics::model::effect::EffectConfig;
 
-use crate::car::Car;
+use crate::car::{Car, Part};
 use crate::quantities::{OUTPUTS, VEHICLE};
 
 /// What a variable is for.
@@ -33,6 +33,10 @@ pub enum Place {
     Truth(usize),
     /// What the sensor says.
     Measured(Quantity),
+    /// What the sensor says beyond what is.
+    Error(Quantity),
+    /// What effects add: its place in [`ADDED`].
+    Added(usize),
     /// A number of `[vehicle]`.
     Vehicle(&'static str),
     /// A number of an effect: which, and which of its numbers.
@@ -54,12 +58,61 @@ pub enum Input {
     BrakePressure,
     /// The speed to be held.
     Speed,
+    /// Velocity forward, of somebody else's car, as all that follows.
+    VelocityForward,
+    /// Velocity to the left.
+    VelocityLeft,
+    /// Yaw rate.
+    YawRate,
+    /// Speeds of the wheels.
+    WheelFl,
+    /// Front right.
+    WheelFr,
+    /// Rear left.
+    WheelRl,
+    /// Rear right.
+    WheelRr,
 }
 
 impl Input {
     /// How many there are.
-    pub const COUNT: usize = 5;
+    pub const COUNT: usize = 12;
+
+    /// All of them, each at its place.
+    pub const ALL: [Self; Self::COUNT] = [
+        Self::SteeringWheelAngle,
+        Self::DriveTorque,
+        Self::BrakeTorque,
+        Self::BrakePressure,
+        Self::Speed,
+        Self::VelocityForward,
+        Self::VelocityLeft,
+        Self::YawRate,
+        Self::WheelFl,
+        Self::WheelFr,
+        Self::WheelRl,
+        Self::WheelRr,
+    ];
 }
+
+/// What effects add to a plain car: name, unit, words.
+pub const ADDED: [(&str, &str, &str); 7] = [
+    (
+        "added_force_forward",
+        "N",
+        "Force on the body forward, at the centre of gravity, beyond the plain car's",
+    ),
+    (
+        "added_force_left",
+        "N",
+        "Force on the body to the left, at the centre of gravity, beyond the plain car's",
+    ),
+    ("added_yaw_moment", "N.m", "Yaw moment on the body beyond the plain car's"),
+    ("added_wheel_torque_fl", "N.m", "Torque on the front left wheel, as it rolls, beyond the plain car's"),
+    ("added_wheel_torque_fr", "N.m", "Torque on the front right wheel, as it rolls, beyond the plain car's"),
+    ("added_wheel_torque_rl", "N.m", "Torque on the rear left wheel, as it rolls, beyond the plain car's"),
+    ("added_wheel_torque_rr", "N.m", "Torque on the rear right wheel, as it rolls, beyond the plain car's"),
+];
 
 /// What counts from the start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,6 +125,8 @@ pub enum Setting {
     HoldsSpeed,
     /// Inputs are those of the end of a step.
     InputsAreOfTheEnd,
+    /// Somebody else's car has wheels that turn.
+    HasWheels,
 }
 
 /// A variable. Its value reference is its place in the list.
@@ -136,7 +191,7 @@ pub fn variables(car: &Car) -> Vec<Variable> {
     }];
     inputs(car, &mut all);
     outputs(car, &mut all);
-    settings(&mut all);
+    settings(car, &mut all);
     parameters(car, &mut all);
     all
 }
@@ -165,8 +220,20 @@ fn inputs(car: &Car, all: &mut Vec<Variable>) {
     if car.takes_pressure() {
         add(Input::BrakePressure, "brake_pressure", "bar", "Brake pressure");
     }
-    let speed = "Speed that a driver holds with torque and brakes; without effect unless holds_speed";
-    add(Input::Speed, "wanted_speed", "m/s", speed);
+    if car.part == Part::Car {
+        let speed = "Speed that a driver holds with torque and brakes; without effect unless holds_speed";
+        add(Input::Speed, "wanted_speed", "m/s", speed);
+        return;
+    }
+    let forward = "Velocity of the centre of gravity forward, of the car that is corrected";
+    add(Input::VelocityForward, "longitudinal_velocity", "m/s", forward);
+    add(Input::VelocityLeft, "lateral_velocity", "m/s", "Velocity of the centre of gravity to the left");
+    add(Input::YawRate, "yaw_rate", "rad/s", "Yaw rate, positive to the left");
+    let wheels = [Input::WheelFl, Input::WheelFr, Input::WheelRl, Input::WheelRr];
+    for (input, (end, words)) in wheels.into_iter().zip(WHEELS) {
+        let description = format!("Angular speed of the {words} wheel; without effect unless has_wheels");
+        add(input, &format!("wheel_speed_{end}"), "rad/s", &description);
+    }
 }
 
 fn outputs(car: &Car, all: &mut Vec<Variable>) {
@@ -174,6 +241,16 @@ fn outputs(car: &Car, all: &mut Vec<Variable>) {
         let (causality, start) = (Causality::Output, f64::NAN);
         all.push(Variable { name, description, unit, causality, place, start, range: None });
     };
+    if car.part == Part::Correction {
+        for (place, (name, unit, words)) in ADDED.into_iter().enumerate() {
+            add(name.to_owned(), words.to_owned(), unit, Place::Added(place));
+        }
+        for quantity in car.measured() {
+            let words = format!("What the sensor says beyond what is: {}", quantity.name().replace('_', " "));
+            add(format!("error.{quantity}"), words, plain(quantity.unit()), Place::Error(quantity));
+        }
+        return;
+    }
     for (place, column) in Truth::columns().into_iter().enumerate() {
         let of = |name: &str| OUTPUTS.iter().find(|(known, ..)| *known == name);
         let wheel = column.rsplit_once('_').filter(|(_, end)| WHEELS.iter().any(|(wheel, _)| wheel == end));
@@ -207,7 +284,7 @@ const INPUT_NAMES: [&str; 3] = ["steering_wheel_angle", "drive_torque", "brake_t
 const WHEELS: [(&str, &str); 4] =
     [("fl", "front left"), ("fr", "front right"), ("rl", "rear left"), ("rr", "rear right")];
 
-fn settings(all: &mut Vec<Variable>) {
+fn settings(car: &Car, all: &mut Vec<Variable>) {
     let mut add = |of, name: &str, unit, start, range, description: &str| {
         all.push(Variable {
             name: name.into(),
@@ -219,11 +296,16 @@ fn settings(all: &mut Vec<Variable>) {
             range,
         });
     };
-    let speed = "Speed at the start, rolling freely straight ahead; negative in reverse";
-    add(Setting::InitialSpeed, "initial_speed", "m/s", 0.0, Some((-100.0, 100.0)), speed);
     let step = "Integration step, in whole microseconds; communication steps are multiples of it";
     add(Setting::Step, "internal_step", "s", 1e-3, Some((1e-5, 1e-2)), step);
-    add(Setting::HoldsSpeed, "holds_speed", "", 0.0, None, "A driver holds wanted_speed");
+    if car.part == Part::Car {
+        let speed = "Speed at the start, rolling freely straight ahead; negative in reverse";
+        add(Setting::InitialSpeed, "initial_speed", "m/s", 0.0, Some((-100.0, 100.0)), speed);
+        add(Setting::HoldsSpeed, "holds_speed", "", 0.0, None, "A driver holds wanted_speed");
+    } else {
+        let wheels = "The wheel speeds are given; else all wheels roll freely";
+        add(Setting::HasWheels, "has_wheels", "", 1.0, None, wheels);
+    }
     let end = "Inputs that are set before a step are those of its end, and go there in a straight line; else they hold \
                through the step";
     add(Setting::InputsAreOfTheEnd, "inputs_are_of_the_end", "", 0.0, None, end);

@@ -1,6 +1,6 @@
 """fmus.py FOLDER: what FMPy makes of the FMUs in a folder, beside the truth that `gripd simulate` wrote.
 
-FOLDER has car2.fmu, car3.fmu, and truth.csv, a row for each millisecond. Prints for each FMU how far both are apart at
+FOLDER has car2.fmu, car3.fmu, correction2.fmu, correction3.fmu, and truth.csv, a row for each millisecond. Prints for each FMU how far both are apart at
 most; fails where FMPy finds something wrong with one. Derivatives of inputs are left out: this FMPy sets them of nine inputs
 only."""
 
@@ -42,6 +42,14 @@ for name, value in inputs.items():
     table[name] = value(np.round(t + 1e-3, 6))
 
 for version in "23":
+    path = str(folder / f"correction{version}.fmu")
+    problems = validate_fmu(path)
+    assert not problems, f"{path}: {problems}"
+    # Straight on there is nothing to correct.
+    start = {"longitudinal_velocity": 20.0, "has_wheels": False}
+    names = ["added_force_left", "added_yaw_moment", "error.yaw_rate"]
+    result = simulate_fmu(path, stop_time=1.0, step_size=1e-2, start_values=start, output=names)
+    assert all(abs(result[name][-1]) < 1e-9 for name in names), result[-1]
     path = str(folder / f"car{version}.fmu")
     problems = validate_fmu(path)
     assert not problems, f"{path}: {problems}"

@@ -10,7 +10,7 @@ use super::{Failure, configuration};
 use bus::Config;
 use bus::tire_file::{About, Axle, Written, of_vehicle};
 use fmu::Version;
-use fmu::car::Car;
+use fmu::car::{Car, Part};
 use fmu::export::{ExportError, library, machine, write};
 
 /// Writes what the configuration knows of the car (from a data sheet, or found by `gripd identify`) as other programs
@@ -33,6 +33,10 @@ pub struct Export {
     /// With `--fmu`: the version of FMI, 2 (2.0) or 3 (3.0).
     #[arg(long, value_name = "VERSION", default_value = "2", requires = "fmu", value_parser = ["2", "3"])]
     fmi: String,
+    /// With `--fmu`: only what the [[effect]] tables add to a plain simulation of the car, to be wired beside your own: its
+    /// motion in; forces, moment, wheel torques and errors of sensors out.
+    #[arg(long, requires = "fmu")]
+    correction: bool,
 }
 
 impl Export {
@@ -59,7 +63,8 @@ impl Export {
         };
         machine(version).map_err(failed)?;
         let name = self.config.file_stem().unwrap_or(self.config.as_os_str()).to_string_lossy().into_owned();
-        let car = Car { name, vehicle: config.vehicle.clone(), effect: config.effect.clone() };
+        let part = if self.correction { Part::Correction } else { Part::Car };
+        let car = Car { name, part, vehicle: config.vehicle.clone(), effect: config.effect.clone() };
         let program = std::env::current_exe().map_err(Failure::work)?;
         let library = library(&program).map_err(failed)?;
         let archive =

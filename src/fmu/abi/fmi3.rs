@@ -10,7 +10,7 @@
 
 use std::ffi::{CString, c_char, c_int, c_void};
 
-use super::fmi2::{array, array_mut, free_state, get_state};
+use super::memory::{array, array_mut, free_state, get_state};
 use super::text::text;
 use super::{Component, ERROR, Listener, OK, begun};
 use crate::instance::{Instance, Refused};

@@ -6,7 +6,7 @@ mod fmi3;
 use std::fmt::Write as _;
 
 use crate::Version;
-use crate::car::{Car, CarError};
+use crate::car::{Car, CarError, Part};
 use crate::quantities::UNITS;
 use crate::variables::{Variable, variables};
 
@@ -62,7 +62,11 @@ fn about(car: &Car) -> String {
         0.0 => String::new(),
         late => format!("; all measured values are {late} s late, so that none is early"),
     };
-    escaped(&format!("The car {} as gripd found it, with {beyond}{late}", car.name))
+    let what = match car.part {
+        Part::Car => "The car",
+        Part::Correction => "What a plain simulation lacks of the car",
+    };
+    escaped(&format!("{what} {} as gripd found it, with {beyond}{late}", car.name))
 }
 
 /// The elements of the units that are used.

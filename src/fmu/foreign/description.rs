@@ -234,13 +234,13 @@ fn of_three(node: Node<'_, '_>, types: &[Node<'_, '_>]) -> Option<Scalar> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::car::Car;
+    use crate::car::{Car, Part};
     use crate::description::description;
     use physics::model::Vehicle;
 
     #[test]
     fn what_is_written_is_read() {
-        let car = Car { name: "a <car>".into(), vehicle: Vehicle::thesis(), effect: vec![] };
+        let car = Car { name: "a <car>".into(), part: Part::Car, vehicle: Vehicle::thesis(), effect: vec![] };
         for version in [Version::Two, Version::Three] {
             let read = Description::parse(&description(&car, version).unwrap()).unwrap();
             assert_eq!((read.version, read.name.as_str()), (version, "a <car>"));

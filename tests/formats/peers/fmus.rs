@@ -41,6 +41,8 @@ fn fmpy_drives_as_simulate_does() {
         "simulate drive.toml -o drive.log --truth truth.csv",
         "export -c car.toml --fmu car2.fmu",
         "export -c car.toml --fmu car3.fmu --fmi 3",
+        "export -c car.toml --fmu correction2.fmu --correction",
+        "export -c car.toml --fmu correction3.fmu --correction --fmi 3",
     ] {
         let output = gripd_in(folder.path(), arguments);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

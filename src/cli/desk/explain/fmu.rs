@@ -12,7 +12,15 @@ use physics::Quantity;
 
 use crate::cli::Failure;
 
-/// Drives it as the car of a recording was driven: what it says, and the parameters that were tuned.
+/// Somebody's simulation of a recording.
+pub struct Simulation {
+    /// What it says.
+    pub recording: Recording,
+    /// Parameters that were tuned before, by its names and in its units.
+    pub tuned: BTreeMap<String, f64>,
+}
+
+/// Drives it as the car of a recording was driven.
 ///
 /// # Errors
 /// What is wrong with the FMU or the `[fmu]` table, or how it failed.
@@ -21,7 +29,7 @@ pub fn run(
     table: &FmuConfig,
     config: &Config,
     recording: &Recording,
-) -> Result<(Recording, BTreeMap<String, f64>), Failure> {
+) -> Result<Simulation, Failure> {
     let failed = |error: ForeignError| match error {
         ForeignError::Wiring { .. } => Failure::usage(format_args!("{}: {error}", path.display())),
         _ => Failure::work(error),
@@ -56,7 +64,12 @@ pub fn run(
             path.display()
         );
     }
-    let simulation =
-        Recording { name: path.display().to_string(), begins_s: None, tracks: wiring.tracks(&rows) };
-    Ok((simulation, values.into_iter().map(|(name, _, after, _)| (name, after)).collect()))
+    Ok(Simulation {
+        recording: Recording {
+            name: path.display().to_string(),
+            begins_s: None,
+            tracks: wiring.tracks(&rows),
+        },
+        tuned: values.into_iter().map(|(name, _, after, _)| (name, after)).collect(),
+    })
 }

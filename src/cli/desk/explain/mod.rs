@@ -151,17 +151,23 @@ impl Explain {
         }
         // What cannot be read is told before minutes of searching.
         let others = recordings::read(&self.confirm, |_| Part::default(), &config)?;
-        let (simulation, tuned) = self.simulated(&config, &read.recordings[0])?.unzip();
+        let simulation = self.simulated(&config, &read.recordings[0])?;
         let progress = Progress::of_share();
         let at = |stage: &str, share: f64| progress.at(stage, share);
         let mut answer = match &simulation {
-            Some(simulation) => case.left_out(simulation, &at).map_err(|why| {
-                Failure::work(format_args!("{} beside {}: {why}", simulation.name, self.logs[0].display()))
-            })?,
+            Some(fmu::Simulation { recording: simulation, .. }) => {
+                case.left_out(simulation, &at).map_err(|why| {
+                    Failure::work(format_args!(
+                        "{} beside {}: {why}",
+                        simulation.name,
+                        self.logs[0].display()
+                    ))
+                })?
+            }
             None => case.explain(&at),
         };
-        if let (Some(simulated), Some(tuned)) = (&mut answer.explanation.simulation, tuned) {
-            simulated.tuned = tuned;
+        if let (Some(simulated), Some(simulation)) = (&mut answer.explanation.simulation, simulation) {
+            simulated.tuned = simulation.tuned;
         }
         answer.explanation.confirm = confirmed(&case, &answer.explanation.findings, &others.recordings)?;
         progress.finish();
@@ -183,14 +189,17 @@ impl Explain {
         others.whole().and_then(|()| read.whole())
     }
 
-    /// Somebody's simulation of the recording, if there is one, and what of it was tuned.
+    /// Somebody's simulation of the recording, if there is one.
     fn simulated(
         &self,
         config: &bus::Config,
         recording: &Recording,
-    ) -> Result<Option<(Recording, BTreeMap<String, f64>)>, Failure> {
+    ) -> Result<Option<fmu::Simulation>, Failure> {
         match (&self.simulation, &self.fmu) {
-            (Some(path), _) => Ok(Some((simulation::read(path, config)?, BTreeMap::new()))),
+            (Some(path), _) => {
+                let recording = simulation::read(path, config)?;
+                Ok(Some(fmu::Simulation { recording, tuned: BTreeMap::new() }))
+            }
             (None, Some(path)) => {
                 let table = configuration::fmu(&self.config)?;
                 fmu::run(path, &table, config, recording).map(Some)

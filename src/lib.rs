@@ -16,10 +16,11 @@
 //! |---|---|---|
 //! | `physics` | `src/physics` | [`time`], [`sample`], [`estimates`], [`faults`], [`filter`], [`model`], [`estimate`] |
 //! | `bus` | `src/bus` | [`new_file`], [`plain_file`], [`can`], [`dbc`], [`signals`], [`propose`], [`tire_file`], [`config`], [`service`], [`watch`] |
+//! | `fmu` | `src/fmu` | the simulated car as an FMU, FMUs of other programs |
 //! | `lab` | `src/lab` | [`report`], [`identify`], [`explain`], [`reproduce`], [`pages`] |
 //! | `gripd` | `src/cli` | [`cli`]: one file or folder for each command |
 //!
-//! `bus` and `lab` know `physics` and not each other. This crate gives all rooms out again, for tests and other programs.
+//! `bus`, `fmu` and `lab` know `physics` and not each other. This crate gives all rooms out again, for tests and other programs.
 //! What may depend on what within a crate: [`guide::contributing`].
 //!
 //! What to do with it, task by task: [`guide`].
@@ -34,6 +35,8 @@ pub mod guide;
 pub use bus::{Config, can, config, dbc, new_file, plain_file, service, signals, tire_file};
 #[cfg(feature = "desk")]
 pub use bus::{propose, watch};
+#[cfg(feature = "desk")]
+pub use fmu;
 #[cfg(feature = "desk")]
 pub use lab::{explain, identify, pages, report, reproduce};
 pub use physics::{

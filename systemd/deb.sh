@@ -22,6 +22,12 @@ mkdir -p "$made/man" "$made/completions"
 cp "$program" "$made/gripd"
 strip "$made/gripd" 2>/dev/null || :
 [ -n "$variant" ] || {
+    # Cargo puts the library that goes into FMUs beside the other libraries of the program.
+    folder=$(dirname "$program")
+    library=$folder/deps/libgripd_fmu.so
+    [ -f "$library" ] || library=$folder/libgripd_fmu.so
+    cp "$library" "$made/libgripd_fmu.so"
+    strip "$made/libgripd_fmu.so" 2>/dev/null || :
     "$program" man "$made/man"
     "$program" completions bash > "$made/completions/gripd"
     "$program" completions zsh > "$made/completions/_gripd"

@@ -43,6 +43,9 @@ pub struct Config {
     /// `[identify]`: what reads it is not of this crate.
     #[serde(default, rename = "identify")]
     _identify: IgnoredAny,
+    /// `[fmu]`: the same.
+    #[serde(default, rename = "fmu")]
+    _fmu: IgnoredAny,
     /// `[publish]`
     #[serde(default)]
     pub publish: PublishConfig,

@@ -5,6 +5,8 @@ use std::path::Path;
 use bus::Config;
 use bus::config::ConfigError;
 #[cfg(feature = "desk")]
+use fmu::foreign::FmuConfig;
+#[cfg(feature = "desk")]
 use lab::identify::IdentifyConfig;
 use physics::estimate::PlainReadings;
 
@@ -12,17 +14,30 @@ use physics::estimate::PlainReadings;
 pub fn load(path: &Path) -> Result<Config, ConfigError> {
     let config = Config::load(path)?;
     #[cfg(feature = "desk")]
-    identify(path)?;
+    {
+        identify(path)?;
+        fmu(path)?;
+    }
     Ok(config)
 }
 
 /// The `[identify]` table.
 #[cfg(feature = "desk")]
 pub fn identify(path: &Path) -> Result<IdentifyConfig, ConfigError> {
+    table(path, |text| IdentifyConfig::of_file(text).map_err(|error| error.to_string()))
+}
+
+/// The `[fmu]` table.
+#[cfg(feature = "desk")]
+pub fn fmu(path: &Path) -> Result<FmuConfig, ConfigError> {
+    table(path, FmuConfig::of_file)
+}
+
+#[cfg(feature = "desk")]
+fn table<T>(path: &Path, of_file: impl Fn(&str) -> Result<T, String>) -> Result<T, ConfigError> {
     let text = bus::plain_file::read_to_string(path)
         .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
-    IdentifyConfig::of_file(&text)
-        .map_err(|error| ConfigError::Parse { path: path.to_owned(), message: error.to_string() })
+    of_file(&text).map_err(|message| ConfigError::Parse { path: path.to_owned(), message })
 }
 
 /// As the service takes it: its effects are put where it can use them.

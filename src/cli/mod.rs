@@ -56,6 +56,8 @@ enum Command {
 
 /// Parses the arguments and runs the subcommand. Diagnostics go to stderr, results to stdout.
 pub fn main() -> ExitCode {
+    #[cfg(feature = "desk")]
+    desk::run_fmu_if_asked();
     // Clap itself ends with 2 on bad usage and 0 on --help.
     let arguments = Arguments::parse();
     let log = set_up_logging(&arguments);

@@ -12,6 +12,7 @@ mod conceal;
 mod demo;
 mod errors;
 mod export;
+mod fmu;
 mod identify_cli;
 mod inputs;
 mod map;

@@ -64,6 +64,11 @@ pub fn peers() -> Option<PathBuf> {
     environment("peers-venv", &PEERS)
 }
 
+/// Another one that runs FMUs.
+pub fn fmpy() -> Option<PathBuf> {
+    environment("fmpy-venv", &["fmpy==0.3.32"])
+}
+
 /// Another one for comparing speeds.
 pub fn decoders() -> Option<PathBuf> {
     environment("decoders-venv", &DECODERS)

@@ -1,6 +1,6 @@
 //! `gripd export`: the car for other programs.
 
-use std::io::Write;
+use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
@@ -9,6 +9,9 @@ use super::output::{Output, check_outputs};
 use super::{Failure, configuration};
 use bus::Config;
 use bus::tire_file::{About, Axle, Written, of_vehicle};
+use fmu::Version;
+use fmu::car::{Car, Part};
+use fmu::export::{ExportError, library, machine, write};
 
 /// Writes what the configuration knows of the car (from a data sheet, or found by `gripd identify`) as other programs
 /// for vehicle dynamics read it.
@@ -23,17 +26,52 @@ pub struct Export {
     /// of x.tir. `[vehicle] tire_file` reads them.
     #[arg(long, value_name = "FILE", group = "format")]
     tir: Option<PathBuf>,
+    /// The whole car with its [[effect]] tables as an FMU for co-simulation (`-` is the standard output): steering wheel,
+    /// torque and brakes in, motion, forces and what sensors say out, every number of the car a tunable parameter.
+    #[arg(long, value_name = "FILE", group = "format")]
+    fmu: Option<PathBuf>,
+    /// With `--fmu`: the version of FMI, 2 (2.0) or 3 (3.0).
+    #[arg(long, value_name = "VERSION", default_value = "2", requires = "fmu", value_parser = ["2", "3"])]
+    fmi: String,
+    /// With `--fmu`: only what the [[effect]] tables add to a plain simulation of the car, to be wired beside your own: its
+    /// motion in; forces, moment, wheel torques and errors of sensors out.
+    #[arg(long, requires = "fmu")]
+    correction: bool,
 }
 
 impl Export {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
         let config = configuration::load(&self.config)?;
-        match &self.tir {
-            Some(path) => self.tires(&config, path),
+        match (&self.tir, &self.fmu) {
+            (Some(path), _) => self.tires(&config, path),
+            (None, Some(path)) => self.car(&config, path),
             // Clap asks for one of them.
-            None => Ok(()),
+            (None, None) => Ok(()),
         }
+    }
+
+    fn car(&self, config: &Config, path: &Path) -> Result<(), Failure> {
+        check_outputs([&self.config].into_iter().chain(config.files()), [path.to_owned()].iter())?;
+        let version = self.fmi.parse::<Version>().map_err(Failure::usage)?;
+        let failed = |error: ExportError| match error {
+            ExportError::Machine(..) => Failure::usage(error),
+            ExportError::Car(_) | ExportError::Drive(_) => {
+                Failure::usage(format_args!("{}: {error}", self.config.display()))
+            }
+            _ => Failure::work(error),
+        };
+        machine(version).map_err(failed)?;
+        let name = self.config.file_stem().unwrap_or(self.config.as_os_str()).to_string_lossy().into_owned();
+        let part = if self.correction { Part::Correction } else { Part::Car };
+        let car = Car { name, part, vehicle: config.vehicle.clone(), effect: config.effect.clone() };
+        let program = std::env::current_exe().map_err(Failure::work)?;
+        let library = library(&program).map_err(failed)?;
+        let archive =
+            write(&car.with_every_number(), version, &library, Cursor::new(vec![])).map_err(failed)?;
+        let mut output = Output::create(path)?;
+        output.write_all(archive.get_ref())?;
+        output.finish()
     }
 
     fn tires(&self, config: &Config, path: &Path) -> Result<(), Failure> {

@@ -39,6 +39,16 @@ use super::{Arguments, Failure, configuration};
 pub use monitor::stderr;
 pub use simulate::SimulatedFrames;
 
+/// Where this process was started to run somebody's FMU, it does that, and ends.
+pub fn run_fmu_if_asked() {
+    let mut arguments = std::env::args_os().skip(1);
+    if arguments.next().is_some_and(|first| first == fmu::foreign::child::ARGUMENT)
+        && let Some(folder) = arguments.next()
+    {
+        fmu::foreign::child::work(folder.as_ref());
+    }
+}
+
 #[derive(Subcommand)]
 pub enum Command {
     /// Simulate a drive over asphalt, gravel and ice, run the service on it, draw a page of plots.
@@ -67,7 +77,7 @@ pub enum Command {
     Plot(plot::Plot),
     /// Turn a recording of any format into one of another.
     Convert(convert::Convert),
-    /// Write the tires of a configuration for other programs: a magic formula file (.tir).
+    /// Write the car of a configuration for other programs: its tires (.tir), or all of it as an FMU.
     Export(export::Export),
     /// Watch a bus or a recording in the terminal: inputs, estimates, faults, frame rates.
     Monitor(monitor::Monitor),

@@ -59,7 +59,7 @@ pub use case::{Answer, Case};
 pub use confirm::{Confirmed, Fits};
 pub use history::{Change, Drive, History, InDrive, Order, Unchanged, order};
 pub use model::{Chosen, Model};
-pub use ordinary::{Incomparable, Simulated};
+pub use ordinary::{Incomparable, Simulated, speed_of};
 pub use predict::Recording;
 pub use result::{
     Block, ByChannel, CourseEstimate, Estimate, Explanation, Finding, FoundLaw, Missing, Models, Nature,

@@ -31,5 +31,5 @@ pub use real::Real;
 #[cfg(feature = "simulation")]
 pub use scenario::{Piece, Scenario, ScenarioError};
 #[cfg(feature = "simulation")]
-pub use simulate::{Reading, Simulation, Tick, Truth, TruthWriter};
+pub use simulate::{Added, Given, Line, Reading, Simulation, Tick, Truth, TruthWriter};
 pub use vehicle::{DrivenAxle, GRAVITY, TireFiles, TireKind, Uncertain, Vehicle, VehicleError};

@@ -2,6 +2,7 @@
 //! their candump twin says, and they what gripd wrote; GIVEN tables written by gripd WHEN polars reads them THEN they say what the CSV twins say.
 //! Skipped, with a message, where the Python packages cannot be had.
 
+mod fmus;
 mod written;
 
 use std::fs;

@@ -1,12 +1,14 @@
 //! `gripd explain`: where simulation and recording differ, and why.
 
 mod apply;
+mod fmu;
 mod recordings;
 mod simulation;
 mod verify;
 
 pub use recordings::read;
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -40,7 +42,7 @@ pub struct Explain {
     reference: Vec<PathBuf>,
     /// The recordings are drives of one car in time order: since which of them is something different, and does it grow?
     /// The drives before a change are the healthy ones; those of --reference are it for all.
-    #[arg(long, conflicts_with_all = ["holdout", "simulation", "confirm", "sensitivity", "isolability"])]
+    #[arg(long, conflicts_with_all = ["holdout", "simulation", "fmu", "confirm", "sensitivity", "isolability"])]
     history: bool,
     /// The output of your own simulation of the recorded drive. Then the answer is what the simulation leaves out: a CSV file
     /// with the columns `t [s]`, `yaw_rate [rad/s]` and what else it has of the configuration's quantities
@@ -49,6 +51,12 @@ pub struct Explain {
     #[arg(long, value_name = "FILE",
           conflicts_with_all = ["reference", "holdout", "confirm", "sensitivity", "isolability"])]
     simulation: Option<PathBuf>,
+    /// The same with your simulation as an FMU for co-simulation (FMI 2.0 or 3.0, with a library for this machine): it is
+    /// run with the recorded inputs, in a process of its own. The configuration's [fmu] table says which variable is which
+    /// quantity, what is set, and what is tuned within which range.
+    #[arg(long, value_name = "FMU",
+          conflicts_with_all = ["simulation", "reference", "holdout", "confirm", "sensitivity", "isolability"])]
+    fmu: Option<PathBuf>,
     /// Another drive of the same car (repeatable): does what was found help there, too, its numbers unchanged?
     #[arg(long, value_name = "LOG", conflicts_with_all = ["reference", "sensitivity", "isolability"])]
     confirm: Vec<PathBuf>,
@@ -93,6 +101,9 @@ impl Explain {
                 "--simulation takes the one recording that was simulated; name one LOG",
             ));
         }
+        if self.fmu.is_some() && self.logs.len() > 1 {
+            return Err(Failure::usage("--fmu takes the one recording that it is driven with; name one LOG"));
+        }
         if self.history && self.logs.len() + self.reference.len() < 2 {
             return Err(Failure::usage("--history compares drives: name two LOGs or more, or a --reference"));
         }
@@ -106,6 +117,7 @@ impl Explain {
                 .chain(&self.reference)
                 .chain(&self.confirm)
                 .chain(&self.simulation)
+                .chain(&self.fmu)
                 .chain([&self.config])
                 .chain(config.files()),
             self.json.iter().chain(&self.html).chain(&self.apply).chain(&kept),
@@ -139,16 +151,24 @@ impl Explain {
         }
         // What cannot be read is told before minutes of searching.
         let others = recordings::read(&self.confirm, |_| Part::default(), &config)?;
-        let simulation =
-            self.simulation.as_deref().map(|path| simulation::read(path, &config)).transpose()?;
+        let simulation = self.simulated(&config, &read.recordings[0])?;
         let progress = Progress::of_share();
         let at = |stage: &str, share: f64| progress.at(stage, share);
         let mut answer = match &simulation {
-            Some(simulation) => case.left_out(simulation, &at).map_err(|why| {
-                Failure::work(format_args!("{} beside {}: {why}", simulation.name, self.logs[0].display()))
-            })?,
+            Some(fmu::Simulation { recording: simulation, .. }) => {
+                case.left_out(simulation, &at).map_err(|why| {
+                    Failure::work(format_args!(
+                        "{} beside {}: {why}",
+                        simulation.name,
+                        self.logs[0].display()
+                    ))
+                })?
+            }
             None => case.explain(&at),
         };
+        if let (Some(simulated), Some(simulation)) = (&mut answer.explanation.simulation, simulation) {
+            simulated.tuned = simulation.tuned;
+        }
         answer.explanation.confirm = confirmed(&case, &answer.explanation.findings, &others.recordings)?;
         progress.finish();
         let explanation = &answer.explanation;
@@ -167,6 +187,25 @@ impl Explain {
             write_text(path, &apply::toml(&self.config, path, &answer, self.force)?)?;
         }
         others.whole().and_then(|()| read.whole())
+    }
+
+    /// Somebody's simulation of the recording, if there is one.
+    fn simulated(
+        &self,
+        config: &bus::Config,
+        recording: &Recording,
+    ) -> Result<Option<fmu::Simulation>, Failure> {
+        match (&self.simulation, &self.fmu) {
+            (Some(path), _) => {
+                let recording = simulation::read(path, config)?;
+                Ok(Some(fmu::Simulation { recording, tuned: BTreeMap::new() }))
+            }
+            (None, Some(path)) => {
+                let table = configuration::fmu(&self.config)?;
+                fmu::run(path, &table, config, recording).map(Some)
+            }
+            (None, None) => Ok(None),
+        }
     }
 
     /// What is verified is read more than once, and must have a name that there is.

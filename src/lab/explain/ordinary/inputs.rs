@@ -216,6 +216,14 @@ pub fn compared_mean(values: &[f64]) -> Vec<f64> {
     mean(values, MEAN_POINTS)
 }
 
+/// The car's speed: times, s, and m/s. Empty where nothing tells it.
+pub fn speed_of(recording: &Recording, vehicle: &Vehicle) -> Vec<(f64, f64)> {
+    let points = (recording.seconds() / STEP_S) as usize + 1;
+    let speed = speed(recording, vehicle, points).unwrap_or_default();
+    let row = |(i, speed): (usize, &f64)| (i as f64 * STEP_S, *speed);
+    speed.iter().enumerate().map(row).filter(|(_, speed)| speed.is_finite()).collect()
+}
+
 /// The speed on a grid: of the undriven wheels, else of all there are, else the message's.
 fn speed(recording: &Recording, vehicle: &Vehicle, points: usize) -> Option<Vec<f64>> {
     let has = |wheel: &Wheel| recording.has(Quantity::wheel_speed(*wheel));

@@ -23,5 +23,6 @@ mod simulated;
 pub use answer::{Asked, FreeTrace, Number, Ordinary, could_tell};
 pub use beyond::{Bar, Beyond, History, OverDrives, Power, Powers, Since};
 pub(super) use inputs::resampled_every;
+pub use inputs::speed_of;
 pub use remaining::Remaining;
 pub use simulated::{Incomparable, Simulated};

@@ -12,6 +12,8 @@
 //! simulation. Where the simulation was steered otherwise (by a driver model), there is no such difference point by point,
 //! and the car that drives like it stands for it.
 
+use std::collections::BTreeMap;
+
 use physics::Quantity;
 use physics::model::effect::EffectConfig;
 use physics::model::{Uncertain, Vehicle};
@@ -39,6 +41,9 @@ pub struct Simulated {
     pub steered_alike: Option<bool>,
     /// How much of the simulation the ordinary car that drives like it gives, %, by channel.
     pub emulated_fit: ByChannel,
+    /// Parameters of it that were tuned to the recording before, by its names and in its units.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub tuned: BTreeMap<String, f64>,
 }
 
 /// Why a simulation cannot be compared with a recording.
@@ -152,6 +157,7 @@ impl Ordinary {
             time_offset_s: alignment.offset_s,
             steered_alike: alignment.steered_alike,
             emulated_fit: emulation.fits,
+            tuned: BTreeMap::new(),
         };
         Ok((answer, simulated))
     }

@@ -1,6 +1,7 @@
 //! What is commanded: the scenario's inputs, the driver, and what the anti-lock brake makes of it.
 
 use super::driver::{Abs, Demand, Driver};
+use super::given::Given;
 use super::input::Input;
 use super::random::{Stream, random};
 use crate::Wheel;
@@ -26,6 +27,8 @@ pub(super) struct Commands {
     brake: Input,
     pressure: Input,
     driver: Option<Driver>,
+    /// What the driver asked for last.
+    demand: Demand,
     abs: Option<Abs>,
     /// Brake pressure asked for, bar; not a number without the vehicle's figures.
     pub(super) pressure_bar: f64,
@@ -58,6 +61,7 @@ impl Commands {
             brake: input(&scenario.brake_torque, Stream::Brake),
             pressure: input(&scenario.brake_pressure, Stream::Pressure),
             driver: driver.map(|config| Driver::new(config, input(&config.speed_mps, Stream::Speed))),
+            demand: Demand::default(),
             abs: scenario.abs.as_ref().map(Abs::new),
             pressure_bar: 0.0,
             abs_active: false,
@@ -77,25 +81,52 @@ impl Commands {
     /// What is commanded for the step of `h` seconds that begins at `t`.
     pub(super) fn at(&mut self, t: f64, h: f64, known: &Known<'_>) -> Controls {
         let vx = known.state.velocity.vx;
-        let per_bar = self.shares.brake_nm_per_bar;
-        let pressed = self.brake.at(t).max(0.0) + per_bar.unwrap_or(0.0) * self.pressure.at(t).max(0.0);
-        let demand = self
-            .driver
-            .as_mut()
-            .map_or_else(Demand::default, |driver| driver.step(t, h, vx, pressed > 0.0, known.plant));
-        let drive = demand.drive_nm + self.drive.at(t);
-        let brake = demand.brake_nm + pressed;
-        self.pressure_bar = per_bar.map_or(f64::NAN, |per_bar| brake / per_bar);
-        let mut brake_torque = self.shares.brake.map(|share| share * brake);
+        let pedal = self.pressed(t) > 0.0;
+        if let Some(driver) = &mut self.driver {
+            self.demand = driver.step(t, h, vx, pedal, known.plant);
+        }
+        let mut controls = self.again(t);
         if let Some(abs) = &mut self.abs {
             let now = (known.state, known.response);
-            self.abs_active = abs.step(t, h, now, known.car, known.conditions, &mut brake_torque);
+            self.abs_active = abs.step(t, h, now, known.car, known.conditions, &mut controls.brake_torque);
         }
+        controls
+    }
+
+    /// Brake torque of all wheels that the pedal asks for, N m.
+    fn pressed(&self, t: f64) -> f64 {
+        let per_bar = self.shares.brake_nm_per_bar.unwrap_or(0.0);
+        self.brake.at(t).max(0.0) + per_bar * self.pressure.at(t).max(0.0)
+    }
+
+    /// The same without a step of driver and anti-lock brake: the driver goes on asking for what he asked for last, and
+    /// nothing limits the brakes until the next step.
+    pub(super) fn again(&mut self, t: f64) -> Controls {
+        let drive = self.demand.drive_nm + self.drive.at(t);
+        let brake = self.demand.brake_nm + self.pressed(t);
+        self.pressure_bar = self.shares.brake_nm_per_bar.map_or(f64::NAN, |per_bar| brake / per_bar);
         Controls {
             steer: self.steering.at(t) / self.steering_ratio,
             drive_torque: self.shares.drive.map(|share| share * drive),
-            brake_torque,
+            brake_torque: self.shares.brake.map(|share| share * brake),
         }
+    }
+
+    /// From `t` on, these inputs instead of the scenario's.
+    pub(super) fn give(&mut self, t: f64, given: &Given) {
+        self.steering.give(t, given.steering_wheel_angle);
+        self.drive.give(t, given.drive_torque);
+        self.brake.give(t, given.brake_torque);
+        self.pressure.give(t, given.brake_pressure);
+        if let Some(driver) = &mut self.driver {
+            driver.give(t, given.speed);
+        }
+    }
+
+    /// Torques and steering as another car of the same kind takes them.
+    pub(super) fn retune(&mut self, scenario: &Scenario, plant: &Plant) {
+        self.shares = Shares::new(scenario, plant);
+        self.steering_ratio = scenario.vehicle.steering_ratio.value;
     }
 }
 

@@ -1,5 +1,6 @@
 //! The driver who holds a speed, and the anti-lock brake.
 
+use super::given::Line;
 use super::input::Input;
 use crate::model::scenario::{AbsConfig, DriverConfig};
 use crate::model::tire::Shape;
@@ -28,6 +29,11 @@ const WALKING_MPS: f64 = 1.0;
 impl Driver {
     pub(super) fn new(config: &DriverConfig, speed: Input) -> Self {
         Self { config: config.clone(), speed, integral: 0.0, acceleration: 0.0 }
+    }
+
+    /// From `t` on, this speed instead of the scenario's.
+    pub(super) fn give(&mut self, t: f64, speed: Line) {
+        self.speed.give(t, speed);
     }
 
     /// The torques for the step of `h` seconds that begins at `t`. Where the scenario itself presses

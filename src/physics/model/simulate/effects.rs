@@ -120,6 +120,11 @@ impl Effects {
         })
     }
 
+    /// The same kinds with other numbers: their states stay.
+    pub(super) fn going_on_from(self, old: &Self) -> Self {
+        Self { own: old.own, before: old.before, ..self }
+    }
+
     /// Free rolling straight ahead, on wheels of the radius they have; the own states begin there.
     pub(super) fn begin(&mut self, plain: &Plain<'_>, speed: f64, steering_wheel: f64) -> State {
         let mut state = State::rolling(plain.plant, speed);

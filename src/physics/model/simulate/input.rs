@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use super::given::Line;
 use crate::model::scenario::Piece;
 
 /// The pieces of one input, ready to be evaluated.
@@ -16,7 +17,13 @@ pub(super) struct Input {
 #[derive(Clone, Debug)]
 enum Part {
     Deterministic(Piece),
-    Random { process: SmoothRandom, from_s: f64, to_s: f64 },
+    Random {
+        process: SmoothRandom,
+        from_s: f64,
+        to_s: f64,
+    },
+    /// From outside, at a time.
+    Given(f64, Line),
 }
 
 impl Input {
@@ -33,6 +40,12 @@ impl Input {
         Self { pieces: pieces.iter().enumerate().map(part).collect() }
     }
 
+    /// From `t` on, what is given instead of the pieces.
+    pub(super) fn give(&mut self, t: f64, line: Line) {
+        self.pieces.clear();
+        self.pieces.push(Part::Given(t, line));
+    }
+
     /// The sum of the pieces at `t` seconds.
     pub(super) fn at(&self, t: f64) -> f64 {
         let part = |part: &Part| match part {
@@ -42,6 +55,7 @@ impl Input {
                 let share = if *from_s > 0.0 { smooth_share((t - from_s) / fade) } else { 1.0 };
                 share * smooth_share((to_s - t) / fade) * process.at(t)
             }
+            Part::Given(from_s, line) => line.value + line.rate * (t - from_s),
         };
         self.pieces.iter().map(part).sum()
     }

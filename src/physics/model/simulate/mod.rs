@@ -30,10 +30,12 @@
 //! # }
 //! ```
 
+mod beside;
 mod commands;
 mod drive;
 mod driver;
 mod effects;
+mod given;
 mod input;
 mod random;
 mod sensor;
@@ -42,10 +44,13 @@ mod surface;
 mod tooth_wheel;
 mod truth;
 
+pub use beside::Added;
 pub use drive::SimulatedDrive;
 pub(super) use effects::OWN_STATES;
+pub use given::{Given, Line};
 pub use truth::{Truth, TruthWriter};
 
+use self::beside::Lead;
 use self::commands::{Commands, Known};
 use self::effects::{Effects, Plain};
 use self::random::{Stream, random};
@@ -53,6 +58,7 @@ use self::sensor::{History, Pending, Sensor};
 use self::shake::Shake;
 use self::surface::Surface;
 use self::tooth_wheel::ToothWheel;
+use super::effect::Felt;
 use super::scenario::{Scenario, ScenarioError};
 use super::tire::Contact;
 use super::{Conditions, Controls, Plant, Response, State, effect, integrate};
@@ -104,6 +110,8 @@ pub struct Simulation {
     started: bool,
     time: Micros,
     state: State,
+    /// Somebody else's motion, where the car is led along it.
+    lead: Option<Lead>,
     controls: Controls,
     /// What the road is to the tires, before any effects.
     on_road: [Contact; 4],
@@ -131,10 +139,7 @@ impl Simulation {
     pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, ScenarioError> {
         scenario.validate()?;
         let vehicle = &scenario.vehicle;
-        let mut plant = Plant::new(vehicle);
-        for (radius, difference) in plant.radius.iter_mut().zip(scenario.radius_difference.to_array()) {
-            *radius *= 1.0 + difference;
-        }
+        let plant = Plant::of_scenario(scenario);
         let commands = Commands::new(scenario, seed, &plant);
         let mut surface = Surface::new(&plant.nominal.contact, &scenario.road);
         let on_road = surface.at(0.0);
@@ -167,6 +172,7 @@ impl Simulation {
             started: false,
             time: Micros(0),
             state,
+            lead: None,
             controls: Controls::default(),
             on_road,
             car: plant,
@@ -209,12 +215,17 @@ impl Simulation {
             }
         }
         self.started = true;
+        Some(self.tick())
+    }
+
+    /// What is now, and the readings since the last time it was asked.
+    fn tick(&mut self) -> Tick<'_> {
         self.deliver();
         self.truth = self.row();
         if let Some(effects) = &self.effects {
             effects.series(self.time.seconds(), &mut self.effect_series);
         }
-        Some(Tick { truth: &self.truth, readings: &self.readings, effects: &self.effect_series })
+        Tick { truth: &self.truth, readings: &self.readings, effects: &self.effect_series }
     }
 
     /// One integration step.
@@ -232,6 +243,9 @@ impl Simulation {
                 effects.advance(&plain, start, h, &before, [&self.controls, &controls])
             }
         };
+        if let Some(lead) = &self.lead {
+            self.state = lead.at(t);
+        }
         self.controls = controls;
         self.time = next;
         self.follow(&before, h);
@@ -268,11 +282,11 @@ impl Simulation {
         *heading += turned;
     }
 
-    /// Evaluates the new state and lets the sensors look at it.
-    fn observe(&mut self) {
+    /// Evaluates the new state: what an accelerometer feels of it, where effects make that another thing.
+    fn evaluate(&mut self) -> Option<Felt> {
         let t = self.time.seconds();
         let plain = Plain { plant: &self.plant, contact: &self.on_road };
-        let felt = match &mut self.effects {
+        match &mut self.effects {
             None => {
                 self.conditions.contact = self.on_road;
                 self.steer = self.controls.steer;
@@ -285,7 +299,14 @@ impl Simulation {
                 self.response = outcome.response;
                 Some(outcome.felt)
             }
-        };
+        }
+    }
+
+    /// Evaluates the new state and lets the sensors look at it.
+    fn observe(&mut self) {
+        let t = self.time.seconds();
+        let felt = self.evaluate();
+        let plain = Plain { plant: &self.plant, contact: &self.on_road };
         let mut row = self.true_readings();
         if let (Some(effects), Some(felt)) = (&self.effects, felt) {
             row[Quantity::LongitudinalAcceleration as usize] = felt.ax;
@@ -394,6 +415,17 @@ impl Simulation {
             fy: response.fy,
             fz: *load,
         }
+    }
+}
+
+impl Plant {
+    /// A scenario's, with the wheels' own radii.
+    fn of_scenario(scenario: &Scenario) -> Self {
+        let mut plant = Self::new(&scenario.vehicle);
+        for (radius, difference) in plant.radius.iter_mut().zip(scenario.radius_difference.to_array()) {
+            *radius *= 1.0 + difference;
+        }
+        plant
     }
 }
 

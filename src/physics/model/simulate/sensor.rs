@@ -23,6 +23,25 @@ impl History {
         Self { step_s, rows: vec![[0.0; Quantity::COUNT]; rows], count: 0 }
     }
 
+    /// Keeps so many seconds from now on, if it has not kept them already.
+    pub(super) fn reach_back(&mut self, seconds: f64) {
+        let mut longer = Self::new(self.step_s, seconds + 4.0 * self.step_s);
+        if longer.rows.len() <= self.rows.len() {
+            return;
+        }
+        let places = longer.rows.len();
+        for index in self.count.saturating_sub(self.rows.len())..self.count {
+            longer.rows[index % places] = *self.row(index);
+        }
+        // What lies before that was not kept: as it was at the oldest row.
+        let oldest = *self.row(0);
+        for index in self.count.saturating_sub(places)..self.count.saturating_sub(self.rows.len()) {
+            longer.rows[index % places] = oldest;
+        }
+        longer.count = self.count;
+        *self = longer;
+    }
+
     pub(super) fn push(&mut self, row: [f64; Quantity::COUNT]) {
         let place = self.count % self.rows.len();
         self.rows[place] = row;
@@ -84,6 +103,11 @@ impl Sensor {
         let is_in_history = tooth_wheel.as_ref().is_some_and(|(_, is_in_history)| *is_in_history);
         let tooth_wheel = tooth_wheel.map(|(tooth_wheel, _)| tooth_wheel);
         Self { quantity, config, clock, tooth_wheel, is_in_history, noise, jitter, count: 0 }
+    }
+
+    /// From now on as late as another one.
+    pub(super) fn delayed_as(&mut self, other: &Self) {
+        self.config.delay_ms = other.config.delay_ms;
     }
 
     /// How far it looks back, s.

@@ -224,7 +224,8 @@ fn the_applied_file_says_what_the_answer_says() {
     let demo = demo
         .replace(inertia, "yaw_inertia_kgm2 = { value = 1200.0, std = 30.0 }")
         .replace("../dbc/demo.dbc", project("dbc/demo.dbc").to_str().unwrap());
-    let own = "# From the bench.\n[[effect]]\nkind = \"steering_compliance\" # soft\ncompliance_rad_per_nm = 0.0001\n";
+    let own =
+        "# From the bench.\n[[effect]]\nkind = \"radius_growth\" # little\nrelative_per_mps_squared = 1e-8\n";
     std::fs::write(folder.path().join("wrong.toml"), format!("{demo}\n{own}")).unwrap();
     let fixed = ["-q", "explain", "-c", "wrong.toml", "drive.log", "--json", "answer.json", "--apply"];
     let text = run(folder.path(), &[&fixed[..], &["new.toml"]].concat()).stdout;

@@ -171,11 +171,11 @@ impl<'a> Conclusion<'_, 'a> {
             return Where::default();
         };
         Where {
-            equation: String::new(),
             channels: gains.clearest(),
             regimes: regimes(drive, gains),
             intervals: gains.intervals(),
             recording: drive.name.clone(),
+            ..Where::default()
         }
     }
 
@@ -220,6 +220,7 @@ impl<'a> Conclusion<'_, 'a> {
             let name = drive.name.clone();
             blocks
                 .map(move |(from, to, is_holdout)| Block {
+                    t_utc: None,
                     recording: name.clone(),
                     t: [from, to],
                     is_holdout,

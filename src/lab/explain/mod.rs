@@ -26,6 +26,7 @@ mod conclusion;
 mod confirm;
 mod correction;
 mod course;
+mod dates;
 mod doubt;
 mod excerpt;
 mod exogenous;
@@ -57,6 +58,7 @@ mod verify;
 
 pub use case::{Answer, Case};
 pub use confirm::{Confirmed, Fits};
+pub use dates::begins;
 pub use history::{Change, Drive, History, InDrive, Order, Unchanged, order};
 pub use model::{Chosen, Model};
 pub use ordinary::{Incomparable, Simulated};

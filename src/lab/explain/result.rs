@@ -51,6 +51,9 @@ pub struct Where {
     pub regimes: Vec<String>,
     /// When, s from the recording's start.
     pub intervals: Vec<[f64; 2]>,
+    /// The same in UTC, where the recording's stamps are dates.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub intervals_utc: Vec<[String; 2]>,
     /// The recording that the intervals are of.
     pub recording: String,
 }
@@ -106,6 +109,9 @@ pub struct Finding {
     pub to_tell_apart: String,
     /// Its numbers.
     pub parameters: BTreeMap<String, Estimate>,
+    /// When it began, in UTC, where `at_s` is among its numbers and the recording's stamps are dates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_utc: Option<String>,
     /// How it varied, if it did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub series: Option<CourseEstimate>,
@@ -300,6 +306,9 @@ pub struct Explanation {
     /// Of which recordings, and why not all of them; empty where references or a simulation were asked about.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub used: Vec<Used>,
+    /// When recordings begin, in UTC, by their names; of those whose stamps are dates.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub begins_utc: BTreeMap<String, String>,
     /// For plots; not in the JSON.
     #[serde(skip)]
     pub traces: Vec<Trace>,
@@ -343,6 +352,7 @@ impl Explanation {
             split: Vec::new(),
             seconds: 0.0,
             used: Vec::new(),
+            begins_utc: BTreeMap::new(),
             traces: Vec::new(),
             ordinary: None,
             needs_ordinary: false,
@@ -436,6 +446,9 @@ pub struct Block {
     pub recording: String,
     /// From, to, s.
     pub t: [f64; 2],
+    /// The same in UTC, where its stamps are dates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub t_utc: Option<[String; 2]>,
     /// Was it held out?
     pub is_holdout: bool,
 }

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::explain::ordinary::{FreeTrace, Number, Ordinary};
 use crate::explain::{ByChannel, Parts};
+use crate::pages::clocks;
 use crate::pages::explain::words;
 use crate::report::{Color, Page, Plot};
 
@@ -52,6 +53,9 @@ pub fn text(ordinary: &Ordinary) -> String {
     for line in lines(ordinary) {
         let _ = writeln!(text, "  - {line}");
     }
+    for line in clocks::lines(&ordinary.begins_utc) {
+        let _ = writeln!(text, "  - {line}");
+    }
     let _ = writeln!(text, "\n{:44} {:>12} {:>10}   {:>22}", "", "value", "std", "before");
     for number in &ordinary.numbers {
         let of =
@@ -78,6 +82,9 @@ pub struct Report {
     starts: Vec<Start>,
     fit: Parts<ByChannel>,
     left_out: Vec<String>,
+    /// When recordings begin, in UTC, where their stamps are dates.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    begins_utc: BTreeMap<String, String>,
     /// Sideslip of the free run, [s, rad], by recording.
     sideslip: BTreeMap<String, Vec<[f64; 2]>>,
     method: &'static str,
@@ -133,6 +140,7 @@ pub fn report(ordinary: &Ordinary) -> Report {
         starts: (0..count).map(start).collect(),
         fit: ordinary.fit.clone(),
         left_out: ordinary.left_out.clone(),
+        begins_utc: ordinary.begins_utc.clone(),
         sideslip: ordinary.sideslip.iter().cloned().collect(),
         method: "ordinary",
     }
@@ -141,6 +149,9 @@ pub fn report(ordinary: &Ordinary) -> Report {
 /// A page of its own.
 pub fn html(ordinary: &Ordinary) -> String {
     let mut page = Page::new("gripd identify: the ordinary car", "");
+    for line in clocks::lines(&ordinary.begins_utc) {
+        page.paragraph(&words::stopped(&line));
+    }
     section(&mut page, ordinary);
     page.html()
 }

@@ -115,7 +115,7 @@ impl Explain {
         // The part is of what is explained, not of what it is compared with.
         let first = self.reference.len();
         let is_explained = first..first + self.logs.len();
-        let part = |place| if is_explained.contains(&place) { self.part } else { Part::default() };
+        let part = |place| if is_explained.contains(&place) { self.part.clone() } else { Part::default() };
         let mut read = recordings::read(&logs, part, &config)?;
         if self.history && read.put_in_order(first) == Order::Given {
             tracing::info!("{AS_GIVEN}");
@@ -150,6 +150,7 @@ impl Explain {
             None => case.explain(&at),
         };
         answer.explanation.confirm = confirmed(&case, &answer.explanation.findings, &others.recordings)?;
+        answer.explanation.tell_dates(&read.recordings);
         progress.finish();
         let explanation = &answer.explanation;
         if self.prints_text() {

@@ -71,7 +71,8 @@ impl Identify {
         if used.method == Method::Ordinary {
             return self.ordinary(&config);
         }
-        let (records, broken) = recordings::read(&self.logs, self.part, &config.clone().with_true_signals())?;
+        let (records, broken) =
+            recordings::read(&self.logs, &self.part, &config.clone().with_true_signals())?;
         let progress = Progress::of_share();
         let found = Identifier::new(&records, &config.vehicle, &used)
             .and_then(|identifier| identifier.run(|stage, share| progress.at(stage, share)));
@@ -100,7 +101,7 @@ impl Identify {
 
     /// The ordinary car by free runs, the measured speed an input.
     fn ordinary(&self, config: &bus::Config) -> Result<(), Failure> {
-        let read = explain::read(&self.logs, |_| self.part, config)?;
+        let read = explain::read(&self.logs, |_| self.part.clone(), config)?;
         let ordinary = Ordinary::of(&config.vehicle, &config.effect, &read.recordings, Asked::CAR)
             .ok_or_else(|| {
                 Failure::work("no recording has steering, yaw rate and 12 s of driving above 4 m/s")

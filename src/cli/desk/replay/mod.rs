@@ -13,7 +13,7 @@ use serde::Serialize;
 use self::learned::Learning;
 use super::Failure;
 use super::output::{Output, check_outputs, write_json};
-use super::part::{Part, PartReader};
+use super::part::{Part, PartError, PartReader};
 use super::player::Player;
 use super::progress::Progress;
 use super::tables::{EstimatesTable, SamplesTable, TableFormat};
@@ -23,7 +23,8 @@ use bus::can::recording::{Format, LogError, Reader, Writer};
 use bus::service::saved::{Claim, Refusal};
 use bus::service::{Engine, SavedState, Sink};
 use physics::estimate::{EstimatorsConfig, Learned};
-use physics::{Estimates, Quantity, Sample};
+use physics::time::Clock;
+use physics::{Estimates, Micros, Quantity, Sample};
 
 /// Without -i nothing touches a bus, and the same input gives the same output to the last bit.
 #[derive(Args)]
@@ -75,6 +76,9 @@ struct Stats {
     seconds_of_recording: f64,
     wall_s: f64,
     frames_per_s: f64,
+    /// When the first recording begins, where its stamps are dates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    begins_utc: Option<String>,
     skipped_lines: u64,
     dropped_by_recorder: u64,
     time_backwards: u64,
@@ -192,8 +196,9 @@ fn play(
     results: &mut Results,
     player: &mut Player,
     progress: &Progress,
-) -> Result<(), LogError> {
+) -> Result<(), PartError> {
     while let Some(frame) = reader.next_frame()? {
+        results.learning.begin(reader.clock());
         player.play(&frame);
         results.input(reader.interface(), &frame);
         engine.frame(&frame, results);
@@ -323,6 +328,8 @@ impl Sink for Results {
 /// Sums over all recordings.
 #[derive(Default)]
 struct Totals {
+    /// Stamp of the first frame.
+    first: Option<Micros>,
     seconds: f64,
     skipped_lines: u64,
     dropped: u64,
@@ -333,6 +340,7 @@ struct Totals {
 impl Totals {
     fn add(&mut self, reader: &Reader) {
         let stats = reader.stats();
+        self.first = self.first.or(stats.first_time);
         self.seconds += stats.seconds();
         self.skipped_lines += stats.skipped_lines;
         self.dropped += stats.dropped;
@@ -351,6 +359,7 @@ impl Totals {
             frames_out: counts.frames_out,
             samples: counts.samples,
             seconds_of_recording: self.seconds,
+            begins_utc: self.first.and_then(|first| Clock::of(first).utc(0.0)),
             wall_s,
             frames_per_s: if wall_s > 0.0 { counts.frames_in as f64 / wall_s } else { 0.0 },
             skipped_lines: self.skipped_lines,

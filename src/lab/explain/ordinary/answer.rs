@@ -14,6 +14,7 @@ use super::numbers::{Free, Scope, free, on_time};
 use super::remaining::{Remaining, remaining};
 use super::robust::deviation;
 use super::run::Predicted;
+use crate::explain::dates::begins;
 use crate::explain::doubt::doubt;
 use crate::explain::model::{Chosen, Model};
 use crate::explain::predict::Recording;
@@ -80,6 +81,8 @@ pub struct Ordinary {
     pub sideslip: Vec<(String, Vec<[f64; 2]>)>,
     /// Seconds that were run.
     pub seconds: f64,
+    /// When recordings begin, in UTC, by their names; of those whose stamps are dates.
+    pub begins_utc: BTreeMap<String, String>,
 }
 
 /// What is asked of recordings.
@@ -159,7 +162,11 @@ impl Ordinary {
             || fit(&plain, on_time(free(&plain, vehicle, &drives)), &drives),
         );
         let fitted = Fitted { vehicle: &own, drives: &drives, found: &found, plain: &plain, simulated: None };
-        Some(Self { left_out, ..fitted.answer(Asked { references, ..asked }) })
+        Some(Self {
+            left_out,
+            begins_utc: begins(recordings),
+            ..fitted.answer(Asked { references, ..asked })
+        })
     }
 
     /// What it comes to, where the plain model and its effects leave much.
@@ -240,6 +247,7 @@ impl Fitted<'_> {
             shaking_mps2: shaking(drives, predicted),
             sideslip: drives.iter().zip(predicted).map(|(drive, own)| sideslip(drive, own)).collect(),
             seconds: drives.iter().map(|drive| drive.points() as f64 * STEP_S).sum(),
+            begins_utc: BTreeMap::new(),
         };
         // A simulation may be far from the car that drove.
         if (simulated.is_some() || answer.is_the_car()) && searches(&answer) {

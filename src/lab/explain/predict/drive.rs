@@ -8,7 +8,8 @@ use super::smoothing::{on_grid, smooth_on_grid};
 use crate::explain::used::Why;
 use physics::model::effect::Recorded;
 use physics::model::{Scenario, ScenarioError, Simulation, Vehicle};
-use physics::{Quantity, Wheel};
+use physics::time::Clock;
+use physics::{Micros, Quantity, Wheel};
 
 /// What was recorded of each quantity: times (s from the recording's start) and values, SI.
 #[derive(Clone, Debug, Default)]
@@ -35,6 +36,11 @@ impl Recording {
             }
         }
         Ok(recording)
+    }
+
+    /// Its two clocks.
+    pub fn clock(&self) -> Clock {
+        Clock::of(self.begins_s.map(Micros::from_seconds).unwrap_or_default())
     }
 
     /// Is there anything of a quantity?

@@ -29,6 +29,9 @@ fn text(explanation: &Explanation) -> String {
     for line in caveats::used(explanation) {
         wrapped(&mut text, "Used: ", &stopped(&line));
     }
+    for line in crate::pages::clocks::lines(&explanation.begins_utc) {
+        wrapped(&mut text, "Clock: ", &line);
+    }
     if !explanation.certain.is_empty() {
         text += "\nFirst of all, of the measurement (as `gripd check` says it)\n";
         for line in &explanation.certain {
@@ -100,6 +103,9 @@ fn one(text: &mut String, explanation: &Explanation, finding: &Finding) {
         wrapped(text, "  to tell: ", &finding.to_tell_apart);
     }
     place(text, &finding.place, "  ");
+    if let Some(at) = &finding.at_utc {
+        wrapped(text, "  since: ", at);
+    }
     if finding.place.intervals.is_empty() && !finding.place.recording.is_empty() {
         wrapped(text, "  of: ", &finding.place.recording);
     }
@@ -117,7 +123,7 @@ fn place(text: &mut String, place: &Where, indent: &str) {
         wrapped(text, &format!("{indent}when driving: "), &place.regimes.join("; "));
     }
     if !place.intervals.is_empty() {
-        let when = words::intervals(&place.intervals, MOST_INTERVALS);
+        let when = words::intervals(place, MOST_INTERVALS);
         let of = if place.recording.is_empty() { String::new() } else { format!(" of {}", place.recording) };
         wrapped(text, &format!("{indent}at: "), &(when + &of));
     }

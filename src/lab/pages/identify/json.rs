@@ -70,6 +70,8 @@ struct Fit {
 #[derive(Serialize)]
 struct Recording {
     name: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    begins_utc: Option<String>,
     samples: usize,
     period_s: f64,
 }
@@ -112,6 +114,7 @@ pub fn report(story: &Story<'_>) -> Report {
             .iter()
             .map(|record| Recording {
                 name: record.name.clone(),
+                begins_utc: record.clock.utc(0.0),
                 samples: record.rows.len(),
                 period_s: record.period_s,
             })

@@ -40,6 +40,9 @@ pub fn html(story: &Story<'_>) -> Result<String, PlotError> {
     search::profiles(&mut page, story)?;
     page.heading("Where it comes from");
     page.notes(&[("Recordings", &recordings(story)), ("Search", &text::summary(story))]);
+    for line in super::clocks::lines(&story.begins_utc()) {
+        page.notes(&[("Clock", &line)]);
+    }
     for untold in story.untold() {
         page.notes(&[("Not told", untold)]);
     }

@@ -1,5 +1,6 @@
 //! What was found, on the terminal.
 
+use super::super::clocks;
 use super::{Story, digits, number};
 use crate::identify::{Identified, LongitudinalInput};
 use crate::report::wrapped;
@@ -7,8 +8,12 @@ use crate::report::wrapped;
 /// The whole text.
 pub fn text(story: &Story<'_>) -> String {
     let found = story.found;
-    let mut text = wrapped("", 0, &summary(story)) + "\n";
+    let mut text = wrapped("", 0, &summary(story));
+    for line in clocks::lines(&story.begins_utc()) {
+        text += &wrapped("", 0, &line);
+    }
     let rows: Vec<[String; 6]> = found.parameters.iter().map(row).collect();
+    text.push('\n');
     let head = ["parameter", "unit", "the table's", "identified", "95 % interval", "identifiable"]
         .map(str::to_owned);
     table(&mut text, &head, &rows);

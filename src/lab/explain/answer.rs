@@ -95,6 +95,7 @@ impl<'a> Conclusion<'_, 'a> {
         explanation.parameters =
             Models { baseline: self.numbers(baseline), ordinary: None, extended: self.numbers(extended) };
         explanation.in_doubt = doubt::of_fit(extended, &explanation.parameters.extended);
+        explanation.take_axles();
         if let [_] = self.drives {
             give_means_to_zeros(&mut explanation.findings, &mut explanation.parameters.extended);
         }

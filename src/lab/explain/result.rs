@@ -13,7 +13,7 @@ use super::finding::says;
 use super::history::History;
 use super::ordinary::{FreeTrace, Number, Ordinary, Remaining, Simulated};
 use super::used::Used;
-use crate::identify::Doubt;
+use crate::identify::{AxleStiffness, CorneringStiffness, Doubt, Parameter};
 
 /// What the comparison came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -266,6 +266,8 @@ pub struct Explanation {
     pub improvement_ci95: BTreeMap<String, [f64; 2]>,
     /// The ordinary numbers.
     pub parameters: Models<BTreeMap<String, Estimate>>,
+    /// The axles, as identify and replay tell them: of the ordinary car where there is one, else of the extended model.
+    pub cornering_stiffness: CorneringStiffness,
     /// Which of the extended model's ordinary numbers are at a bound or far from the vehicle's table, and so not taken over.
     pub in_doubt: BTreeMap<String, Doubt>,
     /// Share of the residual variance above the noise that is still left, by channel.
@@ -335,6 +337,7 @@ impl Explanation {
             log_likelihood: Models::default(),
             improvement_ci95: BTreeMap::new(),
             parameters: Models::default(),
+            cornering_stiffness: CorneringStiffness::default(),
             in_doubt: BTreeMap::new(),
             unexplained: ByChannel::new(),
             disturbances: BTreeMap::new(),
@@ -376,6 +379,17 @@ impl Explanation {
         self.certain.dedup();
     }
 
+    /// The axles of the extended model, where there is no ordinary car to tell them.
+    pub(super) fn take_axles(&mut self) {
+        let of = |parameter: Parameter| {
+            let it = self.parameters.extended.get(parameter.name())?;
+            let doubt = self.in_doubt.get(parameter.name()).map(|doubt| doubt.why.clone());
+            Some(AxleStiffness::of((it.value, it.std), doubt))
+        };
+        self.cornering_stiffness =
+            CorneringStiffness { front: of(Parameter::LateralFront), rear: of(Parameter::LateralRear) };
+    }
+
     /// Says what the ordinary car says. Where it decides, the plain model is compared with it in its own way: by one free
     /// run with the measured speed.
     pub fn take_ordinary(&mut self, ordinary: &Ordinary, decided: Option<Verdict>) {
@@ -409,6 +423,7 @@ impl Explanation {
         let named = |number: &Number| (name(number), number.estimate);
         let told = |numbers: &[Number]| numbers.iter().filter(of_the_car).map(named).collect();
         self.parameters.ordinary = Some(told(&ordinary.numbers));
+        self.cornering_stiffness.clone_from(&ordinary.cornering_stiffness);
         if decided.is_some() {
             self.parameters.baseline = told(&ordinary.plain_numbers);
             self.parameters.extended = told(&ordinary.numbers);

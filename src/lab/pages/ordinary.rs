@@ -7,6 +7,8 @@ use serde::Serialize;
 
 use crate::explain::ordinary::{FreeTrace, Number, Ordinary};
 use crate::explain::{ByChannel, Parts};
+use crate::identify::CorneringStiffness;
+use crate::pages::axles;
 use crate::pages::clocks;
 use crate::pages::explain::words;
 use crate::report::{Color, Page, Plot};
@@ -56,6 +58,10 @@ pub fn text(ordinary: &Ordinary) -> String {
     for line in clocks::lines(&ordinary.begins_utc) {
         let _ = writeln!(text, "  - {line}");
     }
+    let _ = writeln!(text, "  - {}", axles::WHAT);
+    for line in axles::lines(&ordinary.cornering_stiffness) {
+        let _ = writeln!(text, "      {line}");
+    }
     let _ = writeln!(text, "\n{:44} {:>12} {:>10}   {:>22}", "", "value", "std", "before");
     for number in &ordinary.numbers {
         let of =
@@ -79,6 +85,7 @@ pub fn text(ordinary: &Ordinary) -> String {
 pub struct Report {
     parameters: BTreeMap<String, Parameter>,
     recordings: BTreeMap<String, BTreeMap<String, Parameter>>,
+    cornering_stiffness: CorneringStiffness,
     starts: Vec<Start>,
     fit: Parts<ByChannel>,
     left_out: Vec<String>,
@@ -137,6 +144,7 @@ pub fn report(ordinary: &Ordinary) -> Report {
     Report {
         parameters: of_the_car().map(|number| (number.name.clone(), parameter(number))).collect(),
         recordings,
+        cornering_stiffness: ordinary.cornering_stiffness.clone(),
         starts: (0..count).map(start).collect(),
         fit: ordinary.fit.clone(),
         left_out: ordinary.left_out.clone(),

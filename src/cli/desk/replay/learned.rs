@@ -1,6 +1,7 @@
 //! What a replay has learned: each published number with its share of validity, its last value, and why it was not valid.
 
 use super::super::closing::{Line, table};
+use lab::identify::{AxleStiffness, CorneringStiffness};
 use lab::report::number;
 use physics::Estimates;
 use physics::estimate::EstimatorsConfig;
@@ -135,6 +136,19 @@ impl Learning {
             }
         };
         text
+    }
+
+    /// The axles, as identify and explain tell them, at the end.
+    pub fn cornering_stiffness(&self, config: &EstimatorsConfig) -> CorneringStiffness {
+        let of = |axle: usize| {
+            let published = Cornering(axle);
+            let tally = ALL.iter().position(|it| *it == published).map(|place| &self.tallies[place])?;
+            let (value, std) = tally.last?;
+            let never = || Some(self.why(published, tally, config)).filter(|why| !why.is_empty());
+            let against = if tally.valid == 0 { never() } else { None };
+            Some(AxleStiffness::of((value, std.unwrap_or(f64::NAN)), against))
+        };
+        CorneringStiffness { front: of(0), rear: of(1) }
     }
 
     /// The most frequent reason in words.

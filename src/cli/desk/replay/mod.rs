@@ -22,6 +22,7 @@ use bus::can::Frame;
 use bus::can::recording::{Format, LogError, Reader, Writer};
 use bus::service::saved::{Claim, Refusal};
 use bus::service::{Engine, SavedState, Sink};
+use lab::identify::CorneringStiffness;
 use physics::estimate::{EstimatorsConfig, Learned};
 use physics::time::Clock;
 use physics::{Estimates, Micros, Quantity, Sample};
@@ -83,6 +84,7 @@ struct Stats {
     dropped_by_recorder: u64,
     time_backwards: u64,
     faults: BTreeMap<String, u64>,
+    cornering_stiffness: CorneringStiffness,
 }
 
 impl Replay {
@@ -137,7 +139,7 @@ impl Replay {
                 tracing::warn!("{quantity} is configured and never has a value in what was replayed");
             }
         }
-        let stats = totals.stats(&engine, started);
+        let stats = totals.stats(&engine, started, results.learning.cornering_stiffness(&config.estimators));
         let learned = results.learning.text(&config.estimators);
         results.finish()?;
         if let Some(state) = state.filter(|_| engine.driving_s() > driven_before_s) {
@@ -351,7 +353,7 @@ impl Totals {
         super::recordings::warn(reader);
     }
 
-    fn stats(&self, engine: &Engine, started: Instant) -> Stats {
+    fn stats(&self, engine: &Engine, started: Instant, cornering_stiffness: CorneringStiffness) -> Stats {
         let counts = engine.counts();
         let wall_s = started.elapsed().as_secs_f64();
         Stats {
@@ -366,6 +368,7 @@ impl Totals {
             dropped_by_recorder: self.dropped,
             time_backwards: self.time_backwards,
             faults: engine.fault_counts().iter().collect(),
+            cornering_stiffness,
         }
     }
 }

@@ -6,6 +6,7 @@ use physics::Quantity;
 use physics::model::effect::{EffectConfig, Kind};
 use physics::model::{TireKind, Uncertain, Vehicle};
 
+use super::axles;
 use super::beyond::{Beyond, Powers, Question, beyond, powers, rows};
 use super::choice::fit_ordinary;
 use super::fit::{FreeFit, fit};
@@ -20,7 +21,7 @@ use crate::explain::model::{Chosen, Model};
 use crate::explain::predict::Recording;
 use crate::explain::proof::ErrorSums;
 use crate::explain::result::{ByChannel, Disturbance, Estimate, Parts, Verdict};
-use crate::identify::{Doubt, Values};
+use crate::identify::{CorneringStiffness, Doubt, Parameter, Values, against};
 
 /// A number of the car or of a recording's measurement.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,6 +64,8 @@ pub struct Ordinary {
     pub found_fit: Parts<ByChannel>,
     /// Its numbers.
     pub numbers: Vec<Number>,
+    /// Its axles, what gives way in the steering with them.
+    pub cornering_stiffness: CorneringStiffness,
     /// Those of the car as configured.
     pub plain_numbers: Vec<Number>,
     /// What it does not predict, by channel.
@@ -137,13 +140,15 @@ impl Number {
         if self.estimate.std > LEAST_TOLD * self.prior.std {
             return Some("the recordings add little to what was known before".to_owned());
         }
-        let doubt = self.doubt.as_ref()?;
-        Some(format!("recordings and table contradict each other: {}", doubt.why))
+        if let Some(doubt) = &self.doubt {
+            return Some(format!("recordings and table contradict each other: {}", doubt.why));
+        }
+        against(Parameter::named(&self.name)?, self.estimate.value, self.estimate.std)
     }
 }
 
 /// A number whose deviation is still this share of the one before was not told by the recordings.
-const LEAST_TOLD: f64 = 0.7;
+pub(super) const LEAST_TOLD: f64 = 0.7;
 
 impl Ordinary {
     /// Of recordings of one car. None where no recording can be used, or none beside its references.
@@ -237,6 +242,7 @@ impl Fitted<'_> {
             fit: fits(drives, predicted),
             plain_fit: fits(drives, &plain.predicted),
             found_fit: Parts::default(),
+            cornering_stiffness: axles::of(found),
             numbers: numbers(found, drives),
             plain_numbers: numbers(plain, drives),
             disturbances: BTreeMap::new(),

@@ -52,6 +52,7 @@ fn text(explanation: &Explanation) -> String {
         place(&mut text, &explanation.place, "");
     }
     fit(&mut text, explanation);
+    axles(&mut text, explanation);
     confirm(&mut text, explanation);
     if let Some(ordinary) = &explanation.ordinary {
         text += "\nThe ordinary car\n";
@@ -158,6 +159,15 @@ fn fit(text: &mut String, explanation: &Explanation) {
         table(text, &names.map(str::to_owned), &rows);
     } else {
         table(text, &[const { String::new() }; 5], &rows);
+    }
+}
+
+fn axles(text: &mut String, explanation: &Explanation) {
+    let lines = crate::pages::axles::lines(&explanation.cornering_stiffness);
+    if !lines.is_empty() {
+        text.push('\n');
+        wrapped(text, "", crate::pages::axles::WHAT);
+        lines.iter().for_each(|line| wrapped(text, "  - ", line));
     }
 }
 

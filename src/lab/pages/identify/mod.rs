@@ -26,6 +26,7 @@ pub fn html(story: &Story<'_>) -> Result<String, PlotError> {
         &["parameter", "unit", "the table's", "identified", "95 % interval", "identifiable"],
         &rows,
     );
+    super::axles::section(&mut page, &story.found.cornering_stiffness());
     page.heading("How well a simulation without feedback fits");
     page.paragraph(
         "Driven by the recorded steering wheel and torques or wheel speeds, restarted each 20 s from what was \

@@ -20,6 +20,11 @@ pub fn text(story: &Story<'_>) -> String {
     for parameter in found.parameters.iter().filter(|parameter| parameter.is_in_doubt()) {
         text += &wrapped("in doubt: ", 4, &in_doubt(parameter));
     }
+    let axles = super::super::axles::lines(&found.cornering_stiffness());
+    if !axles.is_empty() {
+        text += &format!("\n{}", wrapped("", 0, super::super::axles::WHAT));
+        axles.iter().for_each(|line| text += &wrapped("  - ", 4, line));
+    }
     for untold in story.untold() {
         text += &wrapped("not told: ", 4, untold);
     }

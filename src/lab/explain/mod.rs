@@ -55,6 +55,7 @@ mod tuning;
 mod used;
 mod verdict;
 mod verify;
+mod work;
 
 pub use case::{Answer, Case};
 pub use confirm::{Confirmed, Fits};
@@ -70,3 +71,4 @@ pub use result::{
 pub use sensitivity::{Detectable, Isolability, Rival, Sensitivity};
 pub use used::{Unused, Used};
 pub use verify::{Bin, Known, LeftOut, Outcome, Try, Verified};
+pub use work::{FIT_STAGES, STAGES, Work};

@@ -53,6 +53,28 @@ pub fn against(parameter: Parameter, value: f64, std: f64) -> Option<String> {
     too_unsure(value, std).filter(|_| is_stiffness)
 }
 
+/// Stiffnesses of a search that moved numbers far from the table of which the recordings tell less than the table: the
+/// equations do not fit there, and the stiffnesses are those of a car that cannot be.
+pub(super) fn beside_what_cannot_be(parameters: &mut [Identified]) {
+    let moved = |it: &Identified| {
+        let deviations = it.doubt.as_ref()?.deviations.filter(|_| !it.is_clear)?;
+        Some(format!("{} by {deviations:.1}", it.name))
+    };
+    let moved: Vec<String> = parameters.iter().filter_map(moved).collect();
+    if moved.is_empty() {
+        return;
+    }
+    let is_stiffness = |it: &&mut Identified| it.name.contains("stiffness") && it.identifiable;
+    for it in parameters.iter_mut().filter(is_stiffness) {
+        it.identifiable = false;
+        it.reason = format!(
+            "the same search moves {} standard deviations from the table, though the recordings tell less of it: the equations \
+             do not fit here",
+            moved.join(", ")
+        );
+    }
+}
+
 impl Identification {
     /// Of the car that was identified, as far as the axles were free.
     pub fn cornering_stiffness(&self) -> CorneringStiffness {
@@ -71,6 +93,36 @@ impl Identification {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_car_that_cannot_be_has_no_stiffness() {
+        let of = |name: &'static str, is_clear: bool, deviations: Option<f64>| Identified {
+            name,
+            unit: "1",
+            value: 1.0,
+            std: 0.1,
+            ci95: (0.8, 1.2),
+            identifiable: is_clear,
+            reason: String::new(),
+            is_clear,
+            doubt: deviations.and_then(|by| {
+                let table = physics::model::Uncertain { value: 1.0 + 0.1 * by, std: 0.1 };
+                crate::identify::Doubt::of((1.0, 0.1), Some(table), false)
+            }),
+            prior: (1.0, 0.1),
+            profile: Vec::new(),
+        };
+        let told = |ratio: Identified| {
+            let mut all = [of("lateral_stiffness_front", true, None), ratio];
+            beside_what_cannot_be(&mut all);
+            (all[0].identifiable, all[0].reason.clone())
+        };
+        assert!(told(of("steering_ratio", false, None)).0);
+        // What the recordings tell against the table stands for itself.
+        assert!(told(of("steering_ratio", true, Some(8.0))).0);
+        let (is_told, why) = told(of("steering_ratio", false, Some(8.0)));
+        assert!(!is_told && why.contains("moves steering_ratio by 8.0 standard deviations"), "{why}");
+    }
 
     #[test]
     fn a_sixth_of_it_is_too_much() {

@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use super::axles::against;
+use super::axles::{self, against};
 use super::config::IdentifyConfig;
 use super::doubt::Doubt;
 use super::error::IdentifyError;
@@ -119,7 +119,9 @@ impl<'a> Identifier<'a> {
         let mut met: Vec<(Ahead, usize)> = Vec::new();
         let search = self.search_in();
         for (number, from) in starts.iter().enumerate() {
-            progress("searching", number as f64 / starts.len() as f64);
+            // The first one goes all the way; most of the others meet it.
+            let done = if number == 0 { 0 } else { number + 1 };
+            progress("searching", done as f64 / (starts.len() + 1) as f64);
             let from = from.clone();
             let ahead = self.coordinates(&from).and_then(|theta| search.ahead(theta, &self.noise));
             let earlier = ahead.as_ref().and_then(|ahead| met.iter().find(|(other, _)| ahead.meets(other)));
@@ -207,12 +209,14 @@ impl<'a> Identifier<'a> {
         let shift = self.shift(&fit, &mut progress);
         let sure = uncertainty::of(&fit, &self.free, &shift)
             .ok_or(IdentifyError::NoEnd { starts: count, reason })?;
+        progress("without holding anything", 0.0);
         let freed = held::freed(&self.search_in(), &fit, &self.held, &self.noise);
         let mut parameters = Vec::new();
         for place in 0..self.free.len() {
             progress("profiling", place as f64 / self.free.len() as f64);
             parameters.push(self.identified(place, &fit, &sure, freed.as_ref()));
         }
+        axles::beside_what_cannot_be(&mut parameters);
         progress("free run", 0.0);
         let values = self.search_in().values_at(&self.corrected(&fit, &sure));
         let correlation = sure.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();

@@ -36,6 +36,7 @@ mod setup;
 mod shooting;
 mod slips;
 mod smooth;
+mod stages;
 mod uncertainty;
 pub mod understeer;
 
@@ -52,3 +53,4 @@ pub use parameter::{Parameter, Values};
 pub(crate) use plant::plant;
 pub use record::{Record, Row};
 pub use result::{Identification, Identified, Path};
+pub use stages::{STAGES, Stage};

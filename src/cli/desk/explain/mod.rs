@@ -16,7 +16,7 @@ use super::output::{check_outputs, write_json, write_text};
 use super::part::Part;
 use super::progress::Progress;
 use super::{Failure, configuration};
-use lab::explain::{Case, Confirmed, Finding, Order, Recording};
+use lab::explain::{Case, Confirmed, Finding, Order, Recording, STAGES, Work};
 use lab::pages::explain as page;
 use physics::model::effect::{KINDS, named};
 
@@ -117,6 +117,8 @@ impl Explain {
         let is_explained = first..first + self.logs.len();
         let part = |place| if is_explained.contains(&place) { self.part.clone() } else { Part::default() };
         let mut read = recordings::read(&logs, part, &config)?;
+        let work = Work::default();
+        read.recordings.iter_mut().for_each(|recording| recording.work = work.clone());
         if self.history && read.put_in_order(first) == Order::Given {
             tracing::info!("{AS_GIVEN}");
         }
@@ -141,7 +143,7 @@ impl Explain {
         let others = recordings::read(&self.confirm, |_| Part::default(), &config)?;
         let simulation =
             self.simulation.as_deref().map(|path| simulation::read(path, &config)).transpose()?;
-        let progress = Progress::of_share();
+        let progress = Progress::of_stages(STAGES, work);
         let at = |stage: &str, share: f64| progress.at(stage, share);
         let mut answer = match &simulation {
             Some(simulation) => case.left_out(simulation, &at).map_err(|why| {

@@ -9,7 +9,7 @@ use physics::model::{TireKind, Uncertain, Vehicle};
 use super::axles;
 use super::beyond::{Beyond, Powers, Question, beyond, powers, rows};
 use super::choice::fit_ordinary;
-use super::fit::{FreeFit, fit};
+use super::fit::{FreeFit, begin_counting, fit};
 use super::inputs::{FreeDrive, Held, STEP_S};
 use super::numbers::{Free, Scope, free, on_time};
 use super::remaining::{Remaining, remaining};
@@ -162,6 +162,8 @@ impl Ordinary {
         let Drives { drives, references, left_out } = Drives::of(&own, recordings, asked)?;
         let model = as_configured(&own, effects);
         let plain = Model { vehicle, values: Values::of(vehicle), ..model.clone() };
+        // The ordinary car twice, with and without what the data may refuse.
+        begin_counting(&drives, 3);
         let (found, plain) = rayon::join(
             || fit_ordinary(&model, &own, &drives),
             || fit(&plain, on_time(free(&plain, vehicle, &drives)), &drives),

@@ -6,6 +6,7 @@ use super::grid::{COMPARED, Measured, SLOWEST_MPS, SPEED, STEP_S, points};
 use super::slide::{Slide, slides};
 use super::smoothing::{on_grid, smooth_on_grid};
 use crate::explain::used::Why;
+use crate::explain::work::Work;
 use physics::model::effect::Recorded;
 use physics::model::{Scenario, ScenarioError, Simulation, Vehicle};
 use physics::time::Clock;
@@ -18,6 +19,8 @@ pub struct Recording {
     pub name: String,
     /// When it begins: its seconds count from there, s as its stamps count, since 1970 where these are dates.
     pub begins_s: Option<f64>,
+    /// What is computed with it is counted here.
+    pub work: Work,
     /// One track for each quantity.
     pub tracks: [Vec<(f64, f64)>; Quantity::COUNT],
 }

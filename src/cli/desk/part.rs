@@ -17,10 +17,10 @@ use super::Failure;
 pub struct Part {
     /// Only what is then or later: seconds after the first frame, or a time in UTC (2025-10-09T08:53:20.123Z).
     #[arg(long, value_name = "S|TIME")]
-    from: Option<String>,
+    from: Option<Box<str>>,
     /// Only what is then or earlier: seconds after the first frame, or a time in UTC.
     #[arg(long, value_name = "S|TIME")]
-    to: Option<String>,
+    to: Option<Box<str>>,
 }
 
 /// From when to when, as far as either is asked for.
@@ -39,7 +39,7 @@ impl Part {
             let span = span(path).map_or_else(String::new, |span| format!("; {span}"));
             Failure::usage(format_args!("{option} {text}: {why}{span}"))
         };
-        let moment = |option: &str, text: &Option<String>| match text.as_deref().map(str::parse::<Moment>) {
+        let moment = |option: &str, text: &Option<Box<str>>| match text.as_deref().map(str::parse::<Moment>) {
             None => Ok(None),
             Some(Ok(Moment::After(seconds))) if seconds < 0.0 => {
                 Err(wrong(option, text.as_deref().unwrap_or_default(), &"must be zero or more seconds"))

@@ -43,7 +43,7 @@ impl AxleStiffness {
 pub fn too_unsure(value: f64, std: f64) -> Option<String> {
     let share = std / value.abs();
     (share.is_nan() || share > TOLD_RELATIVE_STD)
-        .then(|| format!("σ is {:.0} % of it, more than 15 %", 100.0 * share))
+        .then(|| format!("σ is {:.1} % of it, more than 15 %", 100.0 * share))
 }
 
 /// The rule of 15 % as a reason against a number; none where it is no stiffness.
@@ -128,7 +128,7 @@ mod tests {
     fn a_sixth_of_it_is_too_much() {
         assert!(AxleStiffness::of((12.0, 1.8), None).told);
         let unsure = AxleStiffness::of((12.0, 2.0), None);
-        assert!(!unsure.told && unsure.reason.contains("17 %"), "{unsure:?}");
+        assert!(!unsure.told && unsure.reason.contains("16.7 %"), "{unsure:?}");
         assert!(!AxleStiffness::of((12.0, f64::NAN), None).told);
         assert_eq!(AxleStiffness::of((12.0, 1.0), Some("bound".into())).reason, "bound");
         assert_eq!(against(Parameter::SteeringRatio, 15.0, 5.0), None);

@@ -38,7 +38,7 @@ mod tests {
         assert_eq!(lines[0], "front 12.04 ± 0.42 1/rad");
         assert_eq!(
             lines[1],
-            "rear 15.0 ± 4.0 1/rad; not told by this drive: σ is 27 % of it, more than 15 %"
+            "rear 15.0 ± 4.0 1/rad; not told by this drive: σ is 26.7 % of it, more than 15 %"
         );
         assert!(super::lines(&CorneringStiffness::default()).is_empty());
     }

@@ -98,7 +98,7 @@ mod tests {
         forecast.at(10.0, "name", 0.0);
         assert_eq!(forecast.left(12.0, Some(1.0)), Some(8.0));
         forecast.at(15.0, "prove", 0.0);
-        assert_eq!(forecast.left(19.0, None), Some(1.0));
+        assert_eq!(forecast.left(18.0, None), Some(2.0));
     }
 
     #[test]

@@ -2,6 +2,10 @@
 
 use crate::{Faults, Micros};
 
+/// A stiffness whose standard deviation is a larger share of it is not told by a drive: two surfaces, or two tires, differ by as
+/// much. The service, a replay, identify and explain all hold to it.
+pub const TOLD_RELATIVE_STD: f64 = 0.15;
+
 /// A number with its standard deviation and the age of the information in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {

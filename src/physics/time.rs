@@ -1,7 +1,13 @@
-//! Time as frames carry it: whole microseconds.
+//! Time as frames carry it: whole microseconds, and the two ways in which people say it.
+
+mod clock;
+mod date;
 
 use std::fmt;
 use std::ops::{Add, Sub};
+
+pub use clock::{Clock, Moment, stretch};
+pub use date::Date;
 
 /// A point in time (or a difference of two): whole microseconds, as `candump -L` writes them.
 ///

@@ -146,8 +146,6 @@ fn no_impossible_rav4_is_identified() {
 /// The two Zoes: their wheels' radii differ, right rear against left by 1.9 % and by −0.2 %.
 const ZOES: [&[&str]; 2] = [&["0103", "0655", "0757"], &["0061", "0796", "0916", "1077", "1094", "1100"]];
 
-/// Scenes as records, 50 Hz as they were recorded.
-
 /// GIVEN a car on one road WHEN it uses more of the friction within ten seconds THEN no interval excluded that before.
 #[test]
 fn no_interval_excludes_what_a_gti_uses_next() {
@@ -168,6 +166,7 @@ fn no_interval_excludes_what_a_gti_uses_next() {
     }
 }
 
+/// Scenes as records, 50 Hz as they were recorded.
 fn zoe_records(folder: &Path, config: &Config, scenes: &[&str]) -> Vec<gripd::identify::Record> {
     let log = |scene: &&str| folder.join(format!("zoe/scene-{scene}.log.gz"));
     scenes.iter().map(|scene| recorded(&log(scene), config)).collect()

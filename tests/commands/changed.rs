@@ -214,7 +214,7 @@ fn a_law_is_found_confirmed_and_applied() {
 }
 
 /// GIVEN a table that is sure of half the car's yaw inertia THEN the file that is written has the answer's own verdict, tells what is
-/// in doubt, and leaves it as it was, unless by force.
+/// in doubt, and leaves it as it was, unless by force. The car's own effects are in it, and every comment of the file.
 #[test]
 fn the_applied_file_says_what_the_answer_says() {
     let folder = drives(&[("drive.log", "5")]);
@@ -224,7 +224,9 @@ fn the_applied_file_says_what_the_answer_says() {
     let demo = demo
         .replace(inertia, "yaw_inertia_kgm2 = { value = 1200.0, std = 30.0 }")
         .replace("../dbc/demo.dbc", project("dbc/demo.dbc").to_str().unwrap());
-    std::fs::write(folder.path().join("wrong.toml"), demo).unwrap();
+    let own =
+        "# From the bench.\n[[effect]]\nkind = \"radius_growth\" # little\nrelative_per_mps_squared = 1e-8\n";
+    std::fs::write(folder.path().join("wrong.toml"), format!("{demo}\n{own}")).unwrap();
     let fixed = ["-q", "explain", "-c", "wrong.toml", "drive.log", "--json", "answer.json", "--apply"];
     let text = run(folder.path(), &[&fixed[..], &["new.toml"]].concat()).stdout;
     let text = String::from_utf8(text).unwrap();
@@ -243,6 +245,10 @@ fn the_applied_file_says_what_the_answer_says() {
         table["vehicle"]["yaw_inertia_kgm2"]["value"].as_float().unwrap()
     };
     assert!(inertia(&new) == 1200.0 && new.contains("# yaw_inertia_kgm2 = "), "{new}");
+    assert!(new.contains(own), "{new}");
+    for comment in demo.lines().filter_map(|line| line.split_once('#')).map(|(_, comment)| comment) {
+        assert!(new.contains(comment), "{comment} is not in\n{new}");
+    }
     run(folder.path(), &[&fixed[..], &["forced.toml", "--force"]].concat());
     assert!(inertia(&read("forced.toml")) > 1290.0, "{}", read("forced.toml"));
     run(folder.path(), &["-q", "check", "-c", "forced.toml"]);

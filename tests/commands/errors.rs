@@ -172,7 +172,7 @@ fn a_parked_car_is_told_in_words() {
     garage.write("parked.log", log);
     let checked = garage.gripd(&["-q", "check", "-c", "car.toml", "parked.log"]);
     checked.with(0, &[]);
-    assert!(checked.stdout.contains("the car stands from 0.0 s to 20.0 s"), "{}", checked.stdout);
+    assert!(checked.stdout.contains("the car stands from 0.0 to 20.0 s"), "{}", checked.stdout);
     assert!(!checked.stdout.contains("stands still"), "{}", checked.stdout);
     assert!(checked.stdout.contains("nothing could be compared"), "{}", checked.stdout);
     let explained = garage.gripd(&["-q", "explain", "-c", "car.toml", "parked.log", "--json", "answer.json"]);

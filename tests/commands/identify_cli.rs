@@ -232,6 +232,52 @@ fn what_contradicts_the_table_is_taken_over_by_force_only() {
     assert!(place.fails(&["sim1.log"], &["--force"], 2).contains("--apply"));
 }
 
+/// GIVEN a file with comments, an effect of its own and paths THEN what `--apply` writes elsewhere is that file but for the
+/// numbers and the paths, and it can be used; a second one replaces the first one's head.
+#[test]
+fn comments_and_paths_survive() {
+    let place = Place::new("");
+    place.drive("a.log", 10.0, 0.02, 1);
+    fs::copy(project("dbc/thesis.dbc"), place.path("car.dbc")).unwrap();
+    let effect =
+        "\n# From the bench.\n[[effect]]\nkind = \"payload\" # two people\nmass_kg = 100.0\n\n# The end.\n";
+    let service = "\n[service]\nstate_file = \"state.toml\" # to be\nmetrics = \"127.0.0.1:9100\"\n";
+    let dbc = project("dbc/thesis.dbc");
+    place.configure(&format!("{service}{effect}"), &[(dbc.to_str().unwrap(), "car.dbc")]);
+    fs::create_dir(place.path("new")).unwrap();
+    place.json(&["a.log"], &[TWO, &["--apply", "new/car.toml"]].concat());
+    let read = |name: &str| fs::read_to_string(place.path(name)).unwrap();
+    let (old, new) = (read("car.toml"), read("new/car.toml"));
+    let (head, body) = new.split_once("\n\n").unwrap();
+    assert!(head.starts_with("# Written by gripd identify: car.toml"), "{new}");
+    assert_eq!(old.lines().count(), body.lines().count(), "{new}");
+    let mut changed = Vec::new();
+    for (old, new) in old.lines().zip(body.lines()).filter(|(old, new)| old != new) {
+        let comment = |line: &str| line.split_once('#').map(|(_, comment)| comment.to_owned());
+        assert_eq!(comment(old), comment(new));
+        changed.push(old.split(' ').next().unwrap().to_owned());
+    }
+    changed.sort();
+    let numbers = ["lateral_stiffness_front", "lateral_stiffness_rear", "longitudinal_stiffness"];
+    assert_eq!(changed, [&["input"], &numbers[..], &["state_file"]].concat());
+    let folder = place.path("").canonicalize().unwrap();
+    for file in ["car.dbc", "state.toml"] {
+        assert!(new.contains(&format!("\"{}\"", folder.join(file).display())), "{new}");
+    }
+    let mut check = gripd();
+    check.current_dir(place.0.path()).args(["-q", "check", "-c", "new/car.toml", "a.log"]);
+    let output = check.output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+
+    // Lines as Windows ends them stay so.
+    fs::write(place.path("car.toml"), new.replace('\n', "\r\n")).unwrap();
+    place.json(&["a.log"], &[TWO, &["--apply", "again.toml"]].concat());
+    let again = read("again.toml");
+    assert_eq!(again.matches("# Written by").count(), 1, "{again}");
+    assert_eq!(again.matches('\n').count(), new.matches('\n').count(), "{again}");
+    assert_eq!(again.matches("\r\n").count(), again.matches('\n').count(), "{again}");
+}
+
 #[test]
 fn errors_say_whose_turn_it_is() {
     let place = Place::new("");

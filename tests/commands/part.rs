@@ -3,7 +3,9 @@
 use std::path::Path;
 use std::process::Output;
 
+use gripd::Micros;
 use gripd::can::recording::Reader;
+use gripd::time::Clock;
 use testing::program::{gripd, project};
 
 /// A command in this folder.
@@ -49,5 +51,71 @@ fn a_part_is_all_that_is_taken() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("--to 2"), "{output:?}");
     let output = run(folder, &["identify", "-c", config, "drive.log", "--from", "50"]);
     assert_eq!(output.status.code(), Some(1));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("it ends after 20.0 s"), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("drive.log is of 0.0 to 20.0 s"), "{output:?}");
+}
+
+/// GIVEN a recording whose stamps are dates WHEN a part is asked for by the date THEN it is the part that seconds give; what
+/// is no moment, and what is on another day, is told with the recording's span; and every answer has both clocks.
+#[test]
+fn either_clock_tells_a_part_and_a_moment() {
+    let scratch = tempfile::tempdir().unwrap();
+    let folder = scratch.path();
+    let demo = std::fs::read_to_string(project("config/scenarios/demo.toml")).unwrap();
+    std::fs::write(folder.join("scenario.toml"), demo.replace("duration_s = 120.0", "duration_s = 20.0"))
+        .unwrap();
+    assert!(run(folder, &["-q", "simulate", "scenario.toml", "-o", "undated.log"]).status.success());
+    let undated = std::fs::read_to_string(folder.join("undated.log")).unwrap();
+    let dated = |line: &str| {
+        let (time, frame) = line[1..].split_once(')').unwrap();
+        format!("({:.6}){frame}\n", 1.76e9 + time.parse::<f64>().unwrap())
+    };
+    std::fs::write(folder.join("drive.log"), undated.lines().map(dated).collect::<String>()).unwrap();
+    let [start, _] = ends(&folder.join("drive.log"));
+    let utc = |seconds: f64| Clock::of(Micros::from_seconds(start)).utc(seconds).unwrap();
+    let (from, to) = (utc(4.0), utc(9.5));
+    for (name, ends) in [("seconds.log", ["4", "9.5"]), ("dates.log", [from.as_str(), to.as_str()])] {
+        let part = ["convert", "drive.log", "-o", name, "--from", ends[0], "--to", ends[1]];
+        assert!(run(folder, &part).status.success());
+    }
+    let frames = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    assert_eq!(frames("seconds.log").lines().count(), frames("dates.log").lines().count());
+
+    let config = project("config/demo.toml");
+    let config = config.to_str().unwrap();
+    let span = format!("drive.log is of 0.0 to 20.0 s ({}", utc(0.0));
+    let refused = |command: &[&str], code: i32, words: &str| {
+        let output = run(folder, command);
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(code), "{told}");
+        assert!(told.contains(words) && told.contains(&span), "{told}");
+    };
+    refused(&["check", "-c", config, "drive.log", "--from", "soon"], 2, "--from soon: is neither seconds");
+    refused(
+        &["plot", "-c", config, "drive.log", "--html", "x.html", "--to", "2025-13-01T00:00Z"],
+        2,
+        "--to 2025-13",
+    );
+    refused(
+        &["replay", "-c", config, "drive.log", "--from", &to, "--to", &from],
+        2,
+        "must be more than --from",
+    );
+    refused(&["explain", "-c", config, "drive.log", "--to", "2001-01-01T00:00:00Z"], 1, "nothing is between");
+
+    let json = |command: &[&str]| -> serde_json::Value {
+        let output = run(folder, &[command, &["-q", "-c", config, "drive.log", "--json", "-"]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let checked = json(&["check"]);
+    assert_eq!(checked["recordings"]["files"][0]["begins_utc"], utc(0.0));
+    let yaw_rate = checked["recordings"]["quantities"].as_array().unwrap();
+    let gap = yaw_rate.iter().find(|it| it["quantity"] == "yaw_rate").unwrap();
+    assert_eq!(gap["longest_gap_at_utc"], utc(gap["longest_gap_at_s"].as_f64().unwrap()));
+    let explained = json(&["explain", "--from", &utc(1.0)]);
+    assert_eq!(explained["begins_utc"]["drive.log"], utc(0.0), "counted from the recording's start");
+    let block = &explained["split"][0];
+    assert_eq!(block["t_utc"][0], utc(block["t"][0].as_f64().unwrap()));
+    let identified = json(&["identify", "--starts", "1", "--parameters", "steering_ratio"]);
+    assert_eq!(identified["recordings"][0]["begins_utc"], utc(0.0));
 }

@@ -144,15 +144,16 @@ pub(super) fn gather(
     Ok((drive, broken))
 }
 
-/// The DBC's path as a configuration at `out` has to name it: relative to its folder, absolute where that is
+/// A file's path as a configuration at `out` has to name it: relative to its folder, absolute where that is
 /// elsewhere.
-pub(super) fn relative(dbc: &Path, out: &Path) -> PathBuf {
+pub(super) fn relative(file: &Path, out: &Path) -> PathBuf {
     let folder = match out.parent() {
         Some(folder) if out.as_os_str() != "-" && !folder.as_os_str().is_empty() => folder,
-        _ => return dbc.to_owned(),
+        _ => return file.to_owned(),
     };
-    match (dbc.canonicalize(), folder.canonicalize()) {
-        (Ok(dbc), Ok(folder)) => dbc.strip_prefix(&folder).map(Path::to_owned).unwrap_or(dbc),
-        _ => dbc.to_owned(),
+    // What does not exist yet has a place all the same.
+    match (file.canonicalize().or_else(|_| std::path::absolute(file)), folder.canonicalize()) {
+        (Ok(file), Ok(folder)) => file.strip_prefix(&folder).map(Path::to_owned).unwrap_or(file),
+        _ => file.to_owned(),
     }
 }

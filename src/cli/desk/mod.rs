@@ -11,6 +11,7 @@ mod demo;
 mod demo_car;
 mod explain;
 mod export;
+mod forecast;
 mod identify;
 mod interrupted;
 mod man;

@@ -35,12 +35,12 @@ pub struct Plot {
 impl Plot {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        let part = self.part.seconds()?;
+        let ends = self.part.ends(&self.logs[0])?;
         let config = configuration::for_the_service(&self.config)?;
         check_outputs(self.logs.iter().chain([&self.config]).chain(config.files()), [&self.html])?;
         let mut engine = Engine::new(&config)?;
         let quantities = config.signals.quantities.keys().copied().collect();
-        let mut kept = Kept(Drive::new(quantities, part));
+        let mut kept = Kept(Drive::new(quantities, [ends.from, ends.to]));
         let mut broken = Vec::new();
         let progress = Progress::of_files(&self.logs);
         for path in &self.logs {
@@ -93,8 +93,8 @@ fn nothing(drive: &Drive, engine: &Engine, broken: Vec<String>) -> Failure {
     }
     if drive.seconds() > 0.0 {
         return Failure::usage(format_args!(
-            "nothing is between --from and --to: the recordings end after {:.1} s",
-            drive.seconds()
+            "nothing is between --from and --to: the recordings are of {}",
+            drive.span()
         ));
     }
     let ids: Vec<_> = engine.ids().iter().map(ToString::to_string).collect();

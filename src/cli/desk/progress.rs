@@ -2,13 +2,30 @@
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
-use std::time::Duration;
+use std::sync::{Arc, Mutex, mpsc};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use lab::explain::Work;
+use lab::identify::Stage;
+
+use super::forecast::Forecast;
 
 /// Shows that long work goes on.
 pub struct Progress {
     bar: ProgressBar,
+    /// Of work in stages.
+    staged: Option<Staged>,
+}
+
+/// Work in stages, watched from a thread of its own.
+struct Staged {
+    forecast: Arc<Mutex<Forecast>>,
+    began: Instant,
+    /// Takes the watcher away.
+    end: mpsc::Sender<()>,
+    watcher: Option<JoinHandle<()>>,
 }
 
 impl Progress {
@@ -31,12 +48,12 @@ impl Progress {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self { bar }
+        Self { bar, staged: None }
     }
 
     /// Work that is a part of another one's, which has a bar.
     pub fn hidden() -> Self {
-        Self { bar: ProgressBar::hidden() }
+        Self { bar: ProgressBar::hidden(), staged: None }
     }
 
     /// A part has begun.
@@ -49,23 +66,40 @@ impl Progress {
         self.bar.inc(1);
     }
 
-    /// Work in stages, each of which tells what share of it is done.
-    pub fn of_share() -> Self {
+    /// Work in stages of usual lengths, one bar for all of them, with the time that is left; `work` counts the first one.
+    pub fn of_stages(stages: &'static [Stage], work: Work) -> Self {
+        let is_shown = std::io::stderr().is_terminal();
         let bar = ProgressBar::new(Self::PARTS);
-        if !std::io::stderr().is_terminal() {
+        if !is_shown {
             bar.set_draw_target(ProgressDrawTarget::hidden());
         }
-        if let Ok(style) = ProgressStyle::with_template("{bar:30} {percent:>3} %, {elapsed}  {wide_msg}") {
+        if let Ok(style) =
+            ProgressStyle::with_template("{bar:30} {percent:>3} %, {elapsed}{prefix}  {wide_msg}")
+        {
             bar.set_style(style);
         }
-        bar.enable_steady_tick(Duration::from_millis(200));
-        Self { bar }
+        bar.enable_steady_tick(TICK);
+        let forecast = Arc::new(Mutex::new(Forecast::new(stages)));
+        let began = Instant::now();
+        let (end, ended) = mpsc::channel();
+        let watched = (bar.clone(), forecast.clone());
+        let watch = move || {
+            while ended.recv_timeout(TICK) == Err(mpsc::RecvTimeoutError::Timeout) {
+                show(&watched, began, work.share());
+            }
+        };
+        let watcher = is_shown.then(|| std::thread::spawn(watch));
+        Self { bar, staged: Some(Staged { forecast, began, end, watcher }) }
     }
 
-    /// A stage is this far (0–1).
+    /// Work in stages is in this one, of which a share is done (0–1).
     pub fn at(&self, stage: &str, share: f64) {
         self.bar.set_message(stage.to_owned());
-        self.bar.set_position((share.clamp(0.0, 1.0) * Self::PARTS as f64) as u64);
+        if let Some(staged) = &self.staged
+            && let Ok(mut forecast) = staged.forecast.lock()
+        {
+            forecast.at(staged.began.elapsed().as_secs_f64(), stage, share);
+        }
     }
 
     fn lines(name: &str) -> Self {
@@ -80,7 +114,7 @@ impl Progress {
         }
         bar.set_message(name.to_owned());
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self { bar }
+        Self { bar, staged: None }
     }
 
     /// So many lines are done. Cheap enough for every line.
@@ -93,6 +127,34 @@ impl Progress {
 
     /// Takes the bar away.
     pub fn finish(self) {
+        if let Some(Staged { end, watcher, .. }) = self.staged {
+            drop(end);
+            // It has nothing to say that could be lost.
+            watcher.map(JoinHandle::join);
+        }
         self.bar.finish_and_clear();
+    }
+}
+
+/// How often what is shown is made new.
+const TICK: Duration = Duration::from_millis(200);
+
+/// As exactly as anyone knows it.
+fn about(seconds: f64) -> String {
+    match seconds {
+        ..90.0 => format!("{:.0} s", seconds.max(1.0)),
+        ..5400.0 => format!("{:.0} min", seconds / 60.0),
+        _ => format!("{:.0} h", seconds / 3600.0),
+    }
+}
+
+/// Puts the bar where the work is.
+fn show((bar, forecast): &(ProgressBar, Arc<Mutex<Forecast>>), began: Instant, counted: Option<f64>) {
+    let Ok(mut forecast) = forecast.lock() else { return };
+    let seconds = began.elapsed().as_secs_f64();
+    let left = forecast.left(seconds, counted);
+    bar.set_position((forecast.share(seconds, left) * Progress::PARTS as f64) as u64);
+    if let Some(left) = left {
+        bar.set_prefix(format!(", about {} left", about(left)));
     }
 }

@@ -95,6 +95,7 @@ impl<'a> Conclusion<'_, 'a> {
         explanation.parameters =
             Models { baseline: self.numbers(baseline), ordinary: None, extended: self.numbers(extended) };
         explanation.in_doubt = doubt::of_fit(extended, &explanation.parameters.extended);
+        explanation.take_axles();
         if let [_] = self.drives {
             give_means_to_zeros(&mut explanation.findings, &mut explanation.parameters.extended);
         }
@@ -171,11 +172,11 @@ impl<'a> Conclusion<'_, 'a> {
             return Where::default();
         };
         Where {
-            equation: String::new(),
             channels: gains.clearest(),
             regimes: regimes(drive, gains),
             intervals: gains.intervals(),
             recording: drive.name.clone(),
+            ..Where::default()
         }
     }
 
@@ -220,6 +221,7 @@ impl<'a> Conclusion<'_, 'a> {
             let name = drive.name.clone();
             blocks
                 .map(move |(from, to, is_holdout)| Block {
+                    t_utc: None,
                     recording: name.clone(),
                     t: [from, to],
                     is_holdout,

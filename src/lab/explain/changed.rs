@@ -5,13 +5,18 @@ use super::history::History;
 use super::model::Model;
 use super::ordinary::Ordinary;
 use super::result::{Explanation, Verdict};
+use super::work;
 
 impl<'a> Case<'a> {
     /// Explains what the recordings have that their references have not. The car's numbers are common to all, and each
     /// drive has its own offsets and delays.
     pub(super) fn changed(&self, progress: &(dyn Fn(&str, f64) + Sync)) -> Answer<'a> {
-        progress("the car of all drives", 0.0);
-        let ordinary = Ordinary::of(self.vehicle, self.effects, self.recordings, self.asked(&|_| true));
+        progress(work::DRIVES, 0.0);
+        let searches = |_: &Ordinary| {
+            progress(work::CHANGES, 0.0);
+            true
+        };
+        let ordinary = Ordinary::of(self.vehicle, self.effects, self.recordings, self.asked(&searches));
         let model = Model::plain(self.vehicle, false).with_configured(self.effects);
         let Some(ordinary) = ordinary else {
             let mut explanation = Explanation::empty(Verdict::InsufficientExcitation);

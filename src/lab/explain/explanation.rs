@@ -17,6 +17,7 @@ use super::signs_and_swaps;
 use super::split::{Part, Split};
 use super::used::Used;
 use super::verdict::Gains;
+use super::work;
 use physics::Quantity;
 
 /// Seconds that must be usable. Tuned, no test on record.
@@ -49,14 +50,20 @@ impl<'a> Case<'a> {
             explanation.take_chain(self.chain);
             return Answer { explanation, model: plain };
         }
-        progress("the ordinary car", 0.0);
+        progress(work::ORDINARY, 0.0);
         let ordinary_if = |searches: &dyn Fn(&Ordinary) -> bool| {
             Ordinary::of(self.vehicle, self.effects, self.recordings, self.asked(searches))
         };
-        let mut ordinary = ordinary_if(&Ordinary::shakes);
+        let mut ordinary = ordinary_if(&|ordinary| {
+            let shakes = ordinary.shakes();
+            if shakes {
+                progress(work::SHAKING, 0.0);
+            }
+            shakes
+        });
         // A filter that takes noise for white learns nothing of physics there.
         let shakes = ordinary.as_ref().is_some_and(Ordinary::shakes);
-        progress("fitting the plain model", 0.0);
+        progress(if shakes { work::BESIDE } else { work::PLAIN }, 0.0);
         let free = plain.ordinary(has);
         let suggested = signs_and_swaps::suggested(self.chain);
         let library = |model: &Model<'_>, onsets: &[f64]| library(self.library, model, has, onsets);
@@ -77,7 +84,7 @@ impl<'a> Case<'a> {
             }
         };
         data.split = selection.split.clone();
-        progress("what could be explained", 0.0);
+        progress(work::UNKNOWN, 0.0);
         let sound = selection.chosen.iter().rfind(|taken| taken.candidate.kind.is_all_or_nothing());
         let sound = sound.map_or(&selection.baseline, |taken| &taken.fit);
         let corrected = match excerpt {
@@ -95,7 +102,7 @@ impl<'a> Case<'a> {
         let by_torque =
             if shakes { Verdict::UnknownPhysics } else { gains.verdict(drives.iter().any(turns)) };
         if by_torque == Verdict::UnknownPhysics && !shakes {
-            progress("beyond the ordinary car", 0.0);
+            progress(work::BEYOND, 0.0);
             ordinary = ordinary_if(&|_| true);
         }
         // What the plain model and its effects leave is asked of the ordinary car.
@@ -108,7 +115,7 @@ impl<'a> Case<'a> {
             None => by_torque,
         };
         tracing::debug!(?gains, ?verdict, "judged");
-        progress("proving", 0.0);
+        progress(work::PROVING, 0.0);
         Conclusion {
             case: self,
             drives: &drives,

@@ -36,6 +36,9 @@ pub struct Drive {
     pub log: String,
     /// When it begins, seconds since 1970; none where its stamps are no dates.
     pub begins: Option<f64>,
+    /// The same in UTC.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub begins_utc: Option<String>,
     /// Was it given as a healthy one?
     pub is_reference: bool,
 }
@@ -96,18 +99,19 @@ pub struct InDrive {
     pub std: f64,
 }
 
-/// Before 1990 nobody wrote a recording: such stamps count from when something was switched on, s since 1970.
-const EARLIEST_DATE_S: f64 = 631_152_000.0;
-
 /// Beyond so many times what it could be no car has it.
 const MOST: f64 = 10.0;
+
+/// When it begins, s since 1970, where its stamps are dates.
+fn known(recording: &Recording) -> Option<f64> {
+    recording.begins_s.filter(|_| recording.clock().date().is_some())
+}
 
 /// How drives are in order, and the place of each: by their own clock, where each has one of its own and no two were
 /// driven at once.
 pub fn order(recordings: &[Recording]) -> (Order, Vec<usize>) {
     let given: Vec<usize> = (0..recordings.len()).collect();
-    let begins: Option<Vec<f64>> =
-        recordings.iter().map(|it| it.begins_s.filter(|begins| *begins > EARLIEST_DATE_S)).collect();
+    let begins: Option<Vec<f64>> = recordings.iter().map(known).collect();
     let Some(begins) = begins else { return (Order::Given, given) };
     let mut places = given.clone();
     places.sort_by(|a, b| begins[*a].total_cmp(&begins[*b]));
@@ -122,10 +126,10 @@ impl History {
         names: &[String],
         found: &super::ordinary::History,
     ) -> Self {
-        let known = |it: &Recording| it.begins_s.filter(|begins| *begins > EARLIEST_DATE_S);
         let drive = |(place, it): (usize, &Recording)| Drive {
             log: it.name.clone(),
             begins: known(it),
+            begins_utc: it.clock().utc(0.0),
             is_reference: place < references,
         };
         let used = |(_, it): &(usize, &Recording)| names.contains(&it.name);

@@ -5,6 +5,7 @@ use super::model::Model;
 use super::ordinary::{Incomparable, Ordinary, Remaining};
 use super::predict::Recording;
 use super::result::{Explanation, Verdict};
+use super::work;
 
 impl<'a> Case<'a> {
     /// Explains what the first recording has that a simulation of the same drive has not.
@@ -16,9 +17,13 @@ impl<'a> Case<'a> {
         simulation: &Recording,
         progress: &(dyn Fn(&str, f64) + Sync),
     ) -> Result<Answer<'a>, Incomparable> {
-        progress("a car that drives like the simulation", 0.0);
+        progress(work::SIMULATION, 0.0);
         let both = (&self.recordings[0], simulation);
-        let asked = self.asked(&|_| true);
+        let searches = |_: &Ordinary| {
+            progress(work::LEFT_OUT, 0.0);
+            true
+        };
+        let asked = self.asked(&searches);
         let (ordinary, simulated) = Ordinary::beside(self.vehicle, self.effects, both, asked)?;
         let verdict = match () {
             () if !ordinary.is_the_car_with_what_was_found() => Verdict::UnknownPhysics,

@@ -21,6 +21,7 @@ use super::select::{
 use super::signs_and_swaps;
 use super::split::{BLOCK_S, Part};
 use super::tuning::TUNING;
+use super::work;
 
 /// Rounds of the plain model's first fit, of fits to a larger excerpt, and of fits to everything.
 /// Numerical: Gauss–Newton steps.
@@ -67,7 +68,7 @@ impl<'a> LongSearch<'_, '_, 'a> {
         let mut selection = select(&part, (baseline, before), library, progress);
         let mut times = 0;
         loop {
-            progress("fitting to everything", 0.0);
+            progress(work::EVERYTHING, 0.0);
             let settled = self.settled(&excerpt.drives(self.data.drives), &selection);
             let everything = Data { split: settled.selection.split.clone(), ..self.data.clone() };
             let goes_on = times < TUNING.long.most_enlargements

@@ -26,6 +26,7 @@ mod conclusion;
 mod confirm;
 mod correction;
 mod course;
+mod dates;
 mod doubt;
 mod excerpt;
 mod exogenous;
@@ -54,9 +55,11 @@ mod tuning;
 mod used;
 mod verdict;
 mod verify;
+mod work;
 
 pub use case::{Answer, Case};
 pub use confirm::{Confirmed, Fits};
+pub use dates::begins;
 pub use history::{Change, Drive, History, InDrive, Order, Unchanged, order};
 pub use model::{Chosen, Model};
 pub use ordinary::{Incomparable, Simulated, speed_of};
@@ -68,3 +71,4 @@ pub use result::{
 pub use sensitivity::{Detectable, Isolability, Rival, Sensitivity};
 pub use used::{Unused, Used};
 pub use verify::{Bin, Known, LeftOut, Outcome, Try, Verified};
+pub use work::{FIT_STAGES, STAGES, Work};

@@ -13,7 +13,7 @@ use super::finding::says;
 use super::history::History;
 use super::ordinary::{FreeTrace, Number, Ordinary, Remaining, Simulated};
 use super::used::Used;
-use crate::identify::Doubt;
+use crate::identify::{AxleStiffness, CorneringStiffness, Doubt, Parameter};
 
 /// What the comparison came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -51,6 +51,9 @@ pub struct Where {
     pub regimes: Vec<String>,
     /// When, s from the recording's start.
     pub intervals: Vec<[f64; 2]>,
+    /// The same in UTC, where the recording's stamps are dates.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub intervals_utc: Vec<[String; 2]>,
     /// The recording that the intervals are of.
     pub recording: String,
 }
@@ -106,6 +109,9 @@ pub struct Finding {
     pub to_tell_apart: String,
     /// Its numbers.
     pub parameters: BTreeMap<String, Estimate>,
+    /// When it began, in UTC, where `at_s` is among its numbers and the recording's stamps are dates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_utc: Option<String>,
     /// How it varied, if it did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub series: Option<CourseEstimate>,
@@ -260,6 +266,8 @@ pub struct Explanation {
     pub improvement_ci95: BTreeMap<String, [f64; 2]>,
     /// The ordinary numbers.
     pub parameters: Models<BTreeMap<String, Estimate>>,
+    /// The axles, as identify and replay tell them: of the ordinary car where there is one, else of the extended model.
+    pub cornering_stiffness: CorneringStiffness,
     /// Which of the extended model's ordinary numbers are at a bound or far from the vehicle's table, and so not taken over.
     pub in_doubt: BTreeMap<String, Doubt>,
     /// Share of the residual variance above the noise that is still left, by channel.
@@ -300,6 +308,9 @@ pub struct Explanation {
     /// Of which recordings, and why not all of them; empty where references or a simulation were asked about.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub used: Vec<Used>,
+    /// When recordings begin, in UTC, by their names; of those whose stamps are dates.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub begins_utc: BTreeMap<String, String>,
     /// For plots; not in the JSON.
     #[serde(skip)]
     pub traces: Vec<Trace>,
@@ -326,6 +337,7 @@ impl Explanation {
             log_likelihood: Models::default(),
             improvement_ci95: BTreeMap::new(),
             parameters: Models::default(),
+            cornering_stiffness: CorneringStiffness::default(),
             in_doubt: BTreeMap::new(),
             unexplained: ByChannel::new(),
             disturbances: BTreeMap::new(),
@@ -343,6 +355,7 @@ impl Explanation {
             split: Vec::new(),
             seconds: 0.0,
             used: Vec::new(),
+            begins_utc: BTreeMap::new(),
             traces: Vec::new(),
             ordinary: None,
             needs_ordinary: false,
@@ -364,6 +377,17 @@ impl Explanation {
             .collect();
         // Several recordings of one car have it all.
         self.certain.dedup();
+    }
+
+    /// The axles of the extended model, where there is no ordinary car to tell them.
+    pub(super) fn take_axles(&mut self) {
+        let of = |parameter: Parameter| {
+            let it = self.parameters.extended.get(parameter.name())?;
+            let doubt = self.in_doubt.get(parameter.name()).map(|doubt| doubt.why.clone());
+            Some(AxleStiffness::of((it.value, it.std), doubt))
+        };
+        self.cornering_stiffness =
+            CorneringStiffness { front: of(Parameter::LateralFront), rear: of(Parameter::LateralRear) };
     }
 
     /// Says what the ordinary car says. Where it decides, the plain model is compared with it in its own way: by one free
@@ -399,6 +423,7 @@ impl Explanation {
         let named = |number: &Number| (name(number), number.estimate);
         let told = |numbers: &[Number]| numbers.iter().filter(of_the_car).map(named).collect();
         self.parameters.ordinary = Some(told(&ordinary.numbers));
+        self.cornering_stiffness.clone_from(&ordinary.cornering_stiffness);
         if decided.is_some() {
             self.parameters.baseline = told(&ordinary.plain_numbers);
             self.parameters.extended = told(&ordinary.numbers);
@@ -436,6 +461,9 @@ pub struct Block {
     pub recording: String,
     /// From, to, s.
     pub t: [f64; 2],
+    /// The same in UTC, where its stamps are dates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub t_utc: Option<[String; 2]>,
     /// Was it held out?
     pub is_holdout: bool,
 }

@@ -15,6 +15,7 @@ use super::predict::GriddedDrive;
 use super::smooth::courses;
 use super::split::{BLOCK_S, Part, Split};
 use super::tuning::TUNING;
+use super::work;
 use physics::Quantity;
 use physics::model::effect::{Channel, Growth, Kind};
 
@@ -96,7 +97,7 @@ pub fn select<'a>(
         chosen.push(taken);
     }
     while chosen.len() < TUNING.selection.most_findings {
-        progress(if chosen.is_empty() { "naming" } else { "looking for more" }, chosen.len() as f64 / 5.0);
+        progress(if chosen.is_empty() { work::NAMING } else { work::MORE }, 0.0);
         let is_new = |candidate: &Candidate| {
             let same = |other: &Refitted<'_>| {
                 other.candidate.name() == candidate.name() && other.candidate.free == candidate.free

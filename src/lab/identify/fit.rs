@@ -148,6 +148,21 @@ impl<'a> Search<'a> {
         Some(Fit { iterations: end.iterations + fit.iterations, counts_less_by: by, ..fit })
     }
 
+    /// The end with more that is free, whose coordinates begin here; ties stay, noise is learned anew. `None` if nothing can be
+    /// simulated on the way.
+    pub(super) fn with_more(&self, end: &Fit, more: impl Iterator<Item = f64>, usual: &Noise) -> Option<Fit> {
+        let theta: Vec<f64> = end.point.theta.iter().copied().chain(more).collect();
+        let point = Point { theta: DVector::from_vec(theta), starts: end.point.starts.clone() };
+        self.go_on(
+            point,
+            None,
+            &end.left(),
+            usual,
+            Tie(end.tie.0.map(|std| std / end.counts_less_by.sqrt())),
+            ENOUGH,
+        )
+    }
+
     /// Where another search's end moves to with these segments; noise and ties stay.
     pub(super) fn shifted(&self, end: &Fit) -> Option<DVector<f64>> {
         let fixed = self.problem(&end.noise, end.tie);

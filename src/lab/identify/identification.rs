@@ -7,6 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
+use super::axles::{self, against};
 use super::config::IdentifyConfig;
 use super::doubt::Doubt;
 use super::error::IdentifyError;
@@ -14,6 +15,7 @@ use super::excitation;
 use super::fit::{Ahead, Fit, Noise, Search};
 use super::free::Free;
 use super::free_run;
+use super::held::{self, Freed};
 use super::input_noise;
 use super::longitudinal_input::LongitudinalInput;
 use super::motion::Output;
@@ -36,6 +38,8 @@ pub struct Identifier<'a> {
     records: Cow<'a, [Record]>,
     values: Values,
     free: Vec<Free>,
+    /// What would be free, too, if not only some parameters had been asked for.
+    held: Vec<Free>,
     segments: Vec<Segment>,
     drive: LongitudinalInput,
     noise: Noise,
@@ -69,6 +73,7 @@ impl<'a> Identifier<'a> {
         }
         let values = Values::of(vehicle);
         let free = setup::free(vehicle, config, has, drive)?;
+        let held = setup::held(vehicle, config, has, drive, &free);
         let records = setup::prepared(records, vehicle, drive);
         let segments =
             prepare::segments(&records, vehicle, &values, drive, config.segment_s, 0.5 * config.segment_s);
@@ -83,7 +88,7 @@ impl<'a> Identifier<'a> {
         }
         let noise = setup::first_noise(&records);
         let is_steered = excitation::is_steered(&records);
-        Ok(Self { vehicle, config, records, values, free, segments, drive, noise, is_steered })
+        Ok(Self { vehicle, config, records, values, free, held, segments, drive, noise, is_steered })
     }
 
     /// Names of the free parameters.
@@ -114,7 +119,9 @@ impl<'a> Identifier<'a> {
         let mut met: Vec<(Ahead, usize)> = Vec::new();
         let search = self.search_in();
         for (number, from) in starts.iter().enumerate() {
-            progress("searching", number as f64 / starts.len() as f64);
+            // The first one goes all the way; most of the others meet it.
+            let done = if number == 0 { 0 } else { number + 1 };
+            progress("searching", done as f64 / (starts.len() + 1) as f64);
             let from = from.clone();
             let ahead = self.coordinates(&from).and_then(|theta| search.ahead(theta, &self.noise));
             let earlier = ahead.as_ref().and_then(|ahead| met.iter().find(|(other, _)| ahead.meets(other)));
@@ -202,11 +209,14 @@ impl<'a> Identifier<'a> {
         let shift = self.shift(&fit, &mut progress);
         let sure = uncertainty::of(&fit, &self.free, &shift)
             .ok_or(IdentifyError::NoEnd { starts: count, reason })?;
+        progress("without holding anything", 0.0);
+        let freed = held::freed(&self.search_in(), &fit, &self.held, &self.noise);
         let mut parameters = Vec::new();
         for place in 0..self.free.len() {
             progress("profiling", place as f64 / self.free.len() as f64);
-            parameters.push(self.identified(place, &fit, &sure));
+            parameters.push(self.identified(place, &fit, &sure, freed.as_ref()));
         }
+        axles::beside_what_cannot_be(&mut parameters);
         progress("free run", 0.0);
         let values = self.search_in().values_at(&self.corrected(&fit, &sure));
         let correlation = sure.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
@@ -282,7 +292,7 @@ impl<'a> Identifier<'a> {
         }
     }
 
-    fn identified(&self, place: usize, fit: &Fit, sure: &Uncertainty) -> Identified {
+    fn identified(&self, place: usize, fit: &Fit, sure: &Uncertainty, freed: Option<&Freed>) -> Identified {
         let free = &self.free[place];
         let at = self.corrected(fit, sure)[place];
         let half = sure.factor * sure.std[place];
@@ -301,6 +311,13 @@ impl<'a> Identifier<'a> {
         let (mut identifiable, mut reason) = self.verdict(place, fit, sure);
         if let Some(open) = open_end(free.bounds, ends, &profile).filter(|_| identifiable) {
             (identifiable, reason) = (false, open);
+        }
+        let held = freed.and_then(|freed| freed.against(place, free, (at, half, sure.std[place])));
+        if let Some(held) = held.filter(|_| identifiable) {
+            (identifiable, reason) = (false, held);
+        }
+        if let Some(unsure) = against(first, value, std).filter(|_| identifiable) {
+            (identifiable, reason) = (false, unsure);
         }
         let doubt = Doubt::of_parameter(first, (value, std), self.vehicle, self.is_at_bound(place, fit));
         let is_clear = identifiable;

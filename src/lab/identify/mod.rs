@@ -8,6 +8,7 @@
 //! Noise of each channel and how much the equations lose between segments come out of the data, so the
 //! same search is output error where the equations hold, and a prediction-error method where they do not.
 
+mod axles;
 mod braking;
 mod car;
 mod config;
@@ -17,6 +18,7 @@ mod excitation;
 mod fit;
 mod free;
 mod free_run;
+mod held;
 mod identification;
 mod input_noise;
 mod longitudinal_input;
@@ -34,9 +36,11 @@ mod setup;
 mod shooting;
 mod slips;
 mod smooth;
+mod stages;
 mod uncertainty;
 pub mod understeer;
 
+pub use axles::{AxleStiffness, CorneringStiffness, against, too_unsure};
 pub use config::IdentifyConfig;
 pub use doubt::{Doubt, MOST_DEVIATIONS, Told};
 pub use error::IdentifyError;
@@ -49,3 +53,4 @@ pub use parameter::{Parameter, Values};
 pub(crate) use plant::plant;
 pub use record::{Record, Row};
 pub use result::{Identification, Identified, Path};
+pub use stages::{STAGES, Stage};

@@ -2,12 +2,13 @@
 
 use super::longitudinal_input::LongitudinalInput;
 use physics::model::{DrivenAxle, Vehicle};
+use physics::time::Clock;
 use physics::{Micros, Quantity, Sample, Sensors, Wheel};
 
 /// What was measured at one instant; not-a-number: not available.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Seconds from the recording's first sample.
+    /// Seconds from the recording's start.
     pub t: f64,
     /// Steering wheel angle, rad.
     pub steering: f64,
@@ -36,6 +37,8 @@ pub struct Row {
 pub struct Record {
     /// What it is called, for messages.
     pub name: String,
+    /// From when on its seconds are counted.
+    pub clock: Clock,
     /// Distance of the rows, s.
     pub period_s: f64,
     /// All rows in order of time.
@@ -52,7 +55,15 @@ impl Record {
         let period_s = steps.get(steps.len() / 2).copied().unwrap_or(0.01);
         let start = samples.first().map_or(Micros(0), |sample| sample.time);
         let rows = samples.iter().map(|sample| Row::new(sample, start)).collect();
-        Self { name: name.into(), period_s, rows, sensors: *sensors }
+        Self { name: name.into(), clock: Clock::of(start), period_s, rows, sensors: *sensors }
+    }
+
+    /// The same, its seconds counted from another moment: that of the recording's first frame.
+    pub fn counted_from(mut self, start: Micros) -> Self {
+        let later = (self.clock.begins() - start).seconds();
+        self.rows.iter_mut().for_each(|row| row.t += later);
+        self.clock = Clock::of(start);
+        self
     }
 
     /// Pieces of rows without gap, long enough, and fast enough to have slip angles: each gets a start

@@ -94,6 +94,23 @@ pub(super) fn free(
     Ok(free)
 }
 
+/// What is held because only some parameters were asked for.
+pub(super) fn held(
+    vehicle: &Vehicle,
+    config: &IdentifyConfig,
+    has: impl Fn(Quantity) -> bool,
+    drive: LongitudinalInput,
+    asked: &[Free],
+) -> Vec<Free> {
+    if config.parameters.is_empty() {
+        return Vec::new();
+    }
+    let everything = IdentifyConfig { parameters: Vec::new(), ..config.clone() };
+    let mut held = free(vehicle, &everything, has, drive).unwrap_or_default();
+    held.retain(|free| !asked.iter().any(|asked| asked.parameters.overlaps(free.parameters)));
+    held
+}
+
 /// What the sensors' data sheets say of their noise.
 pub(super) fn first_noise(records: &[Record]) -> Noise {
     let std = |quantity: Quantity| {

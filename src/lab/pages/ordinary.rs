@@ -7,6 +7,9 @@ use serde::Serialize;
 
 use crate::explain::ordinary::{FreeTrace, Number, Ordinary};
 use crate::explain::{ByChannel, Parts};
+use crate::identify::CorneringStiffness;
+use crate::pages::axles;
+use crate::pages::clocks;
 use crate::pages::explain::words;
 use crate::report::{Color, Page, Plot};
 
@@ -52,6 +55,13 @@ pub fn text(ordinary: &Ordinary) -> String {
     for line in lines(ordinary) {
         let _ = writeln!(text, "  - {line}");
     }
+    for line in clocks::lines(&ordinary.begins_utc) {
+        let _ = writeln!(text, "  - {line}");
+    }
+    let _ = writeln!(text, "  - {}", axles::WHAT);
+    for line in axles::lines(&ordinary.cornering_stiffness) {
+        let _ = writeln!(text, "      {line}");
+    }
     let _ = writeln!(text, "\n{:44} {:>12} {:>10}   {:>22}", "", "value", "std", "before");
     for number in &ordinary.numbers {
         let of =
@@ -75,9 +85,13 @@ pub fn text(ordinary: &Ordinary) -> String {
 pub struct Report {
     parameters: BTreeMap<String, Parameter>,
     recordings: BTreeMap<String, BTreeMap<String, Parameter>>,
+    cornering_stiffness: CorneringStiffness,
     starts: Vec<Start>,
     fit: Parts<ByChannel>,
     left_out: Vec<String>,
+    /// When recordings begin, in UTC, where their stamps are dates.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    begins_utc: BTreeMap<String, String>,
     /// Sideslip of the free run, [s, rad], by recording.
     sideslip: BTreeMap<String, Vec<[f64; 2]>>,
     method: &'static str,
@@ -130,9 +144,11 @@ pub fn report(ordinary: &Ordinary) -> Report {
     Report {
         parameters: of_the_car().map(|number| (number.name.clone(), parameter(number))).collect(),
         recordings,
+        cornering_stiffness: ordinary.cornering_stiffness.clone(),
         starts: (0..count).map(start).collect(),
         fit: ordinary.fit.clone(),
         left_out: ordinary.left_out.clone(),
+        begins_utc: ordinary.begins_utc.clone(),
         sideslip: ordinary.sideslip.iter().cloned().collect(),
         method: "ordinary",
     }
@@ -141,6 +157,9 @@ pub fn report(ordinary: &Ordinary) -> Report {
 /// A page of its own.
 pub fn html(ordinary: &Ordinary) -> String {
     let mut page = Page::new("gripd identify: the ordinary car", "");
+    for line in clocks::lines(&ordinary.begins_utc) {
+        page.paragraph(&words::stopped(&line));
+    }
     section(&mut page, ordinary);
     page.html()
 }

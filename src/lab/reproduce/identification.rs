@@ -8,6 +8,7 @@ use crate::identify::{
 use crate::report::{Color, Marker, Plot};
 use physics::model::scenario::thesis::steered;
 use physics::model::{Scenario, TireKind, Uncertain, Vehicle};
+use physics::time::Clock;
 use physics::{Quantity, Sensors};
 
 /// In the order of the thesis.
@@ -354,5 +355,5 @@ fn textbook_record([cx, cy]: [f64; 2], noisy: bool) -> Record {
     ] {
         sensors.add(quantity, Some(std));
     }
-    Record { name: "textbook".into(), period_s: 0.1, rows, sensors }
+    Record { name: "textbook".into(), clock: Clock::default(), period_s: 0.1, rows, sensors }
 }

@@ -6,7 +6,7 @@ use super::cornering::CorneringConfig;
 use super::learned::Known;
 use super::mapping::MappingConfig;
 use super::thesis::config::{JointEkfConfig, LateralVelocitySource};
-use crate::estimates::Estimate;
+use crate::estimates::{Estimate, TOLD_RELATIVE_STD};
 
 /// `[estimators]`. Everything has a default that suits a passenger car with ESP-grade sensors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -135,7 +135,7 @@ impl Default for SlopeConfig {
             max_lateral_acceleration_mps2: 3.0,
             max_coasting_deceleration_mps2: 0.0,
             cornering_slip_std: 1e-4,
-            valid_relative_std: 0.15,
+            valid_relative_std: TOLD_RELATIVE_STD,
             valid_age_s: 30.0,
         }
     }

@@ -105,10 +105,10 @@ fn what_cannot_be_done_is_refused_with_its_reason() {
         ("other.log --html page.html", 1, "none of the needed identifiers"),
         ("drive.log --html nowhere/page.html", 1, "is there such a folder?"),
         ("drive.log --html drive.log", 2, "is read from and would be written to"),
-        ("drive.log --html page.html --from 50", 2, "end after 30.0 s"),
+        ("drive.log --html page.html --from 50", 2, "are of 0.0 to 30.0 s"),
         ("drive.log --html page.html --from=-1", 2, "zero or more"),
         ("drive.log --html page.html --from 5 --to 5", 2, "more than --from"),
-        ("drive.log --html page.html --from nan", 2, "zero or more"),
+        ("drive.log --html page.html --from nan", 2, "is neither seconds"),
     ] {
         let output = place.plot(arguments);
         let told = String::from_utf8_lossy(&output.stderr);

@@ -10,12 +10,13 @@
 //!    1.800123 1  ErrorFrame
 //! ```
 
-use super::date::Date;
+use super::date;
 use super::lines::{Entry, Grammar};
 use super::number::Words;
 use super::{Damage, data_frame, error_frame, fd_length, identifier, number, remote_frame};
 use crate::can::{CanId, Frame, FrameKind};
 use physics::Micros;
+use physics::time::Date;
 
 /// A trigger's time stamp may be so much before the first line after it.
 const SLACK: Micros = Micros(1_500_000);
@@ -66,7 +67,7 @@ impl Asc {
     fn header(&mut self, line: &[u8], first: &[u8]) -> Result<Entry, Damage> {
         let mut words = number::words(line).skip(1);
         match first.to_ascii_lowercase().as_slice() {
-            b"date" => self.date = line.get(4..).and_then(Date::parse).and_then(Date::micros),
+            b"date" => self.date = line.get(4..).and_then(date::parse).and_then(Date::micros),
             b"base" => {
                 self.base = match words.next().map(<[u8]>::to_ascii_lowercase).as_deref() {
                     Some(b"hex") => 16,
@@ -78,7 +79,7 @@ impl Asc {
             b"begin" => {
                 let rest = words.next().and_then(|_| line.get(5..)).unwrap_or_default().trim_ascii_start();
                 let rest = rest.iter().position(u8::is_ascii_whitespace).map_or(&[][..], |end| &rest[end..]);
-                self.trigger = Date::parse(rest).and_then(Date::micros);
+                self.trigger = date::parse(rest).and_then(Date::micros);
             }
             // `internal events logged`, `no internal events logged`, `End TriggerBlock`, `// version 13.0.0`.
             b"internal" | b"no" | b"end" => {}

@@ -5,6 +5,7 @@ use serde::Serialize;
 use bus::can::recording::Reader;
 use bus::can::{CanId, Frame};
 use bus::signals::{Inputs, Pushed, Sampler};
+use physics::time::Clock;
 use physics::{Faults, Micros, Quantity};
 
 use super::standing::Standing;
@@ -40,6 +41,12 @@ pub struct RecordingReport {
     pub samples: u64,
     /// Intervals over which the car stood, all of its speeds near zero, s from the first frame.
     pub standing: Vec<[f64; 2]>,
+    /// The same in UTC, where the stamps are dates.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub standing_utc: Vec<[String; 2]>,
+    /// From when on all seconds are counted.
+    #[serde(skip)]
+    pub clock: Clock,
 }
 
 impl RecordingReport {
@@ -57,6 +64,9 @@ pub struct FileReport {
     pub file: String,
     /// Its format.
     pub format: String,
+    /// When it begins, in UTC, where its stamps are dates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub begins_utc: Option<String>,
     /// First to last frame, s.
     pub seconds: f64,
     /// Frames.
@@ -107,6 +117,9 @@ pub struct ChannelReport {
     pub longest_gap_s: Option<f64>,
     /// Where that was, s from the first frame of the recordings.
     pub longest_gap_at_s: Option<f64>,
+    /// The same in UTC, where the stamps are dates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub longest_gap_at_utc: Option<String>,
     /// Share of frames with the very stamp of the one before.
     pub batch_stamps: f64,
     /// Share of frames that say "not available".
@@ -123,6 +136,9 @@ pub struct ChannelReport {
     pub white_noise_std: Option<f64>,
     /// Intervals over which the value did not change, s from the first frame.
     pub stuck: Vec<[f64; 2]>,
+    /// The same in UTC, where the stamps are dates.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub stuck_utc: Vec<[String; 2]>,
 }
 
 /// Collects while frames pass.
@@ -221,6 +237,7 @@ impl Recorder {
         self.report.files.push(FileReport {
             file: reader.name().to_owned(),
             format: reader.format().to_string(),
+            begins_utc: stats.first_time.and_then(|first| Clock::of(first).utc(0.0)),
             seconds: stats.seconds(),
             frames: stats.frames,
             skipped_lines: stats.skipped_lines,
@@ -245,6 +262,9 @@ impl Recorder {
         self.report.unneeded_frames = self.others.values().sum();
         self.report.samples = samples;
         self.report.standing = self.standing.intervals();
+        let clock = Clock::of(self.first.unwrap_or_default());
+        self.report.clock = clock;
+        self.report.standing_utc = utc(clock, &self.report.standing);
         self.report.faults = sampler.counts().iter().collect();
         let name = |id| sampler.inputs().message_name(id).unwrap_or_default().to_owned();
         self.report.messages = self
@@ -260,7 +280,7 @@ impl Recorder {
             })
             .collect();
         self.report.quantities =
-            self.channels.into_iter().map(|(quantity, channel)| channel.report(quantity)).collect();
+            self.channels.into_iter().map(|(quantity, channel)| channel.report(quantity, clock)).collect();
         self.report
     }
 }
@@ -320,7 +340,7 @@ impl Channel {
         }
     }
 
-    fn report(mut self, quantity: Quantity) -> ChannelReport {
+    fn report(mut self, quantity: Quantity, clock: Clock) -> ChannelReport {
         let median = median(&mut self.intervals).map(f64::from);
         let white = median_of_second_differences(&mut self.second);
         let regular =
@@ -336,6 +356,7 @@ impl Channel {
             jitter_ms: std(&without_gaps).map(|us| 1e-3 * us),
             longest_gap_s: self.longest.map(|(us, _)| 1e-6 * us as f64),
             longest_gap_at_s: self.longest.map(|(_, at)| at),
+            longest_gap_at_utc: self.longest.and_then(|(_, at)| clock.utc(at)),
             batch_stamps: share(self.same_stamp),
             not_available: share(self.absent),
             min: any(self.min),
@@ -343,9 +364,15 @@ impl Channel {
             mean: any(self.sum / self.count.max(1) as f64),
             resolution_seen: self.smallest_step,
             white_noise_std: white,
+            stuck_utc: utc(clock, &self.stuck),
             stuck: self.stuck,
         }
     }
+}
+
+/// Stretches by the calendar.
+fn utc(clock: Clock, stretches: &[[f64; 2]]) -> Vec<[String; 2]> {
+    stretches.iter().filter_map(|stretch| clock.utc_of(*stretch)).collect()
 }
 
 /// Sensors that always move a little while the car drives.

@@ -139,9 +139,10 @@ const CHANNELS: [Column; 12] = [
 fn recording(out: &mut Layout<impl Write>, report: &RecordingReport) -> io::Result<()> {
     for file in &report.files {
         out.line(&format!(
-            "recording {} ({}): {:.1} s, {} frames, {} lines skipped, {} times backwards, {} dropped by the recorder",
+            "recording {} ({}): {}{:.1} s, {} frames, {} lines skipped, {} times backwards, {} dropped by the recorder",
             file.file,
             file.format,
+            file.begins_utc.as_ref().map_or_else(String::new, |utc| format!("from {utc}, ")),
             file.seconds,
             file.frames,
             file.skipped_lines,
@@ -191,12 +192,13 @@ fn recording(out: &mut Layout<impl Write>, report: &RecordingReport) -> io::Resu
     for channel in report.quantities.iter().filter(|channel| channel.min.is_none()) {
         out.line(&format!("warning: {} never has a value: as if it were not configured", channel.quantity))?;
     }
-    for [from, to] in &report.standing {
-        out.line(&format!("the car stands from {from:.1} s to {to:.1} s"))?;
+    let over = |stretch: &[f64; 2]| report.clock.over(*stretch);
+    for stretch in &report.standing {
+        out.line(&format!("the car stands from {}", over(stretch)))?;
     }
     for channel in &report.quantities {
-        for [from, to] in channel.stuck.iter().filter(|stuck| report.is_while_driving(stuck)) {
-            out.line(&format!("warning: {} stands still from {from:.1} s to {to:.1} s", channel.quantity))?;
+        for stretch in channel.stuck.iter().filter(|stuck| report.is_while_driving(stuck)) {
+            out.line(&format!("warning: {} stands still from {}", channel.quantity, over(stretch)))?;
         }
     }
     Ok(())

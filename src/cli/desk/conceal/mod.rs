@@ -81,8 +81,8 @@ impl Conceal {
             return Err(Failure::work(format_args!("{}: there is nothing in it", log.display())));
         };
         let effects = Wanted::configs(&wanted, recording.seconds(), self.seed)?;
-        let progress = Progress::of_share();
-        progress.at("fit the ordinary car", 0.1);
+        let progress = Progress::of_parts(1);
+        progress.begin("fit the ordinary car".into());
         let asked =
             Asked { vehicle: &config.vehicle, configured: &config.effect, recording, effects: &effects };
         let concealment =

@@ -42,7 +42,7 @@ pub fn toml(from: &Path, to: &Path, answer: &Answer<'_>, force: bool) -> Result<
         Verdict::MissingPhysics => effects(answer)?,
         _ => Vec::new(),
     };
-    applied.text(Some(&effects))
+    applied.text(&effects)
 }
 
 /// What was found, as the configuration's tables.

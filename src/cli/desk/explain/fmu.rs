@@ -7,7 +7,7 @@ use std::time::Duration;
 use bus::Config;
 use bus::signals::to_si;
 use fmu::foreign::{FmuConfig, ForeignError, Program, Tuned, Unpacked, Wiring, tune};
-use lab::explain::{Recording, speed_of};
+use lab::explain::{Recording, Work, speed_of};
 use physics::Quantity;
 
 use crate::cli::Failure;
@@ -69,6 +69,7 @@ pub fn run(
             name: path.display().to_string(),
             begins_s: None,
             tracks: wiring.tracks(&rows),
+            work: Work::default(),
         },
         tuned: values.into_iter().map(|(name, _, after, _)| (name, after)).collect(),
     })

@@ -18,7 +18,7 @@ use super::output::{check_outputs, write_json, write_text};
 use super::part::Part;
 use super::progress::Progress;
 use super::{Failure, configuration};
-use lab::explain::{Case, Confirmed, Finding, Order, Recording};
+use lab::explain::{Case, Confirmed, Finding, Order, Recording, STAGES, Work};
 use lab::pages::explain as page;
 use physics::model::effect::{KINDS, named};
 
@@ -127,8 +127,10 @@ impl Explain {
         // The part is of what is explained, not of what it is compared with.
         let first = self.reference.len();
         let is_explained = first..first + self.logs.len();
-        let part = |place| if is_explained.contains(&place) { self.part } else { Part::default() };
+        let part = |place| if is_explained.contains(&place) { self.part.clone() } else { Part::default() };
         let mut read = recordings::read(&logs, part, &config)?;
+        let work = Work::default();
+        read.recordings.iter_mut().for_each(|recording| recording.work = work.clone());
         if self.history && read.put_in_order(first) == Order::Given {
             tracing::info!("{AS_GIVEN}");
         }
@@ -152,7 +154,7 @@ impl Explain {
         // What cannot be read is told before minutes of searching.
         let others = recordings::read(&self.confirm, |_| Part::default(), &config)?;
         let simulation = self.simulated(&config, &read.recordings[0])?;
-        let progress = Progress::of_share();
+        let progress = Progress::of_stages(STAGES, work);
         let at = |stage: &str, share: f64| progress.at(stage, share);
         let mut answer = match &simulation {
             Some(fmu::Simulation { recording: simulation, .. }) => {
@@ -170,6 +172,7 @@ impl Explain {
             simulated.tuned = simulation.tuned;
         }
         answer.explanation.confirm = confirmed(&case, &answer.explanation.findings, &others.recordings)?;
+        answer.explanation.tell_dates(&read.recordings);
         progress.finish();
         let explanation = &answer.explanation;
         if self.prints_text() {

@@ -27,7 +27,7 @@ pub fn toml((from, to): (&Path, &Path), found: &Identification, force: bool) -> 
             }
         }
     }
-    applied.text(None)
+    applied.text(&[])
 }
 
 /// The same of the ordinary car, whose tires bend as a magic formula does.
@@ -40,7 +40,7 @@ pub fn of_ordinary((from, to): (&Path, &Path), found: &Ordinary, force: bool) ->
             None => applied.put(&it.name, (it.estimate.value, it.estimate.std)),
         }
     }
-    applied.text(None)
+    applied.text(&[])
 }
 
 fn begin<'p>(from: &'p Path, to: &Path, seconds: f64) -> Result<Applied<'p>, Failure> {

@@ -16,7 +16,8 @@ use super::part::Part;
 use super::progress::Progress;
 use super::{Failure, configuration, explain};
 use lab::explain::ordinary::{Asked, Ordinary};
-use lab::identify::{Identifier, IdentifyConfig, IdentifyError, LongitudinalInput, Method};
+use lab::explain::{FIT_STAGES, Work};
+use lab::identify::{Identifier, IdentifyConfig, IdentifyError, LongitudinalInput, Method, STAGES};
 use lab::pages;
 use lab::pages::identify::{self as page, Story};
 use physics::Quantity;
@@ -71,8 +72,9 @@ impl Identify {
         if used.method == Method::Ordinary {
             return self.ordinary(&config);
         }
-        let (records, broken) = recordings::read(&self.logs, self.part, &config.clone().with_true_signals())?;
-        let progress = Progress::of_share();
+        let (records, broken) =
+            recordings::read(&self.logs, &self.part, &config.clone().with_true_signals())?;
+        let progress = Progress::of_stages(STAGES, Work::default());
         let found = Identifier::new(&records, &config.vehicle, &used)
             .and_then(|identifier| identifier.run(|stage, share| progress.at(stage, share)));
         progress.finish();
@@ -100,11 +102,17 @@ impl Identify {
 
     /// The ordinary car by free runs, the measured speed an input.
     fn ordinary(&self, config: &bus::Config) -> Result<(), Failure> {
-        let read = explain::read(&self.logs, |_| self.part, config)?;
+        let mut read = explain::read(&self.logs, |_| self.part.clone(), config)?;
+        let work = Work::default();
+        read.recordings.iter_mut().for_each(|recording| recording.work = work.clone());
+        let progress = Progress::of_stages(FIT_STAGES, work);
+        progress.at(FIT_STAGES[0].name, 0.0);
         let ordinary = Ordinary::of(&config.vehicle, &config.effect, &read.recordings, Asked::CAR)
             .ok_or_else(|| {
                 Failure::work("no recording has steering, yaw rate and 12 s of driving above 4 m/s")
-            })?;
+            });
+        progress.finish();
+        let ordinary = ordinary?;
         if self.prints_text() {
             let mut stdout = std::io::stdout().lock();
             stdout.write_all(pages::ordinary::text(&ordinary).as_bytes()).and_then(|()| stdout.flush())?;

@@ -7,24 +7,34 @@ use crate::cli::desk::part::Part;
 use crate::cli::desk::progress::Progress;
 use crate::cli::desk::samples;
 use bus::Config;
+use bus::can::Frame;
 use bus::signals::Sampler;
 use lab::identify::Record;
+use physics::Micros;
 
 /// A record for each recording, and why some could not be read to their end.
-pub fn read(logs: &[PathBuf], part: Part, config: &Config) -> Result<(Vec<Record>, Vec<String>), Failure> {
+pub fn read(logs: &[PathBuf], part: &Part, config: &Config) -> Result<(Vec<Record>, Vec<String>), Failure> {
     let inputs = samples::inputs(config)?;
     let mut records = Vec::new();
     let mut broken = Vec::new();
     let progress = Progress::of_files(logs);
     for path in logs {
         let mut sampler = Sampler::new(inputs.clone(), &config.signals.sampling);
+        let mut start = None;
+        let used = |frame: &Frame, _: &Sampler, from: Option<Micros>| {
+            start.get_or_insert(from.unwrap_or(frame.time));
+        };
         let samples =
-            samples::of_recording((path, part), &mut sampler, &progress, &mut broken, |_, _, _| {})?;
+            samples::of_recording((path, part.clone()), &mut sampler, &progress, &mut broken, used)?;
         if samples.is_empty() && broken.is_empty() {
             return Err(samples::none_of(&inputs, path, "nothing to identify from"));
         }
         let there = samples::there(&inputs, &samples, path)?;
-        records.push(Record::new(&name(path), &samples, &there));
+        let record = Record::new(&name(path), &samples, &there);
+        records.push(match start {
+            Some(start) => record.counted_from(start),
+            None => record,
+        });
     }
     progress.finish();
     Ok((records, broken))

@@ -10,6 +10,7 @@ use bus::watch::{
 };
 use lab::report::number;
 use physics::estimates::State;
+use physics::time::Clock;
 use physics::{Micros, Wheel};
 
 /// A heading and lines.
@@ -381,13 +382,10 @@ pub fn age_words(age: Micros) -> String {
     }
 }
 
-/// A frames' clock beyond this counts from 1970, s.
-const UTC_FROM_S: i64 = 100_000_000;
-
 /// Hours, minutes and seconds of the frames' clock; it says so where they are UTC.
 pub fn clock(now: Micros) -> String {
     let all = now.0.div_euclid(Micros::PER_SECOND);
     let seconds = all.rem_euclid(86_400);
-    let utc = if all >= UTC_FROM_S { " UTC" } else { "" };
+    let utc = if Clock::of(now).date().is_some() { " UTC" } else { "" };
     format!("{:02}:{:02}:{:02}{utc}", seconds / 3600, seconds / 60 % 60, seconds % 60)
 }

@@ -1,10 +1,12 @@
 //! What a replay has learned: each published number with its share of validity, its last value, and why it was not valid.
 
 use super::super::closing::{Line, table};
+use lab::identify::{AxleStiffness, CorneringStiffness};
 use lab::report::number;
 use physics::Estimates;
 use physics::estimate::EstimatorsConfig;
 use physics::estimates::{Estimate, State};
+use physics::time::Clock;
 
 /// Why a number was not valid in a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -71,31 +73,32 @@ struct Tally {
 #[derive(Debug, Default)]
 pub struct Learning {
     rows: u64,
-    /// Time of the first, s.
-    start: f64,
+    /// Of the recording.
+    clock: Clock,
     tallies: [Tally; ALL.len()],
-    /// The highest use of the friction, and when, s.
-    used: Option<(f64, f64)>,
+    /// The highest use of the friction, when, s from the recording's start, and of which recording.
+    used: Option<(f64, f64, Clock)>,
     /// The highest excitation along and across.
     excitation: [f64; 2],
 }
 
 impl Learning {
+    /// A recording begins; what comes next is of it.
+    pub fn begin(&mut self, clock: Clock) {
+        self.clock = clock;
+    }
+
     /// Takes a row.
     pub fn take(&mut self, estimates: &Estimates, config: &EstimatorsConfig) {
-        let time = estimates.time.seconds();
-        if self.rows == 0 {
-            self.start = time;
-        }
         self.rows += 1;
         let excitation = [estimates.excitation_long, estimates.excitation_lat];
         for (highest, now) in self.excitation.iter_mut().zip(excitation) {
             *highest = highest.max(now);
         }
         if let Some(used) = estimates.friction.used
-            && self.used.is_none_or(|(most, _)| used > most)
+            && self.used.is_none_or(|(most, ..)| used > most)
         {
-            self.used = Some((used, time - self.start));
+            self.used = Some((used, (estimates.time - self.clock.begins()).seconds(), self.clock));
         }
         for (published, tally) in ALL.into_iter().zip(&mut self.tallies) {
             let told = published.told(estimates);
@@ -125,18 +128,27 @@ impl Learning {
         let lines: Vec<Line> = ALL.into_iter().zip(&self.tallies).filter(is_there).map(line).collect();
         let mut text = table(&[("last value", Some(18)), ("why not valid, mostly", None)], &lines);
         text += &match self.used {
-            Some((used, at)) => {
-                format!(
-                    "highest use of the friction: {}, {} s after the first sample\n",
-                    number(used, 2),
-                    number(at, 1)
-                )
+            Some((used, at, clock)) => {
+                format!("highest use of the friction: {}, at {}\n", number(used, 2), clock.at(at))
             }
             None => {
                 "the use of the friction is not known: no acceleration, and no speed to take it from\n".into()
             }
         };
         text
+    }
+
+    /// The axles, as identify and explain tell them, at the end.
+    pub fn cornering_stiffness(&self, config: &EstimatorsConfig) -> CorneringStiffness {
+        let of = |axle: usize| {
+            let published = Cornering(axle);
+            let tally = ALL.iter().position(|it| *it == published).map(|place| &self.tallies[place])?;
+            let (value, std) = tally.last?;
+            let never = || Some(self.why(published, tally, config)).filter(|why| !why.is_empty());
+            let against = if tally.valid == 0 { never() } else { None };
+            Some(AxleStiffness::of((value, std.unwrap_or(f64::NAN)), against))
+        };
+        CorneringStiffness { front: of(0), rear: of(1) }
     }
 
     /// The most frequent reason in words.
@@ -275,7 +287,7 @@ mod tests {
         assert!(line("Slip slope, front left").contains("too little force along, 3 % of enough"), "{text}");
         assert!(line("Cornering stiffness, rear").contains("too few curves, 0 %"), "{text}");
         assert!(line("Friction").contains("0 %") && line("Friction").contains("lower bound"), "{text}");
-        assert!(text.contains("highest use of the friction: 0.20, 1.0 s after"), "{text}");
+        assert!(text.contains("highest use of the friction: 0.20, at 1.0 s\n"), "{text}");
         assert!(!text.contains("rear left"), "{text}");
         assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
     }

@@ -13,7 +13,7 @@ use serde::Serialize;
 use self::learned::Learning;
 use super::Failure;
 use super::output::{Output, check_outputs, write_json};
-use super::part::{Part, PartReader};
+use super::part::{Part, PartError, PartReader};
 use super::player::Player;
 use super::progress::Progress;
 use super::tables::{EstimatesTable, SamplesTable, TableFormat};
@@ -22,8 +22,10 @@ use bus::can::Frame;
 use bus::can::recording::{Format, LogError, Reader, Writer};
 use bus::service::saved::{Claim, Refusal};
 use bus::service::{Engine, SavedState, Sink};
+use lab::identify::CorneringStiffness;
 use physics::estimate::{EstimatorsConfig, Learned};
-use physics::{Estimates, Quantity, Sample};
+use physics::time::Clock;
+use physics::{Estimates, Micros, Quantity, Sample};
 
 /// Without -i nothing touches a bus, and the same input gives the same output to the last bit.
 #[derive(Args)]
@@ -75,10 +77,14 @@ struct Stats {
     seconds_of_recording: f64,
     wall_s: f64,
     frames_per_s: f64,
+    /// When the first recording begins, where its stamps are dates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    begins_utc: Option<String>,
     skipped_lines: u64,
     dropped_by_recorder: u64,
     time_backwards: u64,
     faults: BTreeMap<String, u64>,
+    cornering_stiffness: CorneringStiffness,
 }
 
 impl Replay {
@@ -133,7 +139,7 @@ impl Replay {
                 tracing::warn!("{quantity} is configured and never has a value in what was replayed");
             }
         }
-        let stats = totals.stats(&engine, started);
+        let stats = totals.stats(&engine, started, results.learning.cornering_stiffness(&config.estimators));
         let learned = results.learning.text(&config.estimators);
         results.finish()?;
         if let Some(state) = state.filter(|_| engine.driving_s() > driven_before_s) {
@@ -192,8 +198,9 @@ fn play(
     results: &mut Results,
     player: &mut Player,
     progress: &Progress,
-) -> Result<(), LogError> {
+) -> Result<(), PartError> {
     while let Some(frame) = reader.next_frame()? {
+        results.learning.begin(reader.clock());
         player.play(&frame);
         results.input(reader.interface(), &frame);
         engine.frame(&frame, results);
@@ -323,6 +330,8 @@ impl Sink for Results {
 /// Sums over all recordings.
 #[derive(Default)]
 struct Totals {
+    /// Stamp of the first frame.
+    first: Option<Micros>,
     seconds: f64,
     skipped_lines: u64,
     dropped: u64,
@@ -333,6 +342,7 @@ struct Totals {
 impl Totals {
     fn add(&mut self, reader: &Reader) {
         let stats = reader.stats();
+        self.first = self.first.or(stats.first_time);
         self.seconds += stats.seconds();
         self.skipped_lines += stats.skipped_lines;
         self.dropped += stats.dropped;
@@ -343,7 +353,7 @@ impl Totals {
         super::recordings::warn(reader);
     }
 
-    fn stats(&self, engine: &Engine, started: Instant) -> Stats {
+    fn stats(&self, engine: &Engine, started: Instant, cornering_stiffness: CorneringStiffness) -> Stats {
         let counts = engine.counts();
         let wall_s = started.elapsed().as_secs_f64();
         Stats {
@@ -351,12 +361,14 @@ impl Totals {
             frames_out: counts.frames_out,
             samples: counts.samples,
             seconds_of_recording: self.seconds,
+            begins_utc: self.first.and_then(|first| Clock::of(first).utc(0.0)),
             wall_s,
             frames_per_s: if wall_s > 0.0 { counts.frames_in as f64 / wall_s } else { 0.0 },
             skipped_lines: self.skipped_lines,
             dropped_by_recorder: self.dropped,
             time_backwards: self.time_backwards,
             faults: engine.fault_counts().iter().collect(),
+            cornering_stiffness,
         }
     }
 }

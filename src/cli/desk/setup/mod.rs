@@ -65,7 +65,7 @@ impl Setup {
         }
         let database = Database::load_all(&dbcs).map_err(Failure::usage)?;
         let wishes = wishes(&self.signals, &database)?;
-        let (drive, broken) = gather(&logs, self.part, &database)?;
+        let (drive, broken) = gather(&logs, self.part.clone(), &database)?;
         let mut proposal = propose_with(&database, Some(&drive), wishes.clone());
         // The series of all signals are of no use any more.
         drop(drive);
@@ -95,7 +95,7 @@ impl Setup {
         let mut vehicle =
             VehicleTable::new(answers.class.unwrap_or_default(), answers.driven, &answers.told(), has);
         let dbcs: Vec<PathBuf> = dbcs.iter().map(|dbc| relative(dbc, &self.out)).collect();
-        let files = Files { out: &self.out, dbcs: &dbcs, logs: &logs, part: self.part };
+        let files = Files { out: &self.out, dbcs: &dbcs, logs: &logs, part: self.part.clone() };
         let settled = settle(&mut proposal, &mut vehicle, &files)?;
         write_text(&self.out, &settled.text)?;
         let report = Report { proposal: &proposal, vehicle: &vehicle, settled: &settled, files: &files };

@@ -60,7 +60,7 @@ pub fn settle(
         let config = parse(&written(proposal, vehicle, files), files)?;
         let parts =
             Parts::build(&config, files.out).map_err(|problems| Failure::Usage(check::list(&problems)))?;
-        let (recordings, samples) = check::read(files.logs, files.part, &config, &parts)?;
+        let (recordings, samples) = check::read(files.logs, files.part.clone(), &config, &parts)?;
         learn_car(vehicle, &samples, &config);
         let text = written(proposal, vehicle, files);
         let config = parse(&text, files)?;

@@ -6,20 +6,22 @@ use physics::Quantity;
 use physics::model::effect::{EffectConfig, Kind};
 use physics::model::{TireKind, Uncertain, Vehicle};
 
+use super::axles;
 use super::beyond::{Beyond, Powers, Question, beyond, powers, rows};
 use super::choice::fit_ordinary;
-use super::fit::{FreeFit, fit};
+use super::fit::{FreeFit, begin_counting, fit};
 use super::inputs::{FreeDrive, Held, STEP_S};
 use super::numbers::{Free, Scope, free, on_time};
 use super::remaining::{Remaining, remaining};
 use super::robust::deviation;
 use super::run::Predicted;
+use crate::explain::dates::begins;
 use crate::explain::doubt::doubt;
 use crate::explain::model::{Chosen, Model};
 use crate::explain::predict::Recording;
 use crate::explain::proof::ErrorSums;
 use crate::explain::result::{ByChannel, Disturbance, Estimate, Parts, Verdict};
-use crate::identify::{Doubt, Values};
+use crate::identify::{CorneringStiffness, Doubt, Parameter, Values, against};
 
 /// A number of the car or of a recording's measurement.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +64,8 @@ pub struct Ordinary {
     pub found_fit: Parts<ByChannel>,
     /// Its numbers.
     pub numbers: Vec<Number>,
+    /// Its axles, what gives way in the steering with them.
+    pub cornering_stiffness: CorneringStiffness,
     /// Those of the car as configured.
     pub plain_numbers: Vec<Number>,
     /// What it does not predict, by channel.
@@ -80,6 +84,8 @@ pub struct Ordinary {
     pub sideslip: Vec<(String, Vec<[f64; 2]>)>,
     /// Seconds that were run.
     pub seconds: f64,
+    /// When recordings begin, in UTC, by their names; of those whose stamps are dates.
+    pub begins_utc: BTreeMap<String, String>,
 }
 
 /// What is asked of recordings.
@@ -134,13 +140,15 @@ impl Number {
         if self.estimate.std > LEAST_TOLD * self.prior.std {
             return Some("the recordings add little to what was known before".to_owned());
         }
-        let doubt = self.doubt.as_ref()?;
-        Some(format!("recordings and table contradict each other: {}", doubt.why))
+        if let Some(doubt) = &self.doubt {
+            return Some(format!("recordings and table contradict each other: {}", doubt.why));
+        }
+        against(Parameter::named(&self.name)?, self.estimate.value, self.estimate.std)
     }
 }
 
 /// A number whose deviation is still this share of the one before was not told by the recordings.
-const LEAST_TOLD: f64 = 0.7;
+pub(super) const LEAST_TOLD: f64 = 0.7;
 
 impl Ordinary {
     /// Of recordings of one car. None where no recording can be used, or none beside its references.
@@ -154,12 +162,18 @@ impl Ordinary {
         let Drives { drives, references, left_out } = Drives::of(&own, recordings, asked)?;
         let model = as_configured(&own, effects);
         let plain = Model { vehicle, values: Values::of(vehicle), ..model.clone() };
+        // The ordinary car twice, with and without what the data may refuse.
+        begin_counting(&drives, 3);
         let (found, plain) = rayon::join(
             || fit_ordinary(&model, &own, &drives),
             || fit(&plain, on_time(free(&plain, vehicle, &drives)), &drives),
         );
         let fitted = Fitted { vehicle: &own, drives: &drives, found: &found, plain: &plain, simulated: None };
-        Some(Self { left_out, ..fitted.answer(Asked { references, ..asked }) })
+        Some(Self {
+            left_out,
+            begins_utc: begins(recordings),
+            ..fitted.answer(Asked { references, ..asked })
+        })
     }
 
     /// What it comes to, where the plain model and its effects leave much.
@@ -230,6 +244,7 @@ impl Fitted<'_> {
             fit: fits(drives, predicted),
             plain_fit: fits(drives, &plain.predicted),
             found_fit: Parts::default(),
+            cornering_stiffness: axles::of(found),
             numbers: numbers(found, drives),
             plain_numbers: numbers(plain, drives),
             disturbances: BTreeMap::new(),
@@ -240,6 +255,7 @@ impl Fitted<'_> {
             shaking_mps2: shaking(drives, predicted),
             sideslip: drives.iter().zip(predicted).map(|(drive, own)| sideslip(drive, own)).collect(),
             seconds: drives.iter().map(|drive| drive.points() as f64 * STEP_S).sum(),
+            begins_utc: BTreeMap::new(),
         };
         // A simulation may be far from the car that drove.
         if (simulated.is_some() || answer.is_the_car()) && searches(&answer) {

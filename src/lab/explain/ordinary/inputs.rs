@@ -5,6 +5,7 @@ use physics::model::{DrivenAxle, Vehicle};
 use physics::{Quantity, Wheel};
 
 use crate::explain::Recording;
+use crate::explain::work::Work;
 
 /// Seconds between grid points. Numerical.
 pub const STEP_S: f64 = 0.01;
@@ -39,6 +40,8 @@ const MARGIN_S: f64 = 1.0;
 pub struct FreeDrive {
     /// The recording's name.
     pub name: String,
+    /// What is computed with it is counted here.
+    pub work: Work,
     /// Time of the first grid point, s from the recording's start.
     pub from_s: f64,
     /// Steering wheel angle as recorded, rad.
@@ -110,6 +113,7 @@ impl FreeDrive {
         let Compared { yaw_rate, lateral, axles } = Compared::of(recording, vehicle, from_s, points);
         Ok(Self {
             name: recording.name.clone(),
+            work: recording.work.clone(),
             from_s,
             steering: steering.to_vec(),
             yaw_rate,

@@ -9,6 +9,7 @@
 //! and scale of the speed; the car is common to all.
 
 mod answer;
+mod axles;
 mod beyond;
 mod choice;
 pub mod conceal;

@@ -6,9 +6,11 @@ use super::grid::{COMPARED, Measured, SLOWEST_MPS, SPEED, STEP_S, points};
 use super::slide::{Slide, slides};
 use super::smoothing::{on_grid, smooth_on_grid};
 use crate::explain::used::Why;
+use crate::explain::work::Work;
 use physics::model::effect::Recorded;
 use physics::model::{Scenario, ScenarioError, Simulation, Vehicle};
-use physics::{Quantity, Wheel};
+use physics::time::Clock;
+use physics::{Micros, Quantity, Wheel};
 
 /// What was recorded of each quantity: times (s from the recording's start) and values, SI.
 #[derive(Clone, Debug, Default)]
@@ -17,6 +19,8 @@ pub struct Recording {
     pub name: String,
     /// When it begins: its seconds count from there, s as its stamps count, since 1970 where these are dates.
     pub begins_s: Option<f64>,
+    /// What is computed with it is counted here.
+    pub work: Work,
     /// One track for each quantity.
     pub tracks: [Vec<(f64, f64)>; Quantity::COUNT],
 }
@@ -35,6 +39,11 @@ impl Recording {
             }
         }
         Ok(recording)
+    }
+
+    /// Its two clocks.
+    pub fn clock(&self) -> Clock {
+        Clock::of(self.begins_s.map(Micros::from_seconds).unwrap_or_default())
     }
 
     /// Is there anything of a quantity?

@@ -6,6 +6,7 @@ use super::stretch;
 use super::tried;
 use super::words::{self, number, sentence, signed, stopped};
 use crate::explain::{Explanation, Finding, Verdict};
+use crate::pages::clocks;
 use crate::report::{Page, escape};
 
 /// A number with what it is and what to think of it.
@@ -38,6 +39,9 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
     }
     for paragraph in lead(explanation).into_iter().chain(explanation.simulation.as_ref().map(words::beside)) {
         page.raw(&format!("<p class=\"lead\">{}</p>", escape(&paragraph)));
+    }
+    for line in clocks::lines(&explanation.begins_utc) {
+        page.paragraph(&stopped(&line));
     }
     for line in caveats::used(explanation) {
         page.raw(&format!("<p class=\"aside\">Used: {}</p>", escape(&stopped(&line))));

@@ -79,7 +79,8 @@ fn drives(history: &History) -> String {
         .enumerate()
         .map(|(place, drive)| {
             let healthy = if drive.is_reference { " (reference)" } else { "" };
-            format!("{}: {}{healthy}", place + 1, short(history, &drive.log))
+            let begins = drive.begins_utc.as_ref().map_or_else(String::new, |utc| format!(", {utc}"));
+            format!("{}: {}{begins}{healthy}", place + 1, short(history, &drive.log))
         })
         .collect();
     let order = match history.order {
@@ -224,7 +225,12 @@ mod tests {
 
     fn history() -> History {
         let log = |place: usize| format!("drives/{place}.log");
-        let drive = |place| crate::explain::Drive { log: log(place), begins: None, is_reference: false };
+        let drive = |place| crate::explain::Drive {
+            log: log(place),
+            begins: None,
+            begins_utc: None,
+            is_reference: false,
+        };
         let values = [0.0, 0.0002, -0.0151, -0.0148].into_iter().enumerate();
         let change = Change {
             effect: "tire_radius".into(),

@@ -79,8 +79,11 @@ fn card(page: &mut Page, explanation: &Explanation, finding: &Finding) {
     if is_one_of_many {
         place::about(page, &finding.place);
         if !finding.place.intervals.is_empty() {
-            page.raw(&entry("When", &words::intervals(&finding.place.intervals, 6)));
+            page.raw(&entry("When", &words::intervals(&finding.place, 6)));
         }
+    }
+    if let Some(at) = &finding.at_utc {
+        page.raw(&entry("Since", at));
     }
     page.raw("</dl></article>");
 }

@@ -38,6 +38,7 @@ pub fn page(explanation: &Explanation) -> String {
     place::write(&mut page, explanation);
     missing::write(&mut page, explanation);
     sure::write(&mut page, explanation);
+    super::axles::section(&mut page, &explanation.cornering_stiffness);
     if let Some(ordinary) = &explanation.ordinary {
         super::ordinary::section(&mut page, ordinary);
     }

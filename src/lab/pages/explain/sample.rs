@@ -29,6 +29,7 @@ pub fn missing() -> Explanation {
         regimes: vec!["|a_y| above 5 m/s²".into(), "12 to 25 m/s".into(), "quick steering & braking".into()],
         intervals: vec![[12.3, 18.9], [31.0, 38.2], [52.0, 57.5], [80.4, 96.1], [110.0, 113.0]],
         recording: RECORDING.into(),
+        ..Where::default()
     };
     let finding = finding(
         "load_transfer",
@@ -57,6 +58,7 @@ pub fn several() -> Explanation {
         regimes: vec!["everywhere".into()],
         intervals,
         recording: name.into(),
+        ..Where::default()
     };
     let place = of(names[1], vec![[100.0, 160.0], [300.0, 420.0]]);
     let mut bank = finding("road_bank", None, &[("bank_rms_rad", 0.0312, 0.0018)], &place);
@@ -109,6 +111,7 @@ pub fn unknown() -> Explanation {
         regimes: vec!["braking harder than 3 m/s²".into()],
         intervals: vec![[40.0, 47.0], [90.0, 95.0]],
         recording: RECORDING.into(),
+        ..Where::default()
     };
     Explanation { verdict: Verdict::UnknownPhysics, place, ..plain(120.0, &[RECORDING], 0.5) }
 }
@@ -145,6 +148,7 @@ fn finding(name: &str, channel: Option<&str>, numbers: &[(&str, f64, f64)], plac
             .iter()
             .map(|(name, value, std)| ((*name).into(), estimate(*value, *std)))
             .collect(),
+        at_utc: None,
         series: None,
         place: place.clone(),
         about: kind.about.into(),
@@ -168,6 +172,7 @@ fn plain(seconds: f64, recordings: &[&str], misses: f64) -> Explanation {
     let blocks = (seconds / 20.0) as usize;
     let split = recordings.iter().flat_map(|recording| {
         (0..blocks).map(|place| Block {
+            t_utc: None,
             recording: (*recording).into(),
             t: [20.0 * place as f64, 20.0 * (place + 1) as f64],
             is_holdout: place % 3 == 2,

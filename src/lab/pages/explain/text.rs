@@ -29,6 +29,9 @@ fn text(explanation: &Explanation) -> String {
     for line in caveats::used(explanation) {
         wrapped(&mut text, "Used: ", &stopped(&line));
     }
+    for line in crate::pages::clocks::lines(&explanation.begins_utc) {
+        wrapped(&mut text, "Clock: ", &line);
+    }
     if !explanation.certain.is_empty() {
         text += "\nFirst of all, of the measurement (as `gripd check` says it)\n";
         for line in &explanation.certain {
@@ -49,6 +52,7 @@ fn text(explanation: &Explanation) -> String {
         place(&mut text, &explanation.place, "");
     }
     fit(&mut text, explanation);
+    axles(&mut text, explanation);
     confirm(&mut text, explanation);
     if let Some(ordinary) = &explanation.ordinary {
         text += "\nThe ordinary car\n";
@@ -100,6 +104,9 @@ fn one(text: &mut String, explanation: &Explanation, finding: &Finding) {
         wrapped(text, "  to tell: ", &finding.to_tell_apart);
     }
     place(text, &finding.place, "  ");
+    if let Some(at) = &finding.at_utc {
+        wrapped(text, "  since: ", at);
+    }
     if finding.place.intervals.is_empty() && !finding.place.recording.is_empty() {
         wrapped(text, "  of: ", &finding.place.recording);
     }
@@ -117,7 +124,7 @@ fn place(text: &mut String, place: &Where, indent: &str) {
         wrapped(text, &format!("{indent}when driving: "), &place.regimes.join("; "));
     }
     if !place.intervals.is_empty() {
-        let when = words::intervals(&place.intervals, MOST_INTERVALS);
+        let when = words::intervals(place, MOST_INTERVALS);
         let of = if place.recording.is_empty() { String::new() } else { format!(" of {}", place.recording) };
         wrapped(text, &format!("{indent}at: "), &(when + &of));
     }
@@ -152,6 +159,15 @@ fn fit(text: &mut String, explanation: &Explanation) {
         table(text, &names.map(str::to_owned), &rows);
     } else {
         table(text, &[const { String::new() }; 5], &rows);
+    }
+}
+
+fn axles(text: &mut String, explanation: &Explanation) {
+    let lines = crate::pages::axles::lines(&explanation.cornering_stiffness);
+    if !lines.is_empty() {
+        text.push('\n');
+        wrapped(text, "", crate::pages::axles::WHAT);
+        lines.iter().for_each(|line| wrapped(text, "  - ", line));
     }
 }
 

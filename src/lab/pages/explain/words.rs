@@ -1,8 +1,9 @@
 //! Names and units as a chassis engineer says them.
 
-use crate::explain::{Confirmed, Estimate, Explanation, Finding, Nature, Simulated, Verdict};
+use crate::explain::{Confirmed, Estimate, Explanation, Finding, Nature, Simulated, Verdict, Where};
 use crate::identify::Parameter;
 use physics::model::effect::{self, Kind, Spec};
+use physics::time::stretch;
 
 pub use super::numbers::{number, plus_minus, probability, signed, three, with_unit};
 
@@ -30,12 +31,15 @@ pub fn stopped(text: &str) -> String {
     if text.is_empty() || text.ends_with(['.', '!', '?']) { text } else { text + "." }
 }
 
-/// Stretches of time, the first few.
-pub fn intervals(intervals: &[[f64; 2]], most: usize) -> String {
-    let shown = intervals.iter().take(most);
-    let shown: Vec<String> =
-        shown.map(|[from, to]| format!("{}–{} s", number(*from, 1), number(*to, 1))).collect();
-    match intervals.len() - shown.len() {
+/// When, by both clocks, the first few stretches.
+pub fn intervals(place: &Where, most: usize) -> String {
+    let shown = place.intervals.iter().take(most).enumerate();
+    let one = |(number_of, [from, to]): (usize, &[f64; 2])| {
+        let utc = place.intervals_utc.get(number_of).map(|utc| format!(" ({})", stretch(utc)));
+        format!("{}–{} s{}", number(*from, 1), number(*to, 1), utc.unwrap_or_default())
+    };
+    let shown: Vec<String> = shown.map(one).collect();
+    match place.intervals.len() - shown.len() {
         0 => shown.join(", "),
         more => format!("{} and {more} more", shown.join(", ")),
     }
@@ -508,7 +512,13 @@ mod tests {
 
     #[test]
     fn a_few_stretches_are_named_and_the_others_counted() {
-        assert_eq!(intervals(&[[1.0, 2.0], [3.0, 4.5], [5.0, 6.0]], 2), "1.0–2.0 s, 3.0–4.5 s and 1 more");
-        assert_eq!(intervals(&[], 2), "");
+        let three = vec![[1.0, 2.0], [3.0, 4.5], [5.0, 6.0]];
+        let mut place = Where { intervals: three, ..Where::default() };
+        assert_eq!(intervals(&place, 2), "1.0–2.0 s, 3.0–4.5 s and 1 more");
+        let utc = |seconds: &str| format!("2025-10-09T08:53:{seconds}Z");
+        place.intervals_utc = vec![[utc("21.000"), utc("22.000")]];
+        place.intervals.truncate(1);
+        assert_eq!(intervals(&place, 2), "1.0–2.0 s (2025-10-09T08:53:21.000Z to 08:53:22.000Z)");
+        assert_eq!(intervals(&Where::default(), 2), "");
     }
 }

@@ -3,12 +3,14 @@
 use serde::{Serialize, Serializer};
 
 use super::Story;
-use crate::identify::{Doubt, Identified, LongitudinalInput, Method, Path};
+use crate::identify::{CorneringStiffness, Doubt, Identified, LongitudinalInput, Method, Path};
 
 /// Everything, in an order that reads well.
 #[derive(Serialize)]
 pub struct Report {
     parameters: Named<Parameter>,
+    /// Of the axles, as explain and replay tell it.
+    cornering_stiffness: CorneringStiffness,
     starts: Vec<Start>,
     fit: Fit,
     /// Standard deviations of the noise that is left, by channel, in its SI unit.
@@ -70,6 +72,8 @@ struct Fit {
 #[derive(Serialize)]
 struct Recording {
     name: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    begins_utc: Option<String>,
     samples: usize,
     period_s: f64,
 }
@@ -96,6 +100,7 @@ pub fn report(story: &Story<'_>) -> Report {
     };
     Report {
         parameters: Named(found.parameters.iter().map(|it| (it.name, parameter(it))).collect()),
+        cornering_stiffness: found.cornering_stiffness(),
         starts: found.paths.iter().map(start).collect(),
         fit: Fit { before: Named(found.before.percent.clone()), after: Named(found.after.percent.clone()) },
         noise: Named(found.noise.iter().map(|(channel, std)| (channel.name(), *std)).collect()),
@@ -112,6 +117,7 @@ pub fn report(story: &Story<'_>) -> Report {
             .iter()
             .map(|record| Recording {
                 name: record.name.clone(),
+                begins_utc: record.clock.utc(0.0),
                 samples: record.rows.len(),
                 period_s: record.period_s,
             })

@@ -26,6 +26,7 @@ pub fn html(story: &Story<'_>) -> Result<String, PlotError> {
         &["parameter", "unit", "the table's", "identified", "95 % interval", "identifiable"],
         &rows,
     );
+    super::axles::section(&mut page, &story.found.cornering_stiffness());
     page.heading("How well a simulation without feedback fits");
     page.paragraph(
         "Driven by the recorded steering wheel and torques or wheel speeds, restarted each 20 s from what was \
@@ -40,6 +41,9 @@ pub fn html(story: &Story<'_>) -> Result<String, PlotError> {
     search::profiles(&mut page, story)?;
     page.heading("Where it comes from");
     page.notes(&[("Recordings", &recordings(story)), ("Search", &text::summary(story))]);
+    for line in super::clocks::lines(&story.begins_utc()) {
+        page.notes(&[("Clock", &line)]);
+    }
     for untold in story.untold() {
         page.notes(&[("Not told", untold)]);
     }

@@ -1,5 +1,7 @@
 //! Everything that is told of an identification.
 
+use std::collections::BTreeMap;
+
 use physics::Quantity;
 
 use crate::identify::{Identification, IdentifyConfig, LongitudinalInput, Record};
@@ -17,6 +19,12 @@ pub struct Story<'a> {
 }
 
 impl Story<'_> {
+    /// When recordings begin, in UTC, by their names; of those whose stamps are dates.
+    pub(super) fn begins_utc(&self) -> BTreeMap<String, String> {
+        let of = |record: &Record| Some((record.name.clone(), record.clock.utc(0.0)?));
+        self.records.iter().filter_map(of).collect()
+    }
+
     /// What the recordings cannot tell, for what they lack.
     pub(super) fn untold(&self) -> Vec<&'static str> {
         let has = |quantity| self.records.iter().any(|record| record.sensors.has(quantity));

@@ -1,5 +1,6 @@
 //! What was found, on the terminal.
 
+use super::super::clocks;
 use super::{Story, digits, number};
 use crate::identify::{Identified, LongitudinalInput};
 use crate::report::wrapped;
@@ -7,13 +8,22 @@ use crate::report::wrapped;
 /// The whole text.
 pub fn text(story: &Story<'_>) -> String {
     let found = story.found;
-    let mut text = wrapped("", 0, &summary(story)) + "\n";
+    let mut text = wrapped("", 0, &summary(story));
+    for line in clocks::lines(&story.begins_utc()) {
+        text += &wrapped("", 0, &line);
+    }
     let rows: Vec<[String; 6]> = found.parameters.iter().map(row).collect();
+    text.push('\n');
     let head = ["parameter", "unit", "the table's", "identified", "95 % interval", "identifiable"]
         .map(str::to_owned);
     table(&mut text, &head, &rows);
     for parameter in found.parameters.iter().filter(|parameter| parameter.is_in_doubt()) {
         text += &wrapped("in doubt: ", 4, &in_doubt(parameter));
+    }
+    let axles = super::super::axles::lines(&found.cornering_stiffness());
+    if !axles.is_empty() {
+        text += &format!("\n{}", wrapped("", 0, super::super::axles::WHAT));
+        axles.iter().for_each(|line| text += &wrapped("  - ", 4, line));
     }
     for untold in story.untold() {
         text += &wrapped("not told: ", 4, untold);

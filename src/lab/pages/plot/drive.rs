@@ -1,9 +1,8 @@
 //! What a page keeps of a drive: a column for each quantity.
 
-use std::ops::RangeInclusive;
-
 use crate::report::interactive::Clock;
 use physics::estimates::Estimate;
+use physics::time::{Clock as BothClocks, Moment};
 use physics::{Estimates, Faults, Micros, Quantity, Sample};
 
 /// A drive as it comes, sample by sample. Numbers are SI; not-a-number: not available.
@@ -32,8 +31,12 @@ pub struct Drive {
     pub(super) changes: Vec<u32>,
     /// What was learned last.
     pub(super) last: Estimates,
-    /// Only these times are kept, s.
-    part: RangeInclusive<f64>,
+    /// Only what is between these is kept.
+    part: [Option<Moment>; 2],
+    /// The last sample came after it.
+    is_over: bool,
+    /// Stamp of the first frame.
+    first: Micros,
     /// A recording has begun, and no sample of it has come.
     begun: Option<(String, Micros)>,
     /// What is subtracted from a clock to have the page's time.
@@ -79,11 +82,9 @@ fn or_gap(value: Option<f64>) -> f32 {
 impl Drive {
     /// Between recordings that do not follow each other at once the page has a pause of this length, s.
     const PAUSE_S: f64 = 1.0;
-    /// Clocks of recordings that were never set begin at zero: before this (1980) they tell no date, s.
-    const FIRST_DATE_S: f64 = 315_532_800.0;
 
-    /// Of these quantities; only what is in `part` (s from the start) is kept.
-    pub fn new(quantities: Vec<Quantity>, part: RangeInclusive<f64>) -> Self {
+    /// Of these quantities; only what is between the ends of `part` is kept.
+    pub fn new(quantities: Vec<Quantity>, part: [Option<Moment>; 2]) -> Self {
         Self {
             signals: vec![Vec::new(); quantities.len()],
             quantities,
@@ -101,6 +102,8 @@ impl Drive {
             changes: Vec::new(),
             last: Estimates::default(),
             part,
+            is_over: false,
+            first: Micros(0),
             begun: None,
             offset_s: 0.0,
             before: None,
@@ -109,12 +112,15 @@ impl Drive {
 
     /// The next recording begins with a frame at this time.
     pub fn begin(&mut self, name: &str, first: Micros) {
+        if self.before.is_none() {
+            self.first = first;
+        }
         self.begun = Some((name.to_owned(), first));
     }
 
     /// No sample that may come is wanted any more.
     pub fn is_over(&self) -> bool {
-        self.before.is_some_and(|(_, time)| time > *self.part.end())
+        self.is_over
     }
 
     /// No sample was kept.
@@ -127,10 +133,21 @@ impl Drive {
         self.before.map_or(0.0, |(_, time)| time)
     }
 
+    /// From when to when they are, by their clocks.
+    pub fn span(&self) -> String {
+        BothClocks::of(self.first).over([0.0, self.seconds()])
+    }
+
     /// A sample, and what the estimators know after it.
     pub fn push(&mut self, sample: &Sample, now: &Estimates) {
         let time = self.place(sample.time);
-        if !self.part.contains(&time) {
+        let since = |moment: Moment| match moment {
+            Moment::After(seconds) => time - seconds,
+            Moment::At(then) => (sample.time - then).seconds(),
+        };
+        let [from, to] = self.part.map(|end| end.map(since));
+        self.is_over = to.is_some_and(|since| since > 0.0);
+        if self.is_over || from.is_some_and(|since| since < 0.0) {
             return;
         }
         self.times.push(time);
@@ -182,7 +199,7 @@ impl Drive {
                 Some(_) => {}
             }
             let from_s = first - self.offset_s;
-            let utc_s = Some(first).filter(|first| *first >= Self::FIRST_DATE_S);
+            let utc_s = BothClocks::of(Micros::from_seconds(first)).date().map(|_| first);
             let name = name.or_else(|| self.clocks.last().map(|clock| clock.name.clone()));
             self.clocks.push(Clock { from_s, utc_s, name: name.unwrap_or_default() });
         }
@@ -211,7 +228,7 @@ mod tests {
 
     const DAY: i64 = 1_760_000_000;
 
-    fn drive(part: RangeInclusive<f64>) -> Drive {
+    fn drive(part: [Option<Moment>; 2]) -> Drive {
         Drive::new(vec![Quantity::YawRate], part)
     }
 
@@ -221,7 +238,7 @@ mod tests {
 
     #[test]
     fn recordings_stand_behind_each_other_with_their_own_clocks() {
-        let mut drive = drive(0.0..=f64::INFINITY);
+        let mut drive = drive([None; 2]);
         drive.begin("a", Micros(DAY * Micros::PER_SECOND));
         (0..3).for_each(|second| push(&mut drive, DAY + second));
         drive.begin("b", Micros((DAY - 500) * Micros::PER_SECOND));
@@ -235,12 +252,23 @@ mod tests {
 
     #[test]
     fn a_part_keeps_its_times_and_a_clock_that_was_never_set_tells_no_date() {
-        let mut drive = drive(2.0..=4.0);
+        let mut drive = drive([2.0, 4.0].map(|s| Some(Moment::After(s))));
         drive.begin("a", Micros(0));
         (0..10).for_each(|second| push(&mut drive, second));
         assert_eq!(drive.times, [2.0, 3.0, 4.0]);
         assert!(drive.is_over());
         assert_eq!(drive.seconds(), 9.0);
         assert_eq!(drive.clocks[0].utc_s, None);
+        assert_eq!(drive.span(), "0.0 to 9.0 s");
+    }
+
+    #[test]
+    fn a_part_is_asked_for_by_the_date_too() {
+        let at = |second: i64| Some(Moment::At(Micros((DAY + second) * Micros::PER_SECOND)));
+        let mut drive = drive([at(2), at(4)]);
+        drive.begin("a", Micros(DAY * Micros::PER_SECOND));
+        (0..10).for_each(|second| push(&mut drive, DAY + second));
+        assert_eq!(drive.times, [2.0, 3.0, 4.0]);
+        assert_eq!(drive.span(), "0.0 to 9.0 s (2025-10-09T08:53:20.000Z to 08:53:29.000Z)");
     }
 }

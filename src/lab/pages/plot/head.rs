@@ -96,7 +96,7 @@ impl Scene<'_> {
              ground with a strip at its foot: valid, it may be acted upon. Shaded around a line: its 95 % interval. No line: \
              not available."
                 .into(),
-            "Times are seconds from the first frame of the first recording; the date and hour beside them are the \
+            "Times are seconds from the first frame of the first recording; the dates beside them are the \
              recording's own clock, in UTC. The numbers in the legends are those at the cursor. In the figures, what lies \
              outside of the zoomed time is faint."
                 .into(),

@@ -46,8 +46,7 @@ function wallClock(clocks, time) {
   return new Date((clock.utc_s + time - clock.from_s) * 1000);
 }
 
-const date = (moment) => moment.toISOString().slice(0, 10);
-const hour = (moment, decimals) => moment.toISOString().slice(11, decimals ? 20 + decimals : 19);
+const hour = (moment) => moment.toISOString().slice(11);
 
 // Writes into a plot. uPlot leaves its own alignment behind when it has drawn its axes.
 function write(ctx, text, left, foot, align = 'left', size = 12) {

@@ -76,13 +76,13 @@ class Page {
   // A time as both clocks have it.
   moment(time, decimals) {
     const wall = wallClock(this.data.clocks, time);
-    return `${time.toFixed(decimals)} s${wall ? ` · ${date(wall)} ${hour(wall, decimals)} UTC` : ''}`;
+    return `${time.toFixed(decimals)} s${wall ? ` (${wall.toISOString()})` : ''}`;
   }
 
   tell() {
     const [from, to] = this.range;
     const [begin, end] = [wallClock(this.data.clocks, from), wallClock(this.data.clocks, to)];
-    const wall = begin && end ? ` (${date(begin)} ${hour(begin)} to ${hour(end)} UTC)` : ' from the start';
+    const wall = begin && end ? ` (${begin.toISOString()} to ${hour(end)})` : ' from the start';
     document.getElementById('shown').textContent = `${from.toFixed(1)} to ${to.toFixed(1)} s${wall}`;
   }
 

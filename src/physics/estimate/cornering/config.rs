@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::estimates::TOLD_RELATIVE_STD;
+
 /// `[estimators.cornering]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -59,7 +61,7 @@ impl Default for CorneringConfig {
             cusum_drift: 1.0,
             cusum_threshold: 10.0,
             inconsistent_nis: 4.0,
-            valid_relative_std: 0.15,
+            valid_relative_std: TOLD_RELATIVE_STD,
             valid_age_s: 60.0,
             valid_sideslip_std: 0.01,
         }

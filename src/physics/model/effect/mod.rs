@@ -49,7 +49,7 @@ mod sensor_drift;
 mod sensor_scale;
 mod sensor_sign;
 mod spec;
-mod steering_compliance;
+pub mod steering_compliance;
 mod steering_lag;
 mod steering_ratio;
 mod surface_stiffness;

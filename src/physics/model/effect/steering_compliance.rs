@@ -11,7 +11,7 @@ struct SteeringCompliance {
 }
 
 /// Pneumatic trail, m: a usual one, as far as the compliance is told in rad per aligning moment.
-const TRAIL_M: f64 = 0.05;
+pub const TRAIL_M: f64 = 0.05;
 
 /// Newton steps from the force of a moment ago to the one in balance with the angle it causes.
 const STEPS: usize = 3;

@@ -14,10 +14,10 @@ use flate2::read::ZlibDecoder;
 
 use self::object::{BASE, CONTAINER, Header, SIGNATURE};
 use super::bytes::{u16_at, u32_at};
-use super::date::Date;
 use super::{About, Compression, Damage, LogError, Source};
 use crate::can::Frame;
 use physics::Micros;
+use physics::time::Date;
 
 /// The part of the file's header that is read.
 const FILE_HEADER: usize = 72;

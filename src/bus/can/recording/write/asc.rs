@@ -3,6 +3,7 @@
 use super::loss::Loss;
 use super::start::Start;
 use super::{Sink, loss_of_error};
+use crate::can::recording::date::text;
 use crate::can::recording::digits::{
     push_bytes, push_decimal, push_hexadecimal, push_seconds, push_short_hexadecimal,
 };
@@ -30,7 +31,7 @@ impl Asc {
 
     fn header(&mut self) -> Result<(), LogError> {
         self.has_header = true;
-        let date = self.start.date().text();
+        let date = text(self.start.date());
         let text = format!(
             "date {date}\nbase hex  timestamps absolute\ninternal events logged\n// version 9.0.0\n\
              Begin Triggerblock {date}\n   0.000000 Start of measurement\n"

@@ -12,10 +12,10 @@ use super::binary::BinaryFile;
 use super::loss::Loss;
 use super::start::Start;
 use super::{Sink, loss_of_error};
-use crate::can::recording::date::Date;
 use crate::can::recording::{LogError, fd_code};
 use crate::can::{Frame, FrameKind};
 use physics::Micros;
+use physics::time::Date;
 
 /// Bytes of the file's header.
 const FILE_HEADER: usize = 144;

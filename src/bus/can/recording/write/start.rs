@@ -1,8 +1,8 @@
 //! What a recording's times count from.
 
 use super::loss::Loss;
-use crate::can::recording::date::Date;
 use physics::Micros;
+use physics::time::Date;
 
 /// A whole second, at least so much before the first frame: frames of several interfaces are not always in order.
 const SLACK: Micros = Micros(Micros::PER_SECOND / 2);

@@ -1,0 +1,136 @@
+//! The cornering stiffness of each axle, the one quantity that identify, explain and replay all tell: the initial slope of the
+//! axle's lateral force over its slip angle, per static axle load, 1/rad, with all that gives way between steering wheel and
+//! road in it.
+
+use serde::Serialize;
+
+use physics::estimates::TOLD_RELATIVE_STD;
+
+use super::result::Identified;
+use super::{Identification, Parameter};
+
+/// Both axles, as far as there is a number.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct CorneringStiffness {
+    /// Of the front axle.
+    pub front: Option<AxleStiffness>,
+    /// Of the rear axle.
+    pub rear: Option<AxleStiffness>,
+}
+
+/// Of one axle.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AxleStiffness {
+    /// 1/rad.
+    pub value: f64,
+    /// Standard deviation, 1/rad.
+    pub std: f64,
+    /// Do the recordings tell it?
+    pub told: bool,
+    /// If not, why not; else empty.
+    pub reason: String,
+}
+
+impl AxleStiffness {
+    /// With what speaks against it, if anything does. More than 15 % of uncertainty does in any case.
+    pub fn of((value, std): (f64, f64), against: Option<String>) -> Self {
+        let reason = against.or_else(|| too_unsure(value, std));
+        Self { value, std, told: reason.is_none(), reason: reason.unwrap_or_default() }
+    }
+}
+
+/// Why a stiffness is not told by a drive; none where its standard deviation is small enough.
+pub fn too_unsure(value: f64, std: f64) -> Option<String> {
+    let share = std / value.abs();
+    (share.is_nan() || share > TOLD_RELATIVE_STD)
+        .then(|| format!("σ is {:.1} % of it, more than 15 %", 100.0 * share))
+}
+
+/// The rule of 15 % as a reason against a number; none where it is no stiffness.
+pub fn against(parameter: Parameter, value: f64, std: f64) -> Option<String> {
+    let is_stiffness =
+        matches!(parameter, Parameter::LateralFront | Parameter::LateralRear | Parameter::Longitudinal);
+    too_unsure(value, std).filter(|_| is_stiffness)
+}
+
+/// Stiffnesses of a search that moved numbers far from the table of which the recordings tell less than the table: the
+/// equations do not fit there, and the stiffnesses are those of a car that cannot be.
+pub(super) fn beside_what_cannot_be(parameters: &mut [Identified]) {
+    let moved = |it: &Identified| {
+        let deviations = it.doubt.as_ref()?.deviations.filter(|_| !it.is_clear)?;
+        Some(format!("{} by {deviations:.1}", it.name))
+    };
+    let moved: Vec<String> = parameters.iter().filter_map(moved).collect();
+    if moved.is_empty() {
+        return;
+    }
+    let is_stiffness = |it: &&mut Identified| it.name.contains("stiffness") && it.identifiable;
+    for it in parameters.iter_mut().filter(is_stiffness) {
+        it.identifiable = false;
+        it.reason = format!(
+            "the same search moves {} standard deviations from the table, though the recordings tell less of it: the equations \
+             do not fit here",
+            moved.join(", ")
+        );
+    }
+}
+
+impl Identification {
+    /// Of the car that was identified, as far as the axles were free.
+    pub fn cornering_stiffness(&self) -> CorneringStiffness {
+        let of = |name: &str| {
+            let is_its = |it: &&Identified| it.name == name || it.name == "lateral_stiffness";
+            let it = self.parameters.iter().find(is_its)?;
+            Some(AxleStiffness::of((it.value, it.std), (!it.identifiable).then(|| it.reason.clone())))
+        };
+        CorneringStiffness {
+            front: of(Parameter::LateralFront.name()),
+            rear: of(Parameter::LateralRear.name()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_car_that_cannot_be_has_no_stiffness() {
+        let of = |name: &'static str, is_clear: bool, deviations: Option<f64>| Identified {
+            name,
+            unit: "1",
+            value: 1.0,
+            std: 0.1,
+            ci95: (0.8, 1.2),
+            identifiable: is_clear,
+            reason: String::new(),
+            is_clear,
+            doubt: deviations.and_then(|by| {
+                let table = physics::model::Uncertain { value: 1.0 + 0.1 * by, std: 0.1 };
+                crate::identify::Doubt::of((1.0, 0.1), Some(table), false)
+            }),
+            prior: (1.0, 0.1),
+            profile: Vec::new(),
+        };
+        let told = |ratio: Identified| {
+            let mut all = [of("lateral_stiffness_front", true, None), ratio];
+            beside_what_cannot_be(&mut all);
+            (all[0].identifiable, all[0].reason.clone())
+        };
+        assert!(told(of("steering_ratio", false, None)).0);
+        // What the recordings tell against the table stands for itself.
+        assert!(told(of("steering_ratio", true, Some(8.0))).0);
+        let (is_told, why) = told(of("steering_ratio", false, Some(8.0)));
+        assert!(!is_told && why.contains("moves steering_ratio by 8.0 standard deviations"), "{why}");
+    }
+
+    #[test]
+    fn a_sixth_of_it_is_too_much() {
+        assert!(AxleStiffness::of((12.0, 1.8), None).told);
+        let unsure = AxleStiffness::of((12.0, 2.0), None);
+        assert!(!unsure.told && unsure.reason.contains("16.7 %"), "{unsure:?}");
+        assert!(!AxleStiffness::of((12.0, f64::NAN), None).told);
+        assert_eq!(AxleStiffness::of((12.0, 1.0), Some("bound".into())).reason, "bound");
+        assert_eq!(against(Parameter::SteeringRatio, 15.0, 5.0), None);
+    }
+}

@@ -120,7 +120,7 @@ fn ten_minutes_of_banked_curves_are_no_other_surface() {
     seen.is_sane(37_000);
     // Today; it should be 0.5, and no stiffness valid that is wrong.
     assert!(seen.sideslip_most_off < 1.1, "{seen:#?}");
-    assert!(seen.cornering_valid_and_wrong < 300, "{seen:#?}");
+    assert!(seen.cornering_valid_and_wrong < 330, "{seen:#?}");
     assert_eq!((seen.surface_changes, seen.slope_valid_and_wrong), (0, 0), "{seen:#?}");
     assert_eq!((seen.friction_valid, seen.most_excluded), (0, 0.0), "{seen:#?}");
 }
@@ -170,7 +170,12 @@ fn sensors_that_drift_for_minutes_make_little_valid_and_wrong() {
             );
             assert!(seen.valid_sideslip_most_off < 1.2, "{channel} in {within_s} s: {seen:#?}");
             assert_eq!(seen.surface_changes, 0, "{channel} in {within_s} s: {seen:#?}");
-            nothing_of_friction(&seen);
+            // Curves may bound it from above.
+            assert_eq!(
+                (seen.friction_valid, seen.most_excluded),
+                (0, 0.0),
+                "{channel} in {within_s} s: {seen:#?}"
+            );
         }
     }
 }

@@ -145,45 +145,6 @@ fn a_drive_tells_what_it_could_have_told() {
     assert!(answer["separable"].as_array().unwrap().iter().all(|row| row.as_array().unwrap().len() == count));
 }
 
-/// GIVEN a prediction WHEN it is verified THEN each size stands with what was predicted and found; a second run takes what the
-/// first one has done, and does the rest.
-#[test]
-#[ignore = "long: a drive explained some ten times"]
-fn what_a_drive_could_have_told_is_verified_and_goes_on() {
-    let folder = drives(&[("drive.log", "5")]);
-    let config = project("config/demo.toml");
-    let ask = ["-q", "explain", "-c", config.to_str().unwrap(), "drive.log", "--sensitivity"];
-    let ask = [&ask[..], &["--verify=sensor_scale:yaw_rate", "--json", "answer.json", "--html", "page.html"]]
-        .concat();
-    let said = String::from_utf8(run(folder.path(), &ask).stdout).unwrap();
-    assert!(said.contains("Verified") && said.contains("predicted chance"), "{said}");
-    let read = |name: &str| -> Value {
-        serde_json::from_str(&std::fs::read_to_string(folder.path().join(name)).unwrap()).unwrap()
-    };
-    let answer = read("answer.json");
-    let runs = answer["verified"]["runs"].as_array().unwrap();
-    assert_eq!(runs.len(), 12, "six sizes of both signs");
-    let double = runs.iter().filter(|run| run["predicted"].as_f64().unwrap() > 0.99);
-    assert!(double.clone().count() > 0 && double.clone().all(|run| run["noticed"] == true), "{runs:?}");
-    let bins = answer["verified"]["bins"].as_array().unwrap();
-    assert_eq!(bins.iter().map(|bin| bin["count"].as_u64().unwrap()).sum::<u64>(), 12, "{bins:?}");
-    assert!(std::fs::read_to_string(folder.path().join("page.html")).unwrap().contains("Verified"));
-    // As if it had been ended before the last one; the first one's answer is made to be recognized.
-    let mut kept = read("answer.json.verified");
-    let done = kept["done"].as_array_mut().unwrap();
-    done.pop();
-    done[0]["found"] = serde_json::json!(["taken from the file"]);
-    std::fs::write(folder.path().join("answer.json.verified"), kept.to_string()).unwrap();
-    run(folder.path(), &ask);
-    let again = read("answer.json");
-    let runs = again["verified"]["runs"].as_array().unwrap();
-    assert_eq!(runs.len(), 12);
-    assert_eq!(
-        runs.iter().filter(|run| run["found"] == serde_json::json!(["taken from the file"])).count(),
-        1
-    );
-}
-
 /// GIVEN a car that pulls when it brakes, as no effect of the library has it THEN it is told as a law with its number, helps on
 /// another drive of the car as well as there, and is written so that other commands take it.
 #[test]
@@ -278,4 +239,48 @@ fn what_cannot_be_asked_is_refused() {
     assert!(code == Some(2) && told.contains("two LOGs"), "{code:?} {told}");
     let (code, told) = refused(&["--history", "drive.log", "--confirm", "drive.log"]);
     assert!(code == Some(2) && told.contains("--confirm"), "{code:?} {told}");
+}
+
+mod by_hand {
+    use super::*;
+
+    /// GIVEN a prediction WHEN it is verified THEN each size stands with what was predicted and found; a second run takes what the
+    /// first one has done, and does the rest.
+    #[test]
+    #[ignore = "by hand: a drive explained a dozen times, minutes"]
+    fn what_a_drive_could_have_told_is_verified_and_goes_on() {
+        let folder = drives(&[("drive.log", "5")]);
+        let config = project("config/demo.toml");
+        let ask = ["-q", "explain", "-c", config.to_str().unwrap(), "drive.log", "--sensitivity"];
+        let ask =
+            [&ask[..], &["--verify=sensor_scale:yaw_rate", "--json", "answer.json", "--html", "page.html"]]
+                .concat();
+        let said = String::from_utf8(run(folder.path(), &ask).stdout).unwrap();
+        assert!(said.contains("Verified") && said.contains("predicted chance"), "{said}");
+        let read = |name: &str| -> Value {
+            serde_json::from_str(&std::fs::read_to_string(folder.path().join(name)).unwrap()).unwrap()
+        };
+        let answer = read("answer.json");
+        let runs = answer["verified"]["runs"].as_array().unwrap();
+        assert_eq!(runs.len(), 12, "six sizes of both signs");
+        let double = runs.iter().filter(|run| run["predicted"].as_f64().unwrap() > 0.99);
+        assert!(double.clone().count() > 0 && double.clone().all(|run| run["noticed"] == true), "{runs:?}");
+        let bins = answer["verified"]["bins"].as_array().unwrap();
+        assert_eq!(bins.iter().map(|bin| bin["count"].as_u64().unwrap()).sum::<u64>(), 12, "{bins:?}");
+        assert!(std::fs::read_to_string(folder.path().join("page.html")).unwrap().contains("Verified"));
+        // As if it had been ended before the last one; the first one's answer is made to be recognized.
+        let mut kept = read("answer.json.verified");
+        let done = kept["done"].as_array_mut().unwrap();
+        done.pop();
+        done[0]["found"] = serde_json::json!(["taken from the file"]);
+        std::fs::write(folder.path().join("answer.json.verified"), kept.to_string()).unwrap();
+        run(folder.path(), &ask);
+        let again = read("answer.json");
+        let runs = again["verified"]["runs"].as_array().unwrap();
+        assert_eq!(runs.len(), 12);
+        assert_eq!(
+            runs.iter().filter(|run| run["found"] == serde_json::json!(["taken from the file"])).count(),
+            1
+        );
+    }
 }

@@ -72,7 +72,7 @@ fn all_panels_zoom_and_follow_the_cursor_together() {
     // The cursor: both clocks, and a number for each line.
     mouse(&mut browser, &tab, "mouseMoved", 0.5, 0);
     let clock = text(&mut browser, &tab, "clock");
-    assert!(clock.starts_with("13.") && clock.contains(" s · 2025-10-09 08:53:3"), "{clock}");
+    assert!(clock.starts_with("13.") && clock.contains("2025-10-09T08:53:3"), "{clock}");
     let numbers = "[...document.querySelectorAll('#panels .legend b')].filter((it) => it.textContent).length";
     assert!(browser.evaluate(&tab, numbers).as_u64().unwrap() > 20);
     let here = "document.querySelectorAll('#figures .here:not([hidden])').length";

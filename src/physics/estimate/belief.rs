@@ -68,13 +68,17 @@ impl Belief {
     /// Each friction keeps at most the weight that the evidence leaves it. True if the evidence contradicted what
     /// was believed.
     fn learn(&mut self, possible: impl Fn(f64) -> f64) -> bool {
-        let evidence: [f64; CELLS] = std::array::from_fn(|cell| possible(middle(cell)));
+        self.learn_weights(&std::array::from_fn(|cell| possible(middle(cell))))
+    }
+
+    /// The same, cell by cell.
+    fn learn_weights(&mut self, evidence: &[f64; CELLS]) -> bool {
         let mut left = self.weight;
         for (weight, possible) in left.iter_mut().zip(evidence) {
-            *weight = weight.min(possible);
+            *weight = weight.min(*possible);
         }
         let is_contradicted = largest(&left) < CONTRADICTED;
-        self.weight = if is_contradicted { evidence } else { left };
+        self.weight = if is_contradicted { *evidence } else { left };
         self.normalize();
         is_contradicted
     }
@@ -131,9 +135,9 @@ impl Belief {
         self.learn(possible)
     }
 
-    /// Each friction made what was seen this likely. True if that contradicted what was believed.
-    pub fn learn_likelihood(&mut self, likelihood: &Likelihood) -> bool {
-        self.learn(|mu| likelihood.of(mu))
+    /// Another belief, in what was seen alone, is evidence. True if that contradicted what was believed.
+    pub fn learn_belief(&mut self, other: &Belief) -> bool {
+        self.learn_weights(&other.weight)
     }
 
     /// What one believes who knows nothing else.

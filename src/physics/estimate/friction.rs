@@ -293,8 +293,9 @@ impl FrictionMonitor {
     /// Tires that bend, or do not, at the force in use.
     fn learn_curve(&mut self, likelihood: &Likelihood) {
         let (known_low, known_high) = self.belief.interval();
-        let is_another = self.belief.learn_likelihood(likelihood);
-        if Belief::of(likelihood).interval().1 > MOST_TOLD {
+        let alone = Belief::of(likelihood);
+        let is_another = self.belief.learn_belief(&alone);
+        if alone.interval().1 > MOST_TOLD {
             return;
         }
         let (low, high) = self.belief.interval();

@@ -394,9 +394,8 @@ impl Pipeline {
         }
         let known = self.cornering.known(!self.motion.leaves_out_acceleration());
         self.motion.step(said, self.acceleration(now), &known);
-        let motion =
-            self.motion.motion().map(|motion| (motion.lateral_velocity, motion.lateral_velocity_std));
-        self.saturating.step(now, self.acceleration(now), motion, &known, self.cornering.noise());
+        let (along, motion) = (self.acceleration(now), self.motion.motion());
+        self.saturating.step(now, along, motion, &known, self.cornering.noise());
         if self.motion.doubt().is_some() {
             self.doubted_s += now.elapsed_s;
         } else if std::mem::take(&mut self.doubted_s) > TUNING.spoils_s {

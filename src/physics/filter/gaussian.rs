@@ -118,6 +118,15 @@ impl<const N: usize> Gaussian<N> {
         self.covariance[(i, i)] += variance;
     }
 
+    /// Component `i` loses this share of its way from `mean`, and tends to a deviation of `std`: a first-order process.
+    pub fn tend(&mut self, i: usize, mean: f64, std: f64, share: f64) {
+        let kept = 1.0 - share;
+        self.mean[i] = mean + kept * (self.mean[i] - mean);
+        self.covariance.row_mut(i).scale_mut(kept);
+        self.covariance.column_mut(i).scale_mut(kept);
+        self.inflate(i, std * std * (1.0 - kept * kept));
+    }
+
     /// Component `i` is unknown again, and unrelated to the others.
     pub fn forget(&mut self, i: usize, mean: f64, std: f64) {
         self.covariance.row_mut(i).fill(0.0);

@@ -18,3 +18,8 @@ pub use gaussian::{Gaussian, Innovation};
 pub use noise::LearnedNoise;
 pub use observability::{Observability, Spectrum};
 pub use whiteness::InnovationMonitor;
+
+/// The place of the largest weight, the first of them if there are several; 0 where there is none.
+pub fn likeliest(weights: &[f64]) -> usize {
+    (1..weights.len()).fold(0, |best, i| if weights[i] > weights[best] { i } else { best })
+}

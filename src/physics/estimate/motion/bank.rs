@@ -8,7 +8,7 @@ use crate::estimate::lateral_filter::model::{
 };
 use crate::estimate::motion::LateralMotion;
 use crate::estimates::Estimate;
-use crate::filter::{Gaussian, LearnedNoise};
+use crate::filter::{Gaussian, LearnedNoise, likeliest};
 use crate::model::tire::{Brush, Tire};
 
 /// How many.
@@ -179,11 +179,11 @@ impl Bank {
             filter.fade_bank(bank_std * bank_std, bank_s, elapsed_s);
             let state = &mut filter.state;
             for (i, (mean, std)) in [FRONT, REAR].into_iter().zip(tires) {
-                tend(state, i, mean, std, share);
+                state.tend(i, mean, std, share);
             }
-            tend(state, FRICTION, friction.ln(), TUNING.friction_std, share);
+            state.tend(FRICTION, friction.ln(), TUNING.friction_std, share);
             for (i, (mean, std)) in OFFSETS.into_iter().zip(offsets) {
-                tend(state, i, mean, std, share);
+                state.tend(i, mean, std, share);
             }
         }
     }
@@ -260,7 +260,7 @@ impl Bank {
     }
 
     fn best(&self) -> usize {
-        (1..COUNT).fold(0, |best, i| if self.weights[i] > self.weights[best] { i } else { best })
+        likeliest(&self.weights)
     }
 }
 
@@ -299,13 +299,4 @@ fn offsets(known: &Known) -> [(f64, f64); 3] {
         let most = TUNING.offsets[sensor];
         (value, std.clamp(TUNING.offset_trust * most, most))
     })
-}
-
-/// Component `i` loses this share of its way from `mean`, and tends to a deviation of `std`.
-fn tend(state: &mut Gaussian<STATES>, i: usize, mean: f64, std: f64, share: f64) {
-    let kept = 1.0 - share;
-    state.mean[i] = mean + kept * (state.mean[i] - mean);
-    state.covariance.row_mut(i).scale_mut(kept);
-    state.covariance.column_mut(i).scale_mut(kept);
-    state.inflate(i, std * std * (1.0 - kept * kept));
 }

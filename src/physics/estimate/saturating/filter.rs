@@ -93,18 +93,4 @@ impl Filter {
         }
         p[(VY, VY)] += noise.unmodelled * noise.unmodelled * h;
     }
-
-    /// Component `i` loses this share of its way from `mean`, and tends to a deviation of `std`.
-    pub fn tend(&mut self, i: usize, mean: f64, std: f64, share: f64) {
-        let kept = 1.0 - share.min(1.0);
-        let state = &mut self.state;
-        state.mean[i] = mean + kept * (state.mean[i] - mean);
-        for j in 0..STATES {
-            state.covariance[(i, j)] *= kept;
-        }
-        for j in 0..STATES {
-            state.covariance[(j, i)] *= kept;
-        }
-        state.covariance[(i, i)] += std * std * (1.0 - kept * kept);
-    }
 }

@@ -19,8 +19,8 @@ use self::curve::{Curves, SHAPES};
 use self::filter::{ANGLE, BANK, FRONT, Filter, Noise, REAR, STATES, Surface, VY};
 use self::window::{Window, Windows};
 use super::kinematics::{Car, Kinematics};
-use super::motion::Known;
-use crate::filter::{Gaussian, LearnedNoise};
+use super::motion::{Known, LateralMotion};
+use crate::filter::{Gaussian, LearnedNoise, likeliest};
 use crate::model::GRAVITY;
 
 /// How many frictions.
@@ -136,6 +136,8 @@ impl Likelihood {
 #[derive(Clone, Debug)]
 pub struct SaturatingTires {
     car: Car,
+    /// What is known before anything is measured.
+    prior: Gaussian<STATES>,
     curves: Curves,
     frictions: [f64; FRICTIONS],
     filters: Box<[[Filter; SHAPES]; FRICTIONS]>,
@@ -160,13 +162,14 @@ impl SaturatingTires {
     /// Nothing is known but the data sheet; below `minimum_speed` (m/s) nothing is learned.
     pub fn new(car: &Car, minimum_speed: f64) -> Self {
         let ratio = (HIGHEST / LOWEST).ln() / (FRICTIONS - 1) as f64;
-        let filter = Filter { state: prior(car) };
+        let prior = prior(car);
+        let filter = Filter { state: prior };
         Self {
             frictions: std::array::from_fn(|i| LOWEST * (ratio * i as f64).exp()),
             filters: Box::new(std::array::from_fn(|_| std::array::from_fn(|_| filter.clone()))),
             evidence: [[0.0; SHAPES]; FRICTIONS],
             learned: [LearnedNoise::new(TUNING.noise_memory); 2],
-            used: 0.1,
+            used: 0.0,
             fit: 0.0,
             windows: Windows::default(),
             minimum_speed,
@@ -174,19 +177,18 @@ impl SaturatingTires {
             unbraked_s: f64::INFINITY,
             likelihood: None,
             curves: Curves::new(),
+            prior,
             car: car.clone(),
         }
     }
 
-    /// Takes a sample, the acceleration along the car (m/s²) where it is known, the lateral velocity that is published with
-    /// its deviation (m/s), what is known of the offsets of road wheel
-    /// angle (rad), lateral acceleration (m/s²) and yaw rate (rad/s), and the noise of single readings of yaw rate and
-    /// lateral acceleration.
+    /// Takes a sample, the acceleration along the car (m/s²) where it is known, the motion that is published, what is known of
+    /// the sensors' offsets, and the noise of single readings of yaw rate (rad/s) and lateral acceleration (m/s²).
     pub fn step(
         &mut self,
         now: &Kinematics,
         along: Option<f64>,
-        motion: Option<(f64, f64)>,
+        motion: Option<LateralMotion>,
         known: &Known,
         white: [f64; 2],
     ) {
@@ -235,11 +237,10 @@ impl SaturatingTires {
         self.surface_changed();
     }
 
-    fn start(&mut self, now: &Window, motion: Option<(f64, f64)>) {
+    fn start(&mut self, now: &Window, motion: Option<LateralMotion>) {
         self.fit = 0.0;
         let vy = self.car.steady_lateral_velocity(now.speed, now.yaw_rate, now.force[1] * GRAVITY);
-        let (vy, std) = motion
-            .map_or((vy, TUNING.unknown_vy), |(vy, std)| (vy, std.hypot(TUNING.motion_std * now.speed)));
+        let (vy, std) = motion.map_or((vy, TUNING.unknown_vy), |motion| published(motion, now));
         for filter in self.filters.as_flattened_mut() {
             filter.state.forget(VY, vy, std);
         }
@@ -255,16 +256,16 @@ impl SaturatingTires {
         let kept = (-now.elapsed_s / TUNING.memory_s).exp();
         self.used = now.force.into_iter().fold(kept * self.used, |most, force| most.max(force.abs()));
         let best = self.best();
-        let prior = prior(&self.car);
+        let prior = self.prior;
         let share = now.elapsed_s / TUNING.tends_s;
         let filters = self.filters.as_flattened_mut().iter_mut().zip(self.evidence.as_flattened_mut());
         for (place, (filter, evidence)) in filters.enumerate() {
             let surface = Surface { friction: self.frictions[place / SHAPES], shape: place % SHAPES };
             filter.predict(now, &noise);
             for i in [FRONT, REAR, ANGLE] {
-                filter.tend(i, prior.mean[i], prior.std(i), share);
+                filter.state.tend(i, prior.mean[i], prior.std(i), share);
             }
-            filter.tend(BANK, 0.0, TUNING.bank.0, now.elapsed_s / TUNING.bank.1);
+            filter.state.tend(BANK, 0.0, TUNING.bank.0, now.elapsed_s / TUNING.bank.1);
             let innovations = filter.update(surface, now, &self.car, &self.curves, &noise);
             *evidence = kept * *evidence - beyond(now, surface.friction);
             for (axle, innovation) in innovations.iter().enumerate() {
@@ -279,11 +280,12 @@ impl SaturatingTires {
                 self.fit += (nis - self.fit) * (now.elapsed_s / TUNING.fit.1);
             }
         }
-        self.begin_again(&prior);
+        self.begin_again();
     }
 
     /// Evidence against the likeliest; and who is far behind that one begins again with its motion.
-    fn begin_again(&mut self, prior: &Gaussian<STATES>) {
+    fn begin_again(&mut self) {
+        let prior = self.prior;
         let best = self.best();
         let (most, state) = (self.evidence.as_flattened()[best], self.filters.as_flattened()[best].state);
         let filters = self.filters.as_flattened_mut().iter_mut().zip(self.evidence.as_flattened_mut());
@@ -292,7 +294,7 @@ impl SaturatingTires {
             // Not a number is hopeless, too.
             if !(*evidence >= -TUNING.hopeless && filter.state.is_sound()) {
                 *evidence = -TUNING.hopeless;
-                filter.state = if state.is_sound() { state } else { *prior };
+                filter.state = if state.is_sound() { state } else { prior };
                 for i in [FRONT, REAR] {
                     filter.state.forget(i, prior.mean[i], prior.std(i));
                 }
@@ -317,12 +319,12 @@ impl SaturatingTires {
     }
 
     /// Does the likeliest filter describe this car at all?
-    fn tells(&self, now: &Window, state: &Gaussian<STATES>, motion: Option<(f64, f64)>) -> bool {
-        let agrees = |(vy, std): (f64, f64)| {
-            let both = std.hypot(TUNING.motion_std * now.speed);
-            (state.mean[VY] - vy).abs() < TUNING.apart * both
+    fn tells(&self, now: &Window, state: &Gaussian<STATES>, motion: Option<LateralMotion>) -> bool {
+        let agrees = |motion| {
+            let (vy, std) = published(motion, now);
+            (state.mean[VY] - vy).abs() < TUNING.apart * std
         };
-        let prior = prior(&self.car);
+        let prior = &self.prior;
         let is_plausible =
             |i: usize| (state.mean[i] - prior.mean[i]).abs() < TUNING.implausible * prior.std(i);
         self.driving_s > TUNING.starts_s
@@ -336,7 +338,7 @@ impl SaturatingTires {
     /// All shapes of a friction together.
     fn of_frictions(&self) -> Likelihood {
         let mut ln = self.evidence.map(|shapes| shapes.map(f64::exp).iter().sum::<f64>().ln());
-        let best = (1..FRICTIONS).fold(0, |best, i| if ln[i] > ln[best] { i } else { best });
+        let best = likeliest(&ln);
         let most = ln[best];
         for (i, ln) in ln.iter_mut().enumerate() {
             *ln = if i < best { 0.0 } else { *ln - most };
@@ -345,9 +347,13 @@ impl SaturatingTires {
     }
 
     fn best(&self) -> usize {
-        let all = self.evidence.as_flattened();
-        (1..all.len()).fold(0, |best, i| if all[i] > all[best] { i } else { best })
+        likeliest(self.evidence.as_flattened())
     }
+}
+
+/// The lateral velocity that is published, and how far it may be off, m/s.
+fn published(motion: LateralMotion, now: &Window) -> (f64, f64) {
+    (motion.lateral_velocity, motion.lateral_velocity_std.hypot(TUNING.motion_std * now.speed))
 }
 
 /// What speaks against a friction by longitudinal forces beyond it.

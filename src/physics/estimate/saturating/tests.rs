@@ -48,13 +48,12 @@ fn left(friction: f64, steering: f64, sheet: impl Fn(&mut Vehicle)) -> (Likeliho
         let mut heard = super::super::kinematics::Heard::default();
         heard.hear(&sample);
         let now = Kinematics::of(&sample, &car, heard);
-        tires.step(
-            &now,
-            Some(truth.longitudinal_acceleration),
-            Some((truth.lateral_velocity, 0.02)),
-            &nothing,
-            [0.003, 0.07],
-        );
+        let motion = LateralMotion {
+            lateral_velocity: truth.lateral_velocity,
+            lateral_velocity_std: 0.02,
+            slip_angles: [truth.slip_angle_front, truth.slip_angle_rear],
+        };
+        tires.step(&now, Some(truth.longitudinal_acceleration), Some(motion), &nothing, [0.003, 0.07]);
         if let Some(likelihood) = tires.likelihood() {
             (last, count) = (Some(likelihood), count + 1);
         }

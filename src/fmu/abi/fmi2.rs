@@ -8,7 +8,7 @@
 
 use std::ffi::{CString, c_char, c_int, c_void};
 
-use super::memory::{array, array_mut, free_state, get_state};
+use super::memory::{array, array_mut, free_state, get, get_state, set};
 use super::text::{folder, text};
 use super::{Component, ERROR, Listener, OK, begun};
 use crate::instance::{Instance, Refused};
@@ -188,11 +188,7 @@ pub unsafe extern "C" fn fmi2GetReal(
     // SAFETY: see the module.
     unsafe {
         obey(component, |instance| {
-            let pairs = array(references, count).iter().zip(array_mut(values, count));
-            pairs.into_iter().try_for_each(|(reference, value)| {
-                *value = instance.get(*reference, false)?;
-                Ok(())
-            })
+            get(instance, (array(references, count), array_mut(values, count)), false, |value| value)
         })
     }
 }
@@ -208,11 +204,8 @@ pub unsafe extern "C" fn fmi2GetBoolean(
     // SAFETY: see the module.
     unsafe {
         obey(component, |instance| {
-            let pairs = array(references, count).iter().zip(array_mut(values, count));
-            pairs.into_iter().try_for_each(|(reference, value)| {
-                *value = c_int::from(instance.get(*reference, true)? != 0.0);
-                Ok(())
-            })
+            let pairs = (array(references, count), array_mut(values, count));
+            get(instance, pairs, true, |value| c_int::from(value != 0.0))
         })
     }
 }
@@ -228,8 +221,7 @@ pub unsafe extern "C" fn fmi2SetReal(
     // SAFETY: see the module.
     unsafe {
         obey(component, |instance| {
-            let mut pairs = array(references, count).iter().zip(array(values, count));
-            pairs.try_for_each(|(reference, value)| instance.set(*reference, false, *value))
+            set(instance, (array(references, count), array(values, count)), false, |value| value)
         })
     }
 }
@@ -245,10 +237,8 @@ pub unsafe extern "C" fn fmi2SetBoolean(
     // SAFETY: see the module.
     unsafe {
         obey(component, |instance| {
-            let mut pairs = array(references, count).iter().zip(array(values, count));
-            pairs.try_for_each(|(reference, value)| {
-                instance.set(*reference, true, f64::from(u8::from(*value != 0)))
-            })
+            let pairs = (array(references, count), array(values, count));
+            set(instance, pairs, true, |value| f64::from(u8::from(value != 0)))
         })
     }
 }

@@ -10,7 +10,7 @@
 
 use std::ffi::{CString, c_char, c_int, c_void};
 
-use super::memory::{array, array_mut, free_state, get_state};
+use super::memory::{array, array_mut, free_state, get, get_state, set};
 use super::text::text;
 use super::{Component, ERROR, Listener, OK, begun};
 use crate::instance::{Instance, Refused};
@@ -179,11 +179,7 @@ pub unsafe extern "C" fn fmi3GetFloat64(
     // SAFETY: see the module.
     unsafe {
         obey(instance, |instance| {
-            let pairs = array(references, count).iter().zip(array_mut(values, value_count));
-            pairs.into_iter().try_for_each(|(reference, value)| {
-                *value = instance.get(*reference, false)?;
-                Ok(())
-            })
+            get(instance, (array(references, count), array_mut(values, value_count)), false, |value| value)
         })
     }
 }
@@ -200,11 +196,8 @@ pub unsafe extern "C" fn fmi3GetBoolean(
     // SAFETY: see the module.
     unsafe {
         obey(instance, |instance| {
-            let pairs = array(references, count).iter().zip(array_mut(values, value_count));
-            pairs.into_iter().try_for_each(|(reference, value)| {
-                *value = instance.get(*reference, true)? != 0.0;
-                Ok(())
-            })
+            let pairs = (array(references, count), array_mut(values, value_count));
+            get(instance, pairs, true, |value| value != 0.0)
         })
     }
 }
@@ -221,8 +214,7 @@ pub unsafe extern "C" fn fmi3SetFloat64(
     // SAFETY: see the module.
     unsafe {
         obey(instance, |instance| {
-            let mut pairs = array(references, count).iter().zip(array(values, value_count));
-            pairs.try_for_each(|(reference, value)| instance.set(*reference, false, *value))
+            set(instance, (array(references, count), array(values, value_count)), false, |value| value)
         })
     }
 }
@@ -240,10 +232,8 @@ pub unsafe extern "C" fn fmi3SetBoolean(
     unsafe {
         obey(instance, |instance| {
             // As bytes: what is neither true nor false must not become a bool.
-            let mut pairs = array(references, count).iter().zip(array(values.cast::<u8>(), value_count));
-            pairs.try_for_each(|(reference, value)| {
-                instance.set(*reference, true, f64::from(u8::from(*value != 0)))
-            })
+            let pairs = (array(references, count), array(values.cast::<u8>(), value_count));
+            set(instance, pairs, true, |value| f64::from(u8::from(value != 0)))
         })
     }
 }

@@ -4,7 +4,7 @@ use std::ffi::{c_int, c_void};
 use std::slice;
 
 use super::{Component, ERROR, Listener, OK};
-use crate::instance::Instance;
+use crate::instance::{Instance, Refused};
 
 /// An array of C; empty where there is none.
 ///
@@ -28,6 +28,32 @@ pub(super) unsafe fn array_mut<'a, T>(values: *mut T, count: usize) -> &'a mut [
     }
     // SAFETY: as promised to this function.
     unsafe { slice::from_raw_parts_mut(values, count) }
+}
+
+/// Writes what these variables are into `values`, each as `to` has it.
+pub(super) fn get<T>(
+    instance: &mut Instance,
+    (references, values): (&[u32], &mut [T]),
+    is_switch: bool,
+    to: impl Fn(f64) -> T,
+) -> Result<(), Refused> {
+    references.iter().zip(values).try_for_each(|(reference, value)| {
+        *value = to(instance.get(*reference, is_switch)?);
+        Ok(())
+    })
+}
+
+/// Sets these variables to `values`, each as `from` takes it.
+pub(super) fn set<T: Copy>(
+    instance: &mut Instance,
+    (references, values): (&[u32], &[T]),
+    is_switch: bool,
+    from: impl Fn(T) -> f64,
+) -> Result<(), Refused> {
+    references
+        .iter()
+        .zip(values)
+        .try_for_each(|(reference, value)| instance.set(*reference, is_switch, from(*value)))
 }
 
 /// Keeps a copy of an instance under `state`: in the one that is there, or in a new one.

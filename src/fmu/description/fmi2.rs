@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{LIBRARY, about, escaped, range, start, units};
+use super::{BEFORE_VARIABLES, LIBRARY, about, escaped, kind, range, start, units};
 use crate::car::Car;
 use crate::variables::{Causality, Variable};
 
@@ -17,19 +17,10 @@ pub(super) fn description(car: &Car, variables: &[Variable], token: &str) -> Str
          canInterpolateInputs=\"true\" canNotUseMemoryManagementFunctions=\"true\" canGetAndSetFMUstate=\"true\"/>\n"
     );
     text.push_str(&units(variables));
-    text.push_str(
-        "  <LogCategories><Category name=\"error\" description=\"Calls that are refused, and why\"/></LogCategories>\n  \
-         <DefaultExperiment startTime=\"0.0\" stopTime=\"10.0\" stepSize=\"0.001\"/>\n  <ModelVariables>\n",
-    );
+    text.push_str(BEFORE_VARIABLES);
     let mut outputs = String::new();
     for (reference, variable) in variables.iter().enumerate() {
-        let kind = match variable.causality {
-            Causality::Independent => "causality=\"independent\" variability=\"continuous\"",
-            Causality::Input => "causality=\"input\" variability=\"continuous\"",
-            Causality::Output => "causality=\"output\" variability=\"continuous\" initial=\"calculated\"",
-            Causality::Tunable => "causality=\"parameter\" variability=\"tunable\" initial=\"exact\"",
-            Causality::Fixed => "causality=\"parameter\" variability=\"fixed\" initial=\"exact\"",
-        };
+        let kind = kind(variable.causality);
         let (start, range) = (start(variable), range(variable));
         let typed = if variable.is_switch() {
             format!("<Boolean{start}/>")

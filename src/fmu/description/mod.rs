@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use crate::Version;
 use crate::car::{Car, CarError, Part};
 use crate::quantities::UNITS;
-use crate::variables::{Variable, variables};
+use crate::variables::{Causality, Variable, variables};
 
 /// Name of the library in the archive, without its ending.
 pub const LIBRARY: &str = "gripd";
@@ -90,6 +90,22 @@ fn units(variables: &[Variable]) -> String {
     }
     text.push_str("  </UnitDefinitions>\n");
     text
+}
+
+/// What stands between the units and the variables.
+const BEFORE_VARIABLES: &str = "  <LogCategories><Category name=\"error\" description=\"Calls that are refused, and why\"/>\
+     </LogCategories>\n  \
+     <DefaultExperiment startTime=\"0.0\" stopTime=\"10.0\" stepSize=\"0.001\"/>\n  <ModelVariables>\n";
+
+/// Attributes of a variable by its causality.
+const fn kind(causality: Causality) -> &'static str {
+    match causality {
+        Causality::Independent => "causality=\"independent\" variability=\"continuous\"",
+        Causality::Input => "causality=\"input\" variability=\"continuous\"",
+        Causality::Output => "causality=\"output\" variability=\"continuous\" initial=\"calculated\"",
+        Causality::Tunable => "causality=\"parameter\" variability=\"tunable\" initial=\"exact\"",
+        Causality::Fixed => "causality=\"parameter\" variability=\"fixed\" initial=\"exact\"",
+    }
 }
 
 /// `min` and `max` of a number.

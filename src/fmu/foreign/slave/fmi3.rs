@@ -1,10 +1,10 @@
 //! FMI 3.0.
 
-use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::ffi::{c_char, c_int, c_void};
 
 use libloading::Library;
 
-use super::{checked, function, heard, path_text};
+use super::{checked, function, heard, path_text, text};
 use crate::foreign::description::Kind;
 use crate::foreign::job::Job;
 
@@ -49,10 +49,8 @@ pub(in crate::foreign) struct Functions {
 }
 
 unsafe extern "C" fn log(_: *mut c_void, status: c_int, _: *const c_char, message: *const c_char) {
-    if !message.is_null() {
-        // SAFETY: a text of C, by the standard.
-        heard(status, &unsafe { CStr::from_ptr(message) }.to_string_lossy());
-    }
+    // SAFETY: null, or a text of C, by the standard.
+    unsafe { heard(status, message) };
 }
 
 impl Functions {
@@ -88,8 +86,6 @@ pub(in crate::foreign) struct Instance<'s> {
 
 impl<'s> Instance<'s> {
     pub(super) fn new(functions: &'s Functions, job: &Job) -> Result<Self, String> {
-        let text =
-            |text: &str| CString::new(text).map_err(|_| "its description has texts with zeros".to_owned());
         let (name, token) = (text(&job.name)?, text(&job.token)?);
         let resources = text(&format!("{}/", path_text(&job.resources)))?;
         // SAFETY: the texts are there during the call; events, early return and intermediate updates are not asked for.

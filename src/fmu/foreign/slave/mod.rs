@@ -3,6 +3,7 @@
 mod fmi2;
 mod fmi3;
 
+use std::ffi::{CStr, CString, c_char};
 use std::path::Path;
 
 use libloading::Library;
@@ -116,11 +117,21 @@ fn checked(status: i32, call: &str) -> Result<(), String> {
 }
 
 /// Messages of the FMU, for people: its parent reads the standard error.
-fn heard(status: i32, message: &str) {
-    if status > 1 {
+///
+/// # Safety
+/// `message` is null or a text of C.
+unsafe fn heard(status: i32, message: *const c_char) {
+    if status > 1 && !message.is_null() {
         use std::io::Write;
+        // SAFETY: as promised to this function.
+        let message = unsafe { CStr::from_ptr(message) }.to_string_lossy();
         let _ = writeln!(std::io::stderr(), "{message}");
     }
+}
+
+/// A text for the library.
+fn text(text: &str) -> Result<CString, String> {
+    CString::new(text).map_err(|_| "its description has texts with zeros".to_owned())
 }
 
 /// A path as text: what is no text is taken as near as it can.

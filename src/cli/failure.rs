@@ -21,12 +21,12 @@ pub enum Failure {
 
 impl Failure {
     /// The work failed.
-    pub(super) fn work(reason: impl fmt::Display) -> Self {
+    pub fn work(reason: impl fmt::Display) -> Self {
         Self::Work(reason.to_string())
     }
 
     /// The user has to change something.
-    pub(super) fn usage(reason: impl fmt::Display) -> Self {
+    pub fn usage(reason: impl fmt::Display) -> Self {
         Self::Usage(reason.to_string())
     }
 }

@@ -26,7 +26,7 @@ use self::desk::stderr;
 use self::log::Log;
 
 #[cfg(feature = "desk")]
-pub use desk::SimulatedFrames;
+pub use desk::{SimulatedFrames, library};
 pub use failure::Failure;
 
 /// Tire stiffness and tire-road friction from a vehicle's CAN bus.

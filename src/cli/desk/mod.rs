@@ -14,6 +14,7 @@ mod export;
 mod forecast;
 mod identify;
 mod interrupted;
+pub mod library;
 mod man;
 mod map;
 mod monitor;

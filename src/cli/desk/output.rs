@@ -131,3 +131,19 @@ pub fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(), Fail
     writeln!(output)?;
     output.finish()
 }
+
+/// A result for a program.
+pub struct Told {
+    /// What `--json` has.
+    pub json: String,
+    /// Why some recordings could not be read to their end: the result is of the rest.
+    pub whole: Result<(), Failure>,
+}
+
+impl Told {
+    /// # Errors
+    /// If it cannot be written as JSON.
+    pub fn new(value: &impl serde::Serialize, whole: Result<(), Failure>) -> Result<Self, Failure> {
+        Ok(Self { json: serde_json::to_string(value).map_err(Failure::work)?, whole })
+    }
+}

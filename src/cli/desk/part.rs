@@ -33,6 +33,11 @@ pub struct Ends {
 }
 
 impl Part {
+    /// As the options say it.
+    pub fn new(from: Option<&str>, to: Option<&str>) -> Self {
+        Self { from: from.map(Into::into), to: to.map(Into::into) }
+    }
+
     /// From when to when. What is asked wrongly is told with the span of this recording.
     pub fn ends(&self, path: &Path) -> Result<Ends, Failure> {
         let wrong = |option: &str, text: &str, why: &dyn fmt::Display| {

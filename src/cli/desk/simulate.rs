@@ -12,7 +12,7 @@ use super::tables::TableFormat;
 use bus::can::Frame;
 use bus::can::recording::{Format, Writer};
 use bus::signals::Outputs;
-use physics::model::{Scenario, Simulation, TruthWriter};
+use physics::model::{Scenario, Simulation, Tick, TruthWriter};
 use physics::{Quantity, Sample};
 
 /// The same scenario and seed give the same recording to the last bit.
@@ -38,20 +38,49 @@ pub struct Simulate {
 impl Simulate {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        check_outputs(
-            [&self.scenario].into_iter().chain(&self.config),
-            [&self.out].into_iter().chain(&self.truth),
-        )?;
+        if let Some(path) = &self.truth
+            && TableFormat::of(path)? != TableFormat::Csv
+        {
+            return Err(Failure::usage(format_args!(
+                "{}: the truth is written as CSV; give it a name that ends in .csv",
+                path.display()
+            )));
+        }
+        let mut simulated = self.begin()?;
+        let mut truth = match &self.truth {
+            Some(path) => {
+                let columns = simulated.effect_columns();
+                Some(TruthWriter::with_effects(Output::create(path)?, columns).map_err(Failure::work)?)
+            }
+            None => None,
+        };
+        while let Some(tick) = simulated.advance()? {
+            if let Some(truth) = &mut truth {
+                let row = truth.write_with(tick.truth, tick.effects);
+                row.map_err(|error| Failure::from(io::Error::from(error)))?;
+            }
+        }
+        simulated.end()?;
+        match truth {
+            Some(truth) => truth.into_inner().map_err(Failure::work)?.finish(),
+            None => Ok(()),
+        }
+    }
+
+    /// The scenario at its beginning; nothing is recorded yet.
+    pub fn begin(&self) -> Result<Simulated, Failure> {
+        let outputs = || [&self.out].into_iter().chain(&self.truth);
+        check_outputs([&self.scenario].into_iter().chain(&self.config), outputs())?;
         let path = self.scenario.display();
         let text = std::fs::read_to_string(&self.scenario)
             .map_err(|e| Failure::usage(format_args!("cannot read the scenario {path}: {e}")))?;
         let scenario = Scenario::parse(&text).map_err(|e| Failure::usage(format_args!("{path}: {e}")))?;
         let seed = self.seed.unwrap_or(scenario.seed);
-        let mut simulation = Simulation::new(&scenario, seed).map_err(Failure::usage)?;
+        let simulation = Simulation::new(&scenario, seed).map_err(Failure::usage)?;
         let (config, database) = match &self.config {
             Some(path) => {
                 let config = super::configuration::load(path)?;
-                check_outputs(config.files(), [&self.out].into_iter().chain(&self.truth))?;
+                check_outputs(config.files(), outputs())?;
                 let database = config.input_database()?;
                 (config, database)
             }
@@ -60,41 +89,44 @@ impl Simulate {
         // Speeds in km/h are made with the radius they will be read with.
         let radius = config.vehicle.wheel_radius_m.value;
         let outputs = Outputs::compile(&config.signals, &database, radius).map_err(Failure::usage)?;
-        let mut frames = SimulatedFrames::new(outputs);
         let format = Format::of_name(&self.out).unwrap_or(Format::Candump);
-        let mut log = Writer::create(&self.out, format, &config.bus.interface)?;
-        let mut truth = match &self.truth {
-            Some(path) => {
-                if TableFormat::of(path)? != TableFormat::Csv {
-                    return Err(Failure::usage(format_args!(
-                        "{}: the truth is written as CSV; give it a name that ends in .csv",
-                        path.display()
-                    )));
-                }
-                let columns = simulation.effect_columns();
-                Some(TruthWriter::with_effects(Output::create(path)?, columns).map_err(Failure::work)?)
+        let log = Writer::create(&self.out, format, &config.bus.interface)?;
+        Ok(Simulated { simulation, frames: SimulatedFrames::new(outputs), path: self.out.clone(), format, log })
+    }
+}
+
+/// A scenario that is driven and recorded, step by step.
+pub struct Simulated {
+    simulation: Simulation,
+    frames: SimulatedFrames,
+    path: PathBuf,
+    format: Format,
+    log: Writer,
+}
+
+impl Simulated {
+    /// Columns that the scenario's effects add to the truth.
+    pub fn effect_columns(&self) -> &[String] {
+        self.simulation.effect_columns()
+    }
+
+    /// One step further, its frames recorded: what was true then, nothing at the end.
+    pub fn advance(&mut self) -> Result<Option<Tick<'_>>, Failure> {
+        let Some(tick) = self.simulation.next_tick() else { return Ok(None) };
+        let mut written = Ok(());
+        self.frames.take(tick.readings, &mut |frame| {
+            if written.is_ok() {
+                written = self.log.write(frame);
             }
-            None => None,
-        };
-        while let Some(tick) = simulation.next_tick() {
-            let mut written = Ok(());
-            frames.take(tick.readings, &mut |frame| {
-                if written.is_ok() {
-                    written = log.write(frame);
-                }
-            });
-            written?;
-            if let Some(truth) = &mut truth {
-                let row = truth.write_with(tick.truth, tick.effects);
-                row.map_err(|error| Failure::from(io::Error::from(error)))?;
-            }
-        }
-        let written = log.finish()?;
-        super::recordings::tell_losses(&self.out, format, &written);
-        match truth {
-            Some(truth) => truth.into_inner().map_err(Failure::work)?.finish(),
-            None => Ok(()),
-        }
+        });
+        written?;
+        Ok(Some(tick))
+    }
+
+    /// The recording gets its name.
+    pub fn end(self) -> Result<(), Failure> {
+        super::recordings::tell_losses(&self.path, self.format, &self.log.finish()?);
+        Ok(())
     }
 }
 

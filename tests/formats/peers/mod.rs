@@ -3,6 +3,7 @@
 //! Skipped, with a message, where the Python packages cannot be had.
 
 mod fmus;
+mod package;
 mod written;
 
 use std::fs;

@@ -6,7 +6,7 @@ mod recordings;
 mod simulation;
 mod verify;
 
-pub use recordings::read;
+pub use recordings::{Read, read};
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -14,11 +14,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::output::{check_outputs, write_json, write_text};
+use super::output::{Told, check_outputs, write_json, write_text};
 use super::part::Part;
 use super::progress::Progress;
 use super::{Failure, configuration};
-use lab::explain::{Case, Confirmed, Finding, Order, Recording, STAGES, Work};
+use lab::explain::{Answer, Case, Confirmed, Finding, Order, Recording, STAGES, Work};
 use lab::pages::explain as page;
 use physics::model::effect::{KINDS, named};
 
@@ -93,22 +93,20 @@ pub struct Explain {
     part: Part,
 }
 
+/// Hears which stage the work is in, and of which share (0–1) of it.
+pub type Watch<'w> = &'w (dyn Fn(&str, f64) + Sync);
+
+/// What is read besides the drives.
+struct Beside {
+    /// Those of --confirm.
+    others: recordings::Read,
+    simulation: Option<fmu::Simulation>,
+}
+
 impl Explain {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        if self.simulation.is_some() && self.logs.len() > 1 {
-            return Err(Failure::usage(
-                "--simulation takes the one recording that was simulated; name one LOG",
-            ));
-        }
-        if self.fmu.is_some() && self.logs.len() > 1 {
-            return Err(Failure::usage("--fmu takes the one recording that it is driven with; name one LOG"));
-        }
-        if self.history && self.logs.len() + self.reference.len() < 2 {
-            return Err(Failure::usage("--history compares drives: name two LOGs or more, or a --reference"));
-        }
-        self.check_verify()?;
-        let config = configuration::load(&self.config)?;
+        let config = self.configured()?;
         let kept = self.verify.as_ref().map(|_| verify::kept_in(self.json.as_deref(), &self.logs[0]));
         check_outputs(
             self.logs
@@ -122,57 +120,20 @@ impl Explain {
                 .chain(config.files()),
             self.json.iter().chain(&self.html).chain(&self.apply).chain(&kept),
         )?;
-        let logs: Vec<PathBuf> =
-            self.reference.iter().chain(&self.logs).chain(&self.holdout).cloned().collect();
-        // The part is of what is explained, not of what it is compared with.
-        let first = self.reference.len();
-        let is_explained = first..first + self.logs.len();
-        let part = |place| if is_explained.contains(&place) { self.part.clone() } else { Part::default() };
-        let mut read = recordings::read(&logs, part, &config)?;
         let work = Work::default();
-        read.recordings.iter_mut().for_each(|recording| recording.work = work.clone());
-        if self.history && read.put_in_order(first) == Order::Given {
-            tracing::info!("{AS_GIVEN}");
-        }
-        let case = Case {
-            vehicle: &config.vehicle,
-            effects: &config.effect,
-            recordings: &read.recordings,
-            references: self.reference.len(),
-            in_order: self.history,
-            held_out: self.holdout.len(),
-            chain: &read.chain,
-            library: KINDS,
-            seed: self.seed,
-        };
+        let read = self.read(&config, &work)?;
+        let case = self.case(&config, &read);
         if self.sensitivity || self.isolability {
+            let (logs, part) = (self.all_logs(), |place| self.part_of(place));
             let drives =
                 verify::Drives { config: &config, case: &case, read: &read, logs: &logs, part: &part };
             self.could_tell(&drives)?;
             return read.whole();
         }
         // What cannot be read is told before minutes of searching.
-        let others = recordings::read(&self.confirm, |_| Part::default(), &config)?;
-        let simulation = self.simulated(&config, &read.recordings[0])?;
+        let beside = self.beside(&config, &read)?;
         let progress = Progress::of_stages(STAGES, work);
-        let at = |stage: &str, share: f64| progress.at(stage, share);
-        let mut answer = match &simulation {
-            Some(fmu::Simulation { recording: simulation, .. }) => {
-                case.left_out(simulation, &at).map_err(|why| {
-                    Failure::work(format_args!(
-                        "{} beside {}: {why}",
-                        simulation.name,
-                        self.logs[0].display()
-                    ))
-                })?
-            }
-            None => case.explain(&at),
-        };
-        if let (Some(simulated), Some(simulation)) = (&mut answer.explanation.simulation, simulation) {
-            simulated.tuned = simulation.tuned;
-        }
-        answer.explanation.confirm = confirmed(&case, &answer.explanation.findings, &others.recordings)?;
-        answer.explanation.tell_dates(&read.recordings);
+        let answer = self.answer(&case, &beside, &|stage, share| progress.at(stage, share))?;
         progress.finish();
         let explanation = &answer.explanation;
         if self.prints_text() {
@@ -189,7 +150,104 @@ impl Explain {
         if let Some(path) = &self.apply {
             write_text(path, &apply::toml(&self.config, path, &answer, self.force)?)?;
         }
-        others.whole().and_then(|()| read.whole())
+        beside.others.whole().and_then(|()| read.whole())
+    }
+
+    /// The explanation as `--json` has it, written nowhere.
+    ///
+    /// # Errors
+    /// As the command's, but for recordings that could not be read to their end.
+    pub fn told(&self, watch: Watch<'_>) -> Result<Told, Failure> {
+        let config = self.configured()?;
+        let read = self.read(&config, &Work::default())?;
+        let beside = self.beside(&config, &read)?;
+        let answer = self.answer(&self.case(&config, &read), &beside, watch)?;
+        Told::new(&answer.explanation, beside.others.whole().and_then(|()| read.whole()))
+    }
+
+    /// The configuration, if what is asked can be.
+    fn configured(&self) -> Result<bus::Config, Failure> {
+        if self.simulation.is_some() && self.logs.len() > 1 {
+            return Err(Failure::usage(
+                "--simulation takes the one recording that was simulated; name one LOG",
+            ));
+        }
+        if self.fmu.is_some() && self.logs.len() > 1 {
+            return Err(Failure::usage("--fmu takes the one recording that it is driven with; name one LOG"));
+        }
+        if self.history && self.logs.len() + self.reference.len() < 2 {
+            return Err(Failure::usage("--history compares drives: name two LOGs or more, or a --reference"));
+        }
+        self.check_verify()?;
+        Ok(configuration::load(&self.config)?)
+    }
+
+    /// In the order of a case.
+    fn all_logs(&self) -> Vec<PathBuf> {
+        self.reference.iter().chain(&self.logs).chain(&self.holdout).cloned().collect()
+    }
+
+    /// The part is of what is explained, not of what it is compared with.
+    fn part_of(&self, place: usize) -> Part {
+        let first = self.reference.len();
+        let is_explained = first..first + self.logs.len();
+        if is_explained.contains(&place) { self.part.clone() } else { Part::default() }
+    }
+
+    /// The drives, which count in `work` how far the fits are.
+    fn read(&self, config: &bus::Config, work: &Work) -> Result<recordings::Read, Failure> {
+        let mut read = recordings::read(&self.all_logs(), |place| self.part_of(place), config)?;
+        read.recordings.iter_mut().for_each(|recording| recording.work = work.clone());
+        if self.history && read.put_in_order(self.reference.len()) == Order::Given {
+            tracing::info!("{AS_GIVEN}");
+        }
+        Ok(read)
+    }
+
+    fn case<'c>(&self, config: &'c bus::Config, read: &'c recordings::Read) -> Case<'c> {
+        Case {
+            vehicle: &config.vehicle,
+            effects: &config.effect,
+            recordings: &read.recordings,
+            references: self.reference.len(),
+            in_order: self.history,
+            held_out: self.holdout.len(),
+            chain: &read.chain,
+            library: KINDS,
+            seed: self.seed,
+        }
+    }
+
+    fn beside(&self, config: &bus::Config, read: &recordings::Read) -> Result<Beside, Failure> {
+        let others = recordings::read(&self.confirm, |_| Part::default(), config)?;
+        Ok(Beside { others, simulation: self.simulated(config, &read.recordings[0])? })
+    }
+
+    fn answer<'c>(
+        &self,
+        case: &Case<'c>,
+        beside: &Beside,
+        watch: Watch<'_>,
+    ) -> Result<Answer<'c>, Failure> {
+        let mut answer = match &beside.simulation {
+            Some(fmu::Simulation { recording: simulation, .. }) => {
+                case.left_out(simulation, watch).map_err(|why| {
+                    Failure::work(format_args!(
+                        "{} beside {}: {why}",
+                        simulation.name,
+                        self.logs[0].display()
+                    ))
+                })?
+            }
+            None => case.explain(watch),
+        };
+        let explanation = &mut answer.explanation;
+        if let (Some(simulated), Some(simulation)) = (&mut explanation.simulation, &beside.simulation) {
+            simulated.tuned.clone_from(&simulation.tuned);
+        }
+        explanation.confirm = confirmed(case, &explanation.findings, &beside.others.recordings)?;
+        explanation.tell_dates(case.recordings);
+        Ok(answer)
     }
 
     /// Somebody's simulation of the recording, if there is one.

@@ -11,13 +11,14 @@ use clap::builder::{PossibleValue, PossibleValuesParser, RangedU64ValueParser, T
 use serde::de::value::{Error as ValueError, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
-use super::output::{check_outputs, write_json, write_text};
+use super::output::{Told, check_outputs, write_json, write_text};
 use super::part::Part;
 use super::progress::Progress;
-use super::{Failure, configuration, explain};
+use super::explain::{self, Watch};
+use super::{Failure, configuration};
 use lab::explain::ordinary::{Asked, Ordinary};
 use lab::explain::{FIT_STAGES, Work};
-use lab::identify::{Identifier, IdentifyConfig, IdentifyError, LongitudinalInput, Method, STAGES};
+use lab::identify::{Identification, Identifier, IdentifyConfig, IdentifyError, LongitudinalInput, Method, STAGES};
 use lab::pages;
 use lab::pages::identify::{self as page, Story};
 use physics::Quantity;
@@ -68,20 +69,16 @@ impl Identify {
             self.logs.iter().chain([&self.config]).chain(config.files()),
             self.json.iter().chain(&self.html).chain(&self.apply),
         )?;
-        let used = self.settings(&configuration::identify(&self.config)?)?;
+        let used = self.settings()?;
         if used.method == Method::Ordinary {
             return self.ordinary(&config);
         }
-        let (records, broken) =
-            recordings::read(&self.logs, &self.part, &config.clone().with_true_signals())?;
+        let read = self.records(&config)?;
         let progress = Progress::of_stages(STAGES, Work::default());
-        let found = Identifier::new(&records, &config.vehicle, &used)
-            .and_then(|identifier| identifier.run(|stage, share| progress.at(stage, share)));
+        let found = found(&config, &used, &read, &|stage, share| progress.at(stage, share));
         progress.finish();
-        let found = found.map_err(|error| failure(&error, &broken))?;
-        let offsets = Quantity::ALL
-            .map(|quantity| config.signals.quantities.get(&quantity).map_or(0.0, |config| config.offset));
-        let story = Story { offsets, used: &used, records: &records, found: &found };
+        let found = found?;
+        let story = story(&config, &used, &read, &found);
         if self.prints_text() {
             let mut stdout = std::io::stdout().lock();
             stdout.write_all(page::text(&story).as_bytes()).and_then(|()| stdout.flush())?;
@@ -96,21 +93,32 @@ impl Identify {
         if let Some(path) = &self.apply {
             write_text(path, &apply::toml((&self.config, path), &found, self.force)?)?;
         }
-        // What could be read was worth its results; that something was lost is said all the same.
-        if broken.is_empty() { Ok(()) } else { Err(Failure::Work(broken.join("; "))) }
+        whole(&read.broken)
+    }
+
+    /// What `--json` has, written nowhere.
+    ///
+    /// # Errors
+    /// As the command's, but for recordings that could not be read to their end.
+    pub fn told(&self, watch: Watch<'_>) -> Result<Told, Failure> {
+        let config = configuration::load(&self.config)?;
+        let used = self.settings()?;
+        if used.method == Method::Ordinary {
+            let read = self.drives(&config, &Work::default())?;
+            let ordinary = fitted(&config, &read, watch)?;
+            return Told::new(&pages::ordinary::report(&ordinary), whole(&read.broken));
+        }
+        let read = self.records(&config)?;
+        let found = found(&config, &used, &read, watch)?;
+        Told::new(&page::report(&story(&config, &used, &read, &found)), whole(&read.broken))
     }
 
     /// The ordinary car by free runs, the measured speed an input.
     fn ordinary(&self, config: &bus::Config) -> Result<(), Failure> {
-        let mut read = explain::read(&self.logs, |_| self.part.clone(), config)?;
         let work = Work::default();
-        read.recordings.iter_mut().for_each(|recording| recording.work = work.clone());
+        let read = self.drives(config, &work)?;
         let progress = Progress::of_stages(FIT_STAGES, work);
-        progress.at(FIT_STAGES[0].name, 0.0);
-        let ordinary = Ordinary::of(&config.vehicle, &config.effect, &read.recordings, Asked::CAR)
-            .ok_or_else(|| {
-                Failure::work("no recording has steering, yaw rate and 12 s of driving above 4 m/s")
-            });
+        let ordinary = fitted(config, &read, &|stage, share| progress.at(stage, share));
         progress.finish();
         let ordinary = ordinary?;
         if self.prints_text() {
@@ -126,7 +134,18 @@ impl Identify {
         if let Some(path) = &self.apply {
             write_text(path, &apply::of_ordinary((&self.config, path), &ordinary, self.force)?)?;
         }
-        if read.broken.is_empty() { Ok(()) } else { Err(Failure::Work(read.broken.join("; "))) }
+        whole(&read.broken)
+    }
+
+    fn records(&self, config: &bus::Config) -> Result<recordings::Read, Failure> {
+        recordings::read(&self.logs, &self.part, &config.clone().with_true_signals())
+    }
+
+    /// The recordings as `explain` has them, which count in `work` how far the fit is.
+    fn drives(&self, config: &bus::Config, work: &Work) -> Result<explain::Read, Failure> {
+        let mut read = explain::read(&self.logs, |_| self.part.clone(), config)?;
+        read.recordings.iter_mut().for_each(|recording| recording.work = work.clone());
+        Ok(read)
     }
 
     /// With `--json -` the standard output is for programs.
@@ -136,8 +155,8 @@ impl Identify {
     }
 
     /// The configuration's table with the command line's changes.
-    fn settings(&self, table: &IdentifyConfig) -> Result<IdentifyConfig, Failure> {
-        let mut used = table.clone();
+    fn settings(&self) -> Result<IdentifyConfig, Failure> {
+        let mut used = configuration::identify(&self.config)?;
         if let Some(names) = &self.parameters {
             used.parameters = names.iter().map(|name| name.trim().to_owned()).collect();
         }
@@ -147,6 +166,39 @@ impl Identify {
         used.validate().map_err(Failure::usage)?;
         Ok(used)
     }
+}
+
+fn found(
+    config: &bus::Config,
+    used: &IdentifyConfig,
+    read: &recordings::Read,
+    watch: Watch<'_>,
+) -> Result<Identification, Failure> {
+    Identifier::new(&read.records, &config.vehicle, used)
+        .and_then(|identifier| identifier.run(watch))
+        .map_err(|error| failure(&error, &read.broken))
+}
+
+fn story<'s>(
+    config: &bus::Config,
+    used: &'s IdentifyConfig,
+    read: &'s recordings::Read,
+    found: &'s Identification,
+) -> Story<'s> {
+    let offsets = Quantity::ALL
+        .map(|quantity| config.signals.quantities.get(&quantity).map_or(0.0, |config| config.offset));
+    Story { offsets, used, records: &read.records, found }
+}
+
+fn fitted(config: &bus::Config, read: &explain::Read, watch: Watch<'_>) -> Result<Ordinary, Failure> {
+    watch(FIT_STAGES[0].name, 0.0);
+    Ordinary::of(&config.vehicle, &config.effect, &read.recordings, Asked::CAR)
+        .ok_or_else(|| Failure::work("no recording has steering, yaw rate and 12 s of driving above 4 m/s"))
+}
+
+/// What could be read was worth its results; that something was lost is said all the same.
+fn whole(broken: &[String]) -> Result<(), Failure> {
+    if broken.is_empty() { Ok(()) } else { Err(Failure::Work(broken.join("; "))) }
 }
 
 /// Names of parameters. Shells complete them; which of them can be used, the search knows, and says better.

@@ -12,8 +12,16 @@ use bus::signals::Sampler;
 use lab::identify::Record;
 use physics::Micros;
 
-/// A record for each recording, and why some could not be read to their end.
-pub fn read(logs: &[PathBuf], part: &Part, config: &Config) -> Result<(Vec<Record>, Vec<String>), Failure> {
+/// Everything that was read.
+pub struct Read {
+    /// One for each recording.
+    pub records: Vec<Record>,
+    /// Why some could not be read to their end.
+    pub broken: Vec<String>,
+}
+
+/// Reads all recordings.
+pub fn read(logs: &[PathBuf], part: &Part, config: &Config) -> Result<Read, Failure> {
     let inputs = samples::inputs(config)?;
     let mut records = Vec::new();
     let mut broken = Vec::new();
@@ -37,7 +45,7 @@ pub fn read(logs: &[PathBuf], part: &Part, config: &Config) -> Result<(Vec<Recor
         });
     }
     progress.finish();
-    Ok((records, broken))
+    Ok(Read { records, broken })
 }
 
 /// What a recording is called where its folder does not matter.

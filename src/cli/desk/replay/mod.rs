@@ -1,31 +1,28 @@
 //! `gripd replay`: the service's own engine over recordings.
 
+mod drive;
 mod learned;
 
-use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::PathBuf;
-use std::time::Instant;
 
 use clap::Args;
-use serde::Serialize;
 
-use self::learned::Learning;
 use super::Failure;
 use super::output::{Output, check_outputs, write_json};
-use super::part::{Part, PartError, PartReader};
+use super::part::{Part, PartReader};
 use super::player::Player;
-use super::progress::Progress;
-use super::tables::{EstimatesTable, SamplesTable, TableFormat};
+use super::tables::rows::{Column, estimates_columns, estimates_row, samples_columns, samples_row};
+use super::tables::{Table, TableFormat, table};
 use bus::Config;
 use bus::can::Frame;
-use bus::can::recording::{Format, LogError, Reader, Writer};
+use bus::can::recording::{Format, LogError, Writer};
 use bus::service::saved::{Claim, Refusal};
 use bus::service::{Engine, SavedState, Sink};
-use lab::identify::CorneringStiffness;
-use physics::estimate::{EstimatorsConfig, Learned};
-use physics::time::Clock;
-use physics::{Estimates, Micros, Quantity, Sample};
+use physics::estimate::Learned;
+use physics::{Estimates, Quantity, Sample};
+
+pub use drive::{Drive, Driven, Listener, Stats};
 
 /// Without -i nothing touches a bus, and the same input gives the same output to the last bit.
 #[derive(Args)]
@@ -68,25 +65,6 @@ pub struct Replay {
     part: Part,
 }
 
-/// `--stats`.
-#[derive(Serialize)]
-struct Stats {
-    frames_in: u64,
-    frames_out: u64,
-    samples: u64,
-    seconds_of_recording: f64,
-    wall_s: f64,
-    frames_per_s: f64,
-    /// When the first recording begins, where its stamps are dates.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    begins_utc: Option<String>,
-    skipped_lines: u64,
-    dropped_by_recorder: u64,
-    time_backwards: u64,
-    faults: BTreeMap<String, u64>,
-    cornering_stiffness: CorneringStiffness,
-}
-
 impl Replay {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
@@ -117,30 +95,14 @@ impl Replay {
         }
         let driven_before_s = engine.driving_s();
         let mut results = Results::create(&self, &config)?;
-        let mut player = Player::new(self.realtime, self.interface.as_deref(), &config)?;
-        let started = Instant::now();
-        let mut totals = Totals::default();
-        let progress = Progress::of_files(&self.logs);
-        for path in &self.logs {
-            let mut reader = self.part.open(path)?;
-            // What could be read before the damage is still worth its results.
-            if let Err(error) = play(&mut reader, &mut engine, &mut results, &mut player, &progress) {
-                totals.broken.push(error.to_string());
-            }
-            totals.add(&reader);
-            if reader.stats().dropped > 0 {
-                engine.report_dropped(reader.stats().dropped);
+        let mut drive = Drive::new(engine, &config, &self.logs, &self.part);
+        while results.failure.is_none() && drive.advance(&mut results)? {
+            for published in results.published.drain(..) {
+                results.player.send(&published);
             }
         }
-        engine.finish(&mut results);
-        progress.finish();
-        for quantity in Quantity::ALL.into_iter().filter(|q| results.heard & q.bit() == 0) {
-            if engine.sampler().inputs().has(quantity) && engine.counts().samples > 0 {
-                tracing::warn!("{quantity} is configured and never has a value in what was replayed");
-            }
-        }
-        let stats = totals.stats(&engine, started, results.learning.cornering_stiffness(&config.estimators));
-        let learned = results.learning.text(&config.estimators);
+        let driven = drive.end(&mut results);
+        let Driven { engine, stats, learned, .. } = &driven;
         results.finish()?;
         if let Some(state) = state.filter(|_| engine.driving_s() > driven_before_s) {
             if let Some(contradiction) = engine.contradiction() {
@@ -153,7 +115,7 @@ impl Replay {
             state.save(&engine.learned_or(&before)).map_err(|error| Failure::work(failed(error)))?;
         }
         if let Some(path) = &self.stats {
-            write_json(path, &stats)?;
+            write_json(path, stats)?;
         }
         // For people: whoever wants to hear of errors only is not told.
         if tracing::enabled!(tracing::Level::INFO) && !learned.is_empty() {
@@ -166,15 +128,7 @@ impl Replay {
             stats.seconds_of_recording,
             stats.wall_s
         );
-        if totals.broken.is_empty() && stats.samples == 0 {
-            let ids: Vec<_> = engine.ids().iter().map(ToString::to_string).collect();
-            return Err(Failure::work(format_args!(
-                "nothing to estimate from: none of the needed identifiers ({}) is in the recording; \
-                 is it of this car and bus? `gripd check` tells more",
-                ids.join(", ")
-            )));
-        }
-        if totals.broken.is_empty() { Ok(()) } else { Err(Failure::Work(totals.broken.join("; "))) }
+        driven.whole()
     }
 }
 
@@ -191,30 +145,6 @@ fn take_up(state: &SavedState, engine: &mut Engine) -> Result<Learned, Failure> 
     Ok(learned.unwrap_or_default())
 }
 
-/// One recording through the engine.
-fn play(
-    reader: &mut PartReader,
-    engine: &mut Engine,
-    results: &mut Results,
-    player: &mut Player,
-    progress: &Progress,
-) -> Result<(), PartError> {
-    while let Some(frame) = reader.next_frame()? {
-        results.learning.begin(reader.clock());
-        player.play(&frame);
-        results.input(reader.interface(), &frame);
-        engine.frame(&frame, results);
-        for published in results.published.drain(..) {
-            player.send(&published);
-        }
-        progress.advance(reader.stats().lines);
-        if results.failure.is_some() {
-            break;
-        }
-    }
-    Ok(())
-}
-
 /// The frames that are written.
 struct Recording {
     path: PathBuf,
@@ -226,15 +156,13 @@ struct Recording {
 struct Results {
     out: Option<Recording>,
     all: bool,
-    estimates: Option<EstimatesTable<Output>>,
-    samples: Option<SamplesTable<Output>>,
+    estimates: Option<Box<dyn Table<Output>>>,
+    samples: Option<Box<dyn Table<Output>>>,
+    quantities: Vec<Quantity>,
+    player: Player,
     /// Frames that still have to go onto a bus.
     published: Vec<Frame>,
     onto_bus: bool,
-    /// Quantities that had a value, as bits.
-    heard: u16,
-    learning: Learning,
-    estimators: EstimatorsConfig,
     failure: Option<Failure>,
 }
 
@@ -246,25 +174,25 @@ impl Results {
             let writer = Writer::create(path, format, interface)?;
             Ok(Recording { path: path.clone(), format, writer })
         });
-        let estimates = command.estimates.as_ref().map(|path| {
-            let format = TableFormat::of(path)?;
-            EstimatesTable::new(Output::create(path)?, format).map_err(Failure::work)
-        });
-        let samples = command.samples.as_ref().map(|path| {
-            let quantities = config.signals.quantities.keys().copied().collect();
-            let format = TableFormat::of(path)?;
-            SamplesTable::new(Output::create(path)?, format, quantities).map_err(Failure::work)
-        });
+        let quantities: Vec<Quantity> = config.signals.quantities.keys().copied().collect();
+        let begun = |path: Option<&PathBuf>, title, columns: &[Column]| {
+            let begin = |path: &PathBuf| {
+                let format = TableFormat::of(path)?;
+                table(Output::create(path)?, format, title, columns).map_err(Failure::work)
+            };
+            path.map(begin).transpose()
+        };
+        let estimates = begun(command.estimates.as_ref(), "estimates", &estimates_columns())?;
+        let samples = begun(command.samples.as_ref(), "samples", &samples_columns(&quantities))?;
         Ok(Self {
             out: out.transpose().map_err(|error: LogError| Failure::from(error))?,
             all: command.all,
-            estimates: estimates.transpose()?,
-            samples: samples.transpose()?,
+            estimates,
+            samples,
+            quantities,
+            player: Player::new(command.realtime, command.interface.as_deref(), config)?,
             published: Vec::new(),
             onto_bus: command.interface.is_some(),
-            heard: 0,
-            learning: Learning::default(),
-            estimators: config.estimators.clone(),
             failure: None,
         })
     }
@@ -302,16 +230,21 @@ impl Results {
     }
 }
 
+impl Listener for Results {
+    fn frame(&mut self, recording: &PartReader, frame: &Frame) {
+        self.player.play(frame);
+        self.input(recording.interface(), frame);
+    }
+}
+
 impl Sink for Results {
     fn estimates(&mut self, sample: &Sample, estimates: &Estimates) {
-        self.heard |= sample.present();
-        self.learning.take(estimates, &self.estimators);
         if let Some(table) = &mut self.estimates {
-            let written = table.row(sample, estimates);
+            let written = estimates_row(&mut **table, sample, estimates);
             self.check(written);
         }
         if let Some(table) = &mut self.samples {
-            let written = table.row(sample);
+            let written = samples_row(&mut **table, sample, &self.quantities);
             self.check(written);
         }
     }
@@ -323,52 +256,6 @@ impl Sink for Results {
         }
         if self.onto_bus {
             self.published.push(*frame);
-        }
-    }
-}
-
-/// Sums over all recordings.
-#[derive(Default)]
-struct Totals {
-    /// Stamp of the first frame.
-    first: Option<Micros>,
-    seconds: f64,
-    skipped_lines: u64,
-    dropped: u64,
-    time_backwards: u64,
-    broken: Vec<String>,
-}
-
-impl Totals {
-    fn add(&mut self, reader: &Reader) {
-        let stats = reader.stats();
-        self.first = self.first.or(stats.first_time);
-        self.seconds += stats.seconds();
-        self.skipped_lines += stats.skipped_lines;
-        self.dropped += stats.dropped;
-        self.time_backwards += stats.time_backwards;
-        if stats.frames == 0 && stats.skipped_lines > 0 {
-            self.broken.push(super::recordings::nothing_in(reader));
-        }
-        super::recordings::warn(reader);
-    }
-
-    fn stats(&self, engine: &Engine, started: Instant, cornering_stiffness: CorneringStiffness) -> Stats {
-        let counts = engine.counts();
-        let wall_s = started.elapsed().as_secs_f64();
-        Stats {
-            frames_in: counts.frames_in,
-            frames_out: counts.frames_out,
-            samples: counts.samples,
-            seconds_of_recording: self.seconds,
-            begins_utc: self.first.and_then(|first| Clock::of(first).utc(0.0)),
-            wall_s,
-            frames_per_s: if wall_s > 0.0 { counts.frames_in as f64 / wall_s } else { 0.0 },
-            skipped_lines: self.skipped_lines,
-            dropped_by_recorder: self.dropped,
-            time_backwards: self.time_backwards,
-            faults: engine.fault_counts().iter().collect(),
-            cornering_stiffness,
         }
     }
 }

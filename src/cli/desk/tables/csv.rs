@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-use super::Column;
+use super::Table;
+use super::rows::{Column, Rows};
 use physics::Micros;
 
 /// Writes a line for each row.
@@ -19,46 +20,43 @@ impl<W: Write> Csv<W> {
         writeln!(output, "{}", names.join(","))?;
         Ok(Self { output, row: String::new() })
     }
+}
 
-    /// Begins a row.
-    pub fn time(&mut self, time: Micros) {
+impl<W: Write> Rows for Csv<W> {
+    fn time(&mut self, time: Micros) {
         self.row.clear();
         // Writing to a string cannot fail.
         let _ = write!(self.row, "{time}");
     }
 
-    /// A number, or none.
-    pub fn number(&mut self, value: Option<f64>) {
+    fn number(&mut self, value: Option<f64>) {
         self.row.push(',');
         if let Some(value) = value {
             let _ = write!(self.row, "{value}");
         }
     }
 
-    /// A whole number.
-    pub fn count(&mut self, value: u32) {
+    fn count(&mut self, value: u32) {
         let _ = write!(self.row, ",{value}");
     }
 
-    /// Yes or no.
-    pub fn flag(&mut self, value: bool) {
+    fn flag(&mut self, value: bool) {
         self.row.push_str(if value { ",1" } else { ",0" });
     }
 
-    /// A word without commas.
-    pub fn word(&mut self, word: &str) {
+    fn word(&mut self, word: &'static str) {
         self.row.push(',');
         self.row.push_str(word);
     }
 
-    /// Ends a row.
-    pub fn end(&mut self) -> io::Result<()> {
+    fn end(&mut self) -> io::Result<()> {
         self.row.push('\n');
         self.output.write_all(self.row.as_bytes())
     }
+}
 
-    /// The output, flushed.
-    pub fn into_inner(mut self) -> io::Result<W> {
+impl<W: Write> Table<W> for Csv<W> {
+    fn into_inner(mut self: Box<Self>) -> io::Result<W> {
         self.output.flush()?;
         Ok(self.output)
     }

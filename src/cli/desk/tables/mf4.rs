@@ -4,7 +4,8 @@
 
 use std::io::{self, Seek, Write};
 
-use super::{Column, Kind};
+use super::Table;
+use super::rows::{Column, Kind, Rows};
 use bus::can::recording::mdf::{self, Channel, Group, MdfFile, Records, TIME};
 use physics::Micros;
 
@@ -38,7 +39,7 @@ impl<W: Write + Seek> Mf4<W> {
             };
             let invalid = (column.kind == Kind::Real).then_some(bits);
             bits += u32::from(invalid.is_some());
-            let (name, unit) = (column.name.clone(), column.unit.to_owned());
+            let (name, unit) = (column.name.clone(), column.unit.clone().into_owned());
             channels.push(Channel { name, unit, kind, byte, size, invalid });
             byte += size;
         }
@@ -56,9 +57,10 @@ impl<W: Write + Seek> Mf4<W> {
             next: 0,
         })
     }
+}
 
-    /// Begins a row.
-    pub fn time(&mut self, time: Micros) {
+impl<W: Write + Seek> Rows for Mf4<W> {
+    fn time(&mut self, time: Micros) {
         // The file's own time begins with the second of the first row.
         let whole = time.0.div_euclid(Micros::PER_SECOND) * Micros::PER_SECOND;
         let start = *self.start.get_or_insert(Micros(whole.max(0)));
@@ -68,8 +70,7 @@ impl<W: Write + Seek> Mf4<W> {
         self.next = 0;
     }
 
-    /// A number, or none.
-    pub fn number(&mut self, value: Option<f64>) {
+    fn number(&mut self, value: Option<f64>) {
         self.row.extend(value.unwrap_or(f64::NAN).to_le_bytes());
         if value.is_none()
             && let Some(byte) = self.invalid.get_mut(self.next / 8)
@@ -79,18 +80,15 @@ impl<W: Write + Seek> Mf4<W> {
         self.next += 1;
     }
 
-    /// A whole number.
-    pub fn count(&mut self, value: u32) {
+    fn count(&mut self, value: u32) {
         self.row.extend(value.to_le_bytes());
     }
 
-    /// Yes or no.
-    pub fn flag(&mut self, value: bool) {
+    fn flag(&mut self, value: bool) {
         self.row.push(value.into());
     }
 
-    /// One of a few words.
-    pub fn word(&mut self, word: &str) {
+    fn word(&mut self, word: &'static str) {
         let mut bytes = [0; WORD];
         // One that does not fit leaves the row too short, which is an error at its end.
         if let Some(start) = bytes.get_mut(..word.len()) {
@@ -99,18 +97,18 @@ impl<W: Write + Seek> Mf4<W> {
         }
     }
 
-    /// Ends a row.
-    pub fn end(&mut self) -> io::Result<()> {
+    fn end(&mut self) -> io::Result<()> {
         if self.row.len() != self.group.size {
             return Err(io::Error::other("a row does not have the values of its columns"));
         }
         self.row.extend_from_slice(&self.invalid);
         self.records.push(&self.row, &mut self.file)
     }
+}
 
-    /// The output, with the rest and the file's header in it.
-    pub fn into_inner(self) -> io::Result<W> {
-        let Self { mut file, group, records, start, .. } = self;
+impl<W: Write + Seek> Table<W> for Mf4<W> {
+    fn into_inner(self: Box<Self>) -> io::Result<W> {
+        let Self { mut file, group, records, start, .. } = *self;
         file.group(&group, records)?;
         file.finish(start.unwrap_or_default())
     }

@@ -15,7 +15,8 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use super::{Column, Kind};
+use super::Table;
+use super::rows::{Column, Kind, Rows};
 use physics::Micros;
 
 /// Rows that are kept until they are written: some 15 MB of estimates, 5 minutes at 100 Hz.
@@ -77,7 +78,7 @@ impl<W: Write + Send> Parquet<W> {
         let fields: Result<Vec<_>, _> = columns.iter().map(|column| field(column).map(Arc::new)).collect();
         let schema = Type::group_type_builder("gripd").with_fields(fields.map_err(failed)?).build();
         let units: BTreeMap<&str, &str> =
-            columns.iter().map(|column| (column.name.as_str(), column.unit)).collect();
+            columns.iter().map(|column| (column.name.as_str(), &*column.unit)).collect();
         let units = serde_json::to_string(&units)?;
         let version = env!("CARGO_PKG_VERSION");
         let about = [("gripd.version", version), ("gripd.table", title), ("gripd.units", &units)];
@@ -93,53 +94,9 @@ impl<W: Write + Send> Parquet<W> {
         Ok(Self { writer, columns, next: 0, rows: 0 })
     }
 
-    /// Begins a row.
-    pub fn time(&mut self, time: Micros) {
-        self.next = 0;
-        self.number(Some(time.seconds()));
-    }
-
-    /// A number, or none.
-    pub fn number(&mut self, value: Option<f64>) {
-        if let Some(Values::Real(values, there)) = self.column() {
-            values.extend(value);
-            there.push(value.is_some().into());
-        }
-    }
-
-    /// A whole number.
-    pub fn count(&mut self, value: u32) {
-        if let Some(Values::Count(values)) = self.column() {
-            values.push(value.into());
-        }
-    }
-
-    /// Yes or no.
-    pub fn flag(&mut self, value: bool) {
-        if let Some(Values::Flag(values)) = self.column() {
-            values.push(value);
-        }
-    }
-
-    /// One of a few words.
-    pub fn word(&mut self, word: &'static str) {
-        if let Some(Values::Word(values)) = self.column() {
-            values.push(ByteArray::from(word));
-        }
-    }
-
     fn column(&mut self) -> Option<&mut Values> {
         self.next += 1;
         self.columns.get_mut(self.next - 1)
-    }
-
-    /// Ends a row.
-    pub fn end(&mut self) -> io::Result<()> {
-        self.rows += 1;
-        if self.columns.iter().any(|column| column.len() != self.rows) {
-            return Err(io::Error::other("a row does not have the values of its columns"));
-        }
-        if self.rows == GROUP { self.write() } else { Ok(()) }
     }
 
     /// Writes the rows that are kept.
@@ -165,9 +122,50 @@ impl<W: Write + Send> Parquet<W> {
         self.rows = 0;
         Ok(())
     }
+}
 
-    /// The output, with the rest and the file's footer in it.
-    pub fn into_inner(mut self) -> io::Result<W> {
+impl<W: Write + Send> Rows for Parquet<W> {
+    fn time(&mut self, time: Micros) {
+        self.next = 0;
+        self.number(Some(time.seconds()));
+    }
+
+    fn number(&mut self, value: Option<f64>) {
+        if let Some(Values::Real(values, there)) = self.column() {
+            values.extend(value);
+            there.push(value.is_some().into());
+        }
+    }
+
+    fn count(&mut self, value: u32) {
+        if let Some(Values::Count(values)) = self.column() {
+            values.push(value.into());
+        }
+    }
+
+    fn flag(&mut self, value: bool) {
+        if let Some(Values::Flag(values)) = self.column() {
+            values.push(value);
+        }
+    }
+
+    fn word(&mut self, word: &'static str) {
+        if let Some(Values::Word(values)) = self.column() {
+            values.push(ByteArray::from(word));
+        }
+    }
+
+    fn end(&mut self) -> io::Result<()> {
+        self.rows += 1;
+        if self.columns.iter().any(|column| column.len() != self.rows) {
+            return Err(io::Error::other("a row does not have the values of its columns"));
+        }
+        if self.rows == GROUP { self.write() } else { Ok(()) }
+    }
+}
+
+impl<W: Write + Send> Table<W> for Parquet<W> {
+    fn into_inner(mut self: Box<Self>) -> io::Result<W> {
         self.write()?;
         let mut output = self.writer.into_inner().map_err(failed)?;
         output.flush()?;

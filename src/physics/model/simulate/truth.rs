@@ -153,6 +153,12 @@ impl Truth {
         values
     }
 
+    /// A value as it is written: rounded to 9 decimals, none where it is not available.
+    pub fn written(value: f64) -> Option<f64> {
+        // Adding zero turns −0 into 0.
+        value.is_finite().then(|| (value * 1e9).round() / 1e9 + 0.0)
+    }
+
     /// Every value is a number where it is available at all.
     pub fn is_finite(&self) -> bool {
         let mut finite = true;
@@ -209,9 +215,9 @@ impl<W: io::Write> TruthWriter<W> {
         let mut result = Ok(());
         let mut write = |value: f64| {
             text.clear();
-            if value.is_finite() {
-                // Adding zero turns −0 into 0. Writing to a string does not fail.
-                let _ = write!(text, "{}", (value * 1e9).round() / 1e9 + 0.0);
+            if let Some(value) = Truth::written(value) {
+                // Writing to a string does not fail.
+                let _ = write!(text, "{value}");
             }
             if result.is_ok() {
                 result = csv.write_field(text.as_bytes());

@@ -4,6 +4,7 @@
 //!
 //! - [`map_a_car`]: from a DBC and a recorded drive to a configuration
 //! - [`read_the_frames`]: what is published, what it means, and when there is nothing
+//! - [`at_home`]: from Python, in viewers, in VSS
 //! - [`recordings_and_formats`]: which recordings are read and written, and what each can hold
 //! - [`gateway`]: install it as a service, reload it, watch it
 //! - [`calibrate`]: from stiffness to friction by ABS brakings
@@ -21,6 +22,9 @@ pub mod map_a_car {}
 
 #[doc = include_str!("guide/read-the-frames.md")]
 pub mod read_the_frames {}
+
+#[doc = include_str!("guide/at-home.md")]
+pub mod at_home {}
 
 #[doc = include_str!("guide/recordings-and-formats.md")]
 pub mod recordings_and_formats {}

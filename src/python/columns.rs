@@ -7,7 +7,7 @@ use std::sync::Arc;
 use arrow_array::builder::{BooleanBuilder, Float64Builder, Int64Builder, StringBuilder};
 use arrow_array::{ArrayRef, RecordBatch};
 use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
-use gripd::Micros;
+use physics::Micros;
 use gripd::cli::library::rows::{Column, Kind, Rows};
 
 /// Takes rows.

@@ -4,11 +4,11 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 
 use arrow_array::RecordBatch;
-use gripd::can::{CanId, Frame};
+use bus::can::{CanId, Frame};
 use gripd::cli::Failure;
 use gripd::cli::library::rows::{Column, Kind, Rows};
 use gripd::cli::library::{Part, PartReader};
-use gripd::dbc::{Database, Message};
+use bus::dbc::{Database, Message};
 use pyo3::prelude::*;
 
 use crate::columns::Columns;

@@ -4,12 +4,13 @@ use std::path::PathBuf;
 
 use arrow_array::{RecordBatch, RecordBatchReader};
 use arrow_schema::{ArrowError, SchemaRef};
-use gripd::can::Frame;
+use bus::can::Frame;
 use gripd::cli::Failure;
 use gripd::cli::library::rows::{estimates_columns, estimates_row, samples_columns, samples_row};
 use gripd::cli::library::{Drive, Listener, Part, for_the_service};
-use gripd::service::{Engine, Sink};
-use gripd::{Config, Estimates, Quantity, Sample};
+use bus::service::{Engine, Sink};
+use physics::{Estimates, Quantity, Sample};
+use bus::Config;
 use pyo3::prelude::*;
 
 use crate::columns::Columns;

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use arrow_array::RecordBatch;
 use arrow_array::builder::{BinaryBuilder, BooleanBuilder, Float64Builder, StringBuilder, UInt32Builder};
 use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
-use gripd::can::Frame;
-use gripd::dbc::Database;
+use bus::can::Frame;
+use bus::dbc::Database;
 
 /// Takes frames, named by a database.
 pub struct Frames {

@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use gripd::cli::Failure;
 use gripd::cli::library::rows::{Column, Kind};
 use gripd::cli::library::{Simulate, options};
-use gripd::model::Truth;
+use physics::model::Truth;
 use pyo3::prelude::*;
 
 use crate::columns::Columns;

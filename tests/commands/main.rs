@@ -16,6 +16,7 @@ mod fmu;
 mod identify_cli;
 mod inputs;
 mod map;
+mod mcap;
 mod monitor;
 mod pages;
 mod parquet;

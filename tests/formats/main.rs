@@ -10,3 +10,4 @@ mod fuzz;
 mod peers;
 mod publish_cantools;
 mod recordings;
+mod vss;

@@ -31,7 +31,7 @@ use std::process::Command;
 use program::{project, target};
 
 /// The implementations to compare with, pinned.
-const REQUIREMENTS: [&str; 2] = ["cantools==45.1.0", "autosar-e2e==1.0.0"];
+const REQUIREMENTS: [&str; 3] = ["cantools==45.1.0", "autosar-e2e==1.0.0", "py-expression-eval==0.3.14"];
 /// Those that write recordings and read tables.
 const PEERS: [&str; 3] = ["python-can==4.6.1", "asammdf==8.8.28", "polars==2.1.0"];
 

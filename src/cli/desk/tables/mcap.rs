@@ -12,7 +12,7 @@ use super::protobuf::{self, Message};
 use super::rows::{Column, Rows};
 use physics::Micros;
 
-/// A file of topics.
+/// A file of topics, each with messages of its own columns.
 pub struct Topics<W: Write + Seek> {
     writer: Writer<W>,
     /// Messages so far.
@@ -24,7 +24,9 @@ impl<W: Write + Seek> Topics<W> {
     pub fn new(output: W) -> io::Result<Self> {
         let options = WriteOptions::new()
             .library(format!("gripd {}", env!("CARGO_PKG_VERSION")))
-            .compression(Some(Compression::Zstd));
+            .compression(Some(Compression::Zstd))
+            // In this thread, as everything else.
+            .compression_threads(0);
         Ok(Self { writer: options.create(output).map_err(failed)?, count: 0 })
     }
 

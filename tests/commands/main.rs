@@ -16,7 +16,6 @@ mod fmu;
 mod identify_cli;
 mod inputs;
 mod map;
-mod mcap;
 mod monitor;
 mod pages;
 mod parquet;

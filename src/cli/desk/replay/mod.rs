@@ -2,14 +2,12 @@
 
 mod drive;
 mod learned;
-mod topics;
 
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
-use self::topics::Published;
 use super::Failure;
 use super::output::{Output, check_outputs, write_json};
 use super::part::{Part, PartReader};
@@ -18,7 +16,7 @@ use super::tables::rows::{Column, estimates_columns, estimates_row, samples_colu
 use super::tables::{Table, TableFormat, table};
 use bus::Config;
 use bus::can::Frame;
-use bus::can::recording::{Format, Writer};
+use bus::can::recording::{Format, LogError, Writer};
 use bus::service::saved::{Claim, Refusal};
 use bus::service::{Engine, SavedState, Sink};
 use physics::estimate::Learned;
@@ -37,14 +35,14 @@ pub struct Replay {
     #[arg(required = true)]
     logs: Vec<PathBuf>,
     /// Write the published frames: as candump lines (`-`: standard output), or in the format that the name ends in
-    /// (`.mf4`, `.blf`, `.asc`, `.trc`, `.csv`); decoded, a topic for each message, for viewers where it ends in `.mcap`.
+    /// (`.mf4`, `.blf`, `.asc`, `.trc`, `.csv`).
     #[arg(short, long)]
     out: Option<PathBuf>,
     /// Write the recordings' own frames to --out, too.
     #[arg(long, requires = "out")]
     all: bool,
     /// Write the estimates, a row for each sample: as Parquet where the name ends in `.parquet`, as signals for MDF
-    /// viewers where it ends in `.mf4`, for Foxglove, PlotJuggler and Rerun where it ends in `.mcap`, else as CSV.
+    /// viewers where it ends in `.mf4`, else as CSV.
     #[arg(long, value_name = "TABLE")]
     estimates: Option<PathBuf>,
     /// Write the decoded signals as the estimators see them, likewise.
@@ -148,52 +146,15 @@ fn take_up(state: &SavedState, engine: &mut Engine) -> Result<Learned, Failure> 
 }
 
 /// The frames that are written.
-enum Out {
-    /// As a recording.
-    Recording { path: PathBuf, format: Format, writer: Writer },
-    /// Decoded.
-    Topics(Box<Published>),
-}
-
-impl Out {
-    fn create(command: &Replay, path: &Path, config: &Config) -> Result<Self, Failure> {
-        if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("mcap")) {
-            if command.all {
-                return Err(Failure::usage(format_args!(
-                    "{}: as MCAP the published frames are written, decoded, and no others; with --all give a name \
-                     that ends in .mf4, .blf or .log",
-                    path.display()
-                )));
-            }
-            return Published::create(path, config.output_database()?).map(|it| Self::Topics(Box::new(it)));
-        }
-        let interface = config.publish.interface.as_deref().unwrap_or(&config.bus.interface);
-        let format = Format::of_name(path).unwrap_or(Format::Candump);
-        let writer = Writer::create(path, format, interface)?;
-        Ok(Self::Recording { path: path.to_owned(), format, writer })
-    }
-
-    fn published(&mut self, frame: &Frame) -> Result<(), Failure> {
-        match self {
-            Self::Recording { writer, .. } => Ok(writer.write(frame)?),
-            Self::Topics(topics) => Ok(topics.write(frame)?),
-        }
-    }
-
-    fn finish(self) -> Result<(), Failure> {
-        match self {
-            Self::Recording { path, format, writer } => {
-                super::recordings::tell_losses(&path, format, &writer.finish()?);
-                Ok(())
-            }
-            Self::Topics(topics) => topics.finish(),
-        }
-    }
+struct Recording {
+    path: PathBuf,
+    format: Format,
+    writer: Writer,
 }
 
 /// Everything a replay writes. The first failure to write is kept and ends the replay.
 struct Results {
-    out: Option<Out>,
+    out: Option<Recording>,
     all: bool,
     estimates: Option<Box<dyn Table<Output>>>,
     samples: Option<Box<dyn Table<Output>>>,
@@ -207,7 +168,12 @@ struct Results {
 
 impl Results {
     fn create(command: &Replay, config: &Config) -> Result<Self, Failure> {
-        let out = command.out.as_ref().map(|path| Out::create(command, path, config)).transpose()?;
+        let interface = config.publish.interface.as_deref().unwrap_or(&config.bus.interface);
+        let out = command.out.as_ref().map(|path| {
+            let format = Format::of_name(path).unwrap_or(Format::Candump);
+            let writer = Writer::create(path, format, interface)?;
+            Ok(Recording { path: path.clone(), format, writer })
+        });
         let quantities: Vec<Quantity> = config.signals.quantities.keys().copied().collect();
         let begun = |path: Option<&PathBuf>, title, columns: &[Column]| {
             let begin = |path: &PathBuf| {
@@ -219,7 +185,7 @@ impl Results {
         let estimates = begun(command.estimates.as_ref(), "estimates", &estimates_columns())?;
         let samples = begun(command.samples.as_ref(), "samples", &samples_columns(&quantities))?;
         Ok(Self {
-            out,
+            out: out.transpose().map_err(|error: LogError| Failure::from(error))?,
             all: command.all,
             estimates,
             samples,
@@ -233,9 +199,9 @@ impl Results {
 
     fn input(&mut self, interface: &str, frame: &Frame) {
         if self.all
-            && let Some(Out::Recording { writer, .. }) = &mut self.out
+            && let Some(out) = &mut self.out
         {
-            let written = writer.write_as(interface, frame);
+            let written = out.writer.write_as(interface, frame);
             self.check(written);
         }
     }
@@ -251,7 +217,8 @@ impl Results {
             return Err(failure);
         }
         if let Some(out) = self.out {
-            out.finish()?;
+            let Recording { path, format, writer } = out;
+            super::recordings::tell_losses(&path, format, &writer.finish()?);
         }
         if let Some(table) = self.estimates {
             table.into_inner()?.finish()?;
@@ -284,7 +251,7 @@ impl Sink for Results {
 
     fn publish(&mut self, frame: &Frame) {
         if let Some(out) = &mut self.out {
-            let written = out.published(frame);
+            let written = out.writer.write(frame);
             self.check(written);
         }
         if self.onto_bus {

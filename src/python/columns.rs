@@ -7,8 +7,8 @@ use std::sync::Arc;
 use arrow_array::builder::{BooleanBuilder, Float64Builder, Int64Builder, StringBuilder};
 use arrow_array::{ArrayRef, RecordBatch};
 use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
-use physics::Micros;
 use gripd::cli::library::rows::{Column, Kind, Rows};
+use physics::Micros;
 
 /// Takes rows.
 pub struct Columns {

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use arrow_array::RecordBatch;
 use bus::can::{CanId, Frame};
+use bus::dbc::{Database, Message};
 use gripd::cli::Failure;
 use gripd::cli::library::rows::{Column, Kind, Rows};
 use gripd::cli::library::{Part, PartReader};
-use bus::dbc::{Database, Message};
 use pyo3::prelude::*;
 
 use crate::columns::Columns;

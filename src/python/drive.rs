@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use arrow_array::{RecordBatch, RecordBatchReader};
 use arrow_schema::{ArrowError, SchemaRef};
+use bus::Config;
 use bus::can::Frame;
+use bus::service::{Engine, Sink};
 use gripd::cli::Failure;
 use gripd::cli::library::rows::{estimates_columns, estimates_row, samples_columns, samples_row};
 use gripd::cli::library::{Drive, Listener, Part, for_the_service};
-use bus::service::{Engine, Sink};
 use physics::{Estimates, Quantity, Sample};
-use bus::Config;
 use pyo3::prelude::*;
 
 use crate::columns::Columns;
@@ -157,8 +157,7 @@ pub fn replay(
     end: Option<&str>,
 ) -> PyResult<Replayed> {
     let part = Part::new(start, end);
-    let mut filling =
-        py.detach(|| Filling::new(config, &recordings, &part, &tables)).map_err(exception)?;
+    let mut filling = py.detach(|| Filling::new(config, &recordings, &part, &tables)).map_err(exception)?;
     let mut kept: Vec<Vec<RecordBatch>> = tables.iter().map(|_| Vec::new()).collect();
     let keep = |filling: &mut Filling, kept: &mut Vec<Vec<RecordBatch>>, rows: usize| {
         for (table, kept) in filling.filler.tables.iter_mut().zip(kept) {
@@ -209,8 +208,7 @@ pub fn stream(
         return Err(UsageError::new_err("batches of no rows have no end; ask for 1 or more"));
     }
     let part = Part::new(start, end);
-    let filling =
-        py.detach(|| Filling::new(config, &recordings, &part, &[table])).map_err(exception)?;
+    let filling = py.detach(|| Filling::new(config, &recordings, &part, &[table])).map_err(exception)?;
     Ok(Batches::live(Live { filling, rows, broken: None }))
 }
 

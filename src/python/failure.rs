@@ -6,7 +6,12 @@ use pyo3::create_exception;
 use pyo3::exceptions::PyException;
 
 create_exception!(gripd, Error, PyException, "gripd could not do what it was asked.");
-create_exception!(gripd, UsageError, Error, "What was asked, or the configuration, has to be changed (exit code 2).");
+create_exception!(
+    gripd,
+    UsageError,
+    Error,
+    "What was asked, or the configuration, has to be changed (exit code 2)."
+);
 create_exception!(gripd, WorkError, Error, "The work failed (exit code 1).");
 
 /// The exception of a failure.

@@ -91,7 +91,13 @@ impl Simulate {
         let outputs = Outputs::compile(&config.signals, &database, radius).map_err(Failure::usage)?;
         let format = Format::of_name(&self.out).unwrap_or(Format::Candump);
         let log = Writer::create(&self.out, format, &config.bus.interface)?;
-        Ok(Simulated { simulation, frames: SimulatedFrames::new(outputs), path: self.out.clone(), format, log })
+        Ok(Simulated {
+            simulation,
+            frames: SimulatedFrames::new(outputs),
+            path: self.out.clone(),
+            format,
+            log,
+        })
     }
 }
 

@@ -223,12 +223,7 @@ impl Explain {
         Ok(Beside { others, simulation: self.simulated(config, &read.recordings[0])? })
     }
 
-    fn answer<'c>(
-        &self,
-        case: &Case<'c>,
-        beside: &Beside,
-        watch: Watch<'_>,
-    ) -> Result<Answer<'c>, Failure> {
+    fn answer<'c>(&self, case: &Case<'c>, beside: &Beside, watch: Watch<'_>) -> Result<Answer<'c>, Failure> {
         let mut answer = match &beside.simulation {
             Some(fmu::Simulation { recording: simulation, .. }) => {
                 case.left_out(simulation, watch).map_err(|why| {

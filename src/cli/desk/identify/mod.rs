@@ -11,14 +11,16 @@ use clap::builder::{PossibleValue, PossibleValuesParser, RangedU64ValueParser, T
 use serde::de::value::{Error as ValueError, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
+use super::explain::{self, Watch};
 use super::output::{Told, check_outputs, write_json, write_text};
 use super::part::Part;
 use super::progress::Progress;
-use super::explain::{self, Watch};
 use super::{Failure, configuration};
 use lab::explain::ordinary::{Asked, Ordinary};
 use lab::explain::{FIT_STAGES, Work};
-use lab::identify::{Identification, Identifier, IdentifyConfig, IdentifyError, LongitudinalInput, Method, STAGES};
+use lab::identify::{
+    Identification, Identifier, IdentifyConfig, IdentifyError, LongitudinalInput, Method, STAGES,
+};
 use lab::pages;
 use lab::pages::identify::{self as page, Story};
 use physics::Quantity;

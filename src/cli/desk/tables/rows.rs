@@ -43,7 +43,6 @@ impl Column {
     }
 }
 
-
 /// Takes rows, value by value in the order of the columns.
 pub trait Rows {
     /// Begins a row with its time.

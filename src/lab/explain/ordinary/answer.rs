@@ -150,6 +150,48 @@ impl Number {
 /// A number whose deviation is still this share of the one before was not told by the recordings.
 pub(super) const LEAST_TOLD: f64 = 0.7;
 
+/// The ordinary car fitted to recordings of one car, and the car as configured beside it.
+pub struct FittedCars<'a> {
+    own: &'a Vehicle,
+    drives: Drives,
+    found: FreeFit<'a>,
+    plain: FreeFit<'a>,
+    begins_utc: BTreeMap<String, String>,
+}
+
+impl<'a> FittedCars<'a> {
+    /// Of the vehicle, `own` being that [`with_bend`]. None where no recording can be used, or none beside its references.
+    pub fn of(
+        [own, vehicle]: [&'a Vehicle; 2],
+        effects: &[EffectConfig],
+        recordings: &[Recording],
+        asked: Asked<'_>,
+    ) -> Option<Self> {
+        let all = Drives::of(own, recordings, asked)?;
+        let drives = &all.drives;
+        let model = as_configured(own, effects);
+        let plain = Model { vehicle, values: Values::of(vehicle), ..model.clone() };
+        // The ordinary car twice, with and without what the data may refuse.
+        begin_counting(drives, 3);
+        let (found, plain) = rayon::join(
+            || fit_ordinary(&model, own, drives),
+            || fit(&plain, on_time(free(&plain, vehicle, drives)), drives),
+        );
+        Some(Self { own, found, plain, begins_utc: begins(recordings), drives: all })
+    }
+
+    /// What they say.
+    pub fn say(&self, asked: Asked<'_>) -> Ordinary {
+        let Self { own: vehicle, found, plain, drives: Drives { drives, references, left_out }, .. } = self;
+        let fitted = Fitted { vehicle, drives, found, plain, simulated: None };
+        Ordinary {
+            left_out: left_out.clone(),
+            begins_utc: self.begins_utc.clone(),
+            ..fitted.answer(Asked { references: *references, ..asked })
+        }
+    }
+}
+
 impl Ordinary {
     /// Of recordings of one car. None where no recording can be used, or none beside its references.
     pub fn of(
@@ -159,21 +201,7 @@ impl Ordinary {
         asked: Asked<'_>,
     ) -> Option<Self> {
         let own = with_bend(vehicle);
-        let Drives { drives, references, left_out } = Drives::of(&own, recordings, asked)?;
-        let model = as_configured(&own, effects);
-        let plain = Model { vehicle, values: Values::of(vehicle), ..model.clone() };
-        // The ordinary car twice, with and without what the data may refuse.
-        begin_counting(&drives, 3);
-        let (found, plain) = rayon::join(
-            || fit_ordinary(&model, &own, &drives),
-            || fit(&plain, on_time(free(&plain, vehicle, &drives)), &drives),
-        );
-        let fitted = Fitted { vehicle: &own, drives: &drives, found: &found, plain: &plain, simulated: None };
-        Some(Self {
-            left_out,
-            begins_utc: begins(recordings),
-            ..fitted.answer(Asked { references, ..asked })
-        })
+        Some(FittedCars::of([&own, vehicle], effects, recordings, asked)?.say(asked))
     }
 
     /// What it comes to, where the plain model and its effects leave much.

@@ -22,6 +22,7 @@ mod run;
 mod simulated;
 
 pub use answer::{Asked, FreeTrace, Number, Ordinary, could_tell};
+pub(super) use answer::{FittedCars, with_bend};
 pub use beyond::{Bar, Beyond, History, OverDrives, Power, Powers, Since};
 pub(super) use inputs::resampled_every;
 pub use inputs::speed_of;

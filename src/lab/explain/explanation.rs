@@ -8,6 +8,7 @@ use super::excerpt::Excerpt;
 use super::fit::Data;
 use super::long_recording::LongSearch;
 use super::model::Model;
+use super::on_time::on_time;
 use super::ordinary::{FittedCars, Ordinary, with_bend};
 use super::predict::noise::{Live, Noise};
 use super::predict::{GriddedDrive, grid::STEP_S};
@@ -53,7 +54,8 @@ impl<'a> Case<'a> {
         progress(work::ORDINARY, 0.0);
         let own = with_bend(self.vehicle);
         let cars = [&own, self.vehicle];
-        let cars = FittedCars::of(cars, self.effects, self.recordings, self.asked(&|_| false));
+        let recordings = on_time(self.recordings, self.chain);
+        let cars = FittedCars::of(cars, self.effects, &recordings, self.asked(&|_| false));
         let ordinary_if =
             |searches: &dyn Fn(&Ordinary) -> bool| Some(cars.as_ref()?.say(self.asked(searches)));
         let mut ordinary = ordinary_if(&|ordinary| {

@@ -41,6 +41,7 @@ mod locate;
 mod long_recording;
 mod model;
 mod naming;
+mod on_time;
 pub mod ordinary;
 mod patches;
 mod predict;

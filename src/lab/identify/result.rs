@@ -85,6 +85,13 @@ pub struct Identification {
     pub after: Fits,
 }
 
+impl Identification {
+    /// What was found of a parameter, in its unit, if it was free.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.parameters.iter().find(|it| it.name == name).map(|it| it.value)
+    }
+}
+
 impl fmt::Display for Identified {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} = {:.5} ± {:.2}", self.name, self.value, self.std)

@@ -81,7 +81,8 @@ impl Identify {
         let found = found.map_err(|error| failure(&error, &broken))?;
         let offsets = Quantity::ALL
             .map(|quantity| config.signals.quantities.get(&quantity).map_or(0.0, |config| config.offset));
-        let story = Story { offsets, used: &used, records: &records, found: &found };
+        let story =
+            Story { offsets, vehicle: &config.vehicle, used: &used, records: &records, found: &found };
         if self.prints_text() {
             let mut stdout = std::io::stdout().lock();
             stdout.write_all(page::text(&story).as_bytes()).and_then(|()| stdout.flush())?;
@@ -90,8 +91,7 @@ impl Identify {
             write_json(path, &page::report(&story))?;
         }
         if let Some(path) = &self.html {
-            let html = page::html(&story).map_err(Failure::work)?;
-            write_text(path, &html)?;
+            write_text(path, &page::html(&story))?;
         }
         if let Some(path) = &self.apply {
             write_text(path, &apply::toml((&self.config, path), &found, self.force)?)?;
@@ -121,7 +121,7 @@ impl Identify {
             write_json(path, &pages::ordinary::report(&ordinary))?;
         }
         if let Some(path) = &self.html {
-            write_text(path, &pages::ordinary::html(&ordinary))?;
+            write_text(path, &pages::ordinary::html(&ordinary, &config.vehicle))?;
         }
         if let Some(path) = &self.apply {
             write_text(path, &apply::of_ordinary((&self.config, path), &ordinary, self.force)?)?;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use physics::Quantity;
+use physics::model::Vehicle;
 
 use crate::identify::{Identification, IdentifyConfig, LongitudinalInput, Record};
 
@@ -10,6 +11,8 @@ use crate::identify::{Identification, IdentifyConfig, LongitudinalInput, Record}
 pub struct Story<'a> {
     /// The configured offset of each quantity, in its SI unit.
     pub offsets: [f64; Quantity::COUNT],
+    /// The car as its table has it.
+    pub vehicle: &'a Vehicle,
     /// What was asked for.
     pub used: &'a IdentifyConfig,
     /// The recordings.

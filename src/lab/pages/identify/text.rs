@@ -130,12 +130,7 @@ pub fn fit_rows(story: &Story<'_>) -> Vec<[String; 6]> {
         fit.map_or_else(|| "–".into(), |(_, percent)| number(*percent, 1))
     };
     let row = |(channel, noise): &(crate::identify::Output, f64)| {
-        let name = channel.name();
-        let unit = match name {
-            "speed" => "m/s",
-            "lateral_acceleration" | "longitudinal_acceleration" => "m/s²",
-            _ => "rad/s",
-        };
+        let (name, unit) = (channel.name(), channel.unit());
         let (before, after) = (fit(&found.before.percent, name), fit(&found.after.percent, name));
         [name.into(), before, after, number(*noise, digits(*noise, 0.0)), unit.into(), String::new()]
     };

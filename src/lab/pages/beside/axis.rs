@@ -36,7 +36,7 @@ impl Axis {
             times.extend(own.iter().map(|t| t + offset));
             parts.push((begin..times.len(), offset));
         }
-        Self { grid: Grid::of_page(&times, lines), times, parts }
+        Self { grid: Grid::of_page(&times, lines, beside.points()), times, parts }
     }
 
     /// Plots without panels: where recordings begin.

@@ -1,6 +1,6 @@
 //! Where a model errs: over speed and lateral acceleration, and along the track.
 
-use super::{Axis, Beside};
+use super::{Axis, Beside, MAIN, MAPPED};
 use crate::identify::understeer::{self, Instant};
 use crate::pages::explain::words::{self, sentence};
 use crate::pages::handling::Handling;
@@ -22,6 +22,12 @@ const MOST_TRACKS: usize = 4;
 type Mean = [f64; 4];
 
 impl Beside {
+    /// Numbers that the figures have at most.
+    pub fn points(&self) -> usize {
+        let maps = MAPPED.min(self.models.len()) * MAIN.len();
+        4 * MOST_POINTS * (maps + self.drives.len().min(MOST_TRACKS))
+    }
+
     /// A model's error of a channel, over speed and lateral acceleration.
     pub fn map(&self, axis: &Axis, channel: &str, model: usize) -> Figure {
         let (factor, unit) = self.shown(channel);

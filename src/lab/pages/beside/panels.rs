@@ -7,8 +7,9 @@ use crate::report::interactive::{Band, Panel, Series, Source, Span};
 
 /// Deviations of a 95 % interval.
 const NORMAL_95: f64 = 1.96;
-/// Of how much of the range of the others the plainest model may go beyond it.
-const BEYOND: f64 = 0.5;
+/// By so many times the range of the others the plainest model may go beyond it: of what is measured, and of the errors, of
+/// which it is the one to be seen.
+const BEYOND: [f64; 2] = [0.5, 4.0];
 
 impl Beside {
     /// Lines that the panels of all channels have, the time and what was driven counted.
@@ -34,8 +35,8 @@ impl Beside {
             let error = self.error(axis, channel, place);
             errors.series.push(line(axis, model.name, Source::Predicted, model.color, &error, factor));
         }
-        values.limits = limits(&values.series, 1);
-        errors.limits = limits(&errors.series, 0);
+        values.limits = limits(&values.series, 1, BEYOND[0]);
+        errors.limits = limits(&errors.series, 0, BEYOND[1]);
         let held_out = self.held_out(axis);
         for panel in [&mut values, &mut errors] {
             panel.shades.extend(held_out.clone());
@@ -66,8 +67,8 @@ impl Beside {
         }
     }
 
-    /// Speed and steering.
-    pub fn driven(&self, axis: &Axis) -> [Panel; 2] {
+    /// Speed and steering; without the speed where that is compared.
+    pub fn driven(&self, axis: &Axis) -> Vec<Panel> {
         let [speed, steering] = self.driven_columns(axis);
         let of = |name: &str, column: &[f32], factor: f64| {
             vec![line(axis, name, Source::Measured, Color::Truth, column, factor)]
@@ -75,7 +76,9 @@ impl Beside {
         let series = of("speed", &speed, 3.6);
         let speed = Panel { series, reach: Some((0.0, 10.0)), ..Panel::new("Speed", "speed, km/h") };
         let series = of("angle", &steering, 1_f64.to_degrees());
-        [speed, Panel { series, ..Panel::new("Steering wheel", "angle, °, positive to the left") }]
+        let steering = Panel { series, ..Panel::new("Steering wheel", "angle, °, positive to the left") };
+        let is_compared = self.channels().iter().any(|channel| channel == "speed");
+        if is_compared { vec![steering] } else { vec![speed, steering] }
     }
 
     /// Speed, m/s, and steering wheel angle, rad, row by row.
@@ -125,7 +128,7 @@ pub fn line(axis: &Axis, name: &str, source: Source, color: Color, column: &[f32
 }
 
 /// The plainest model, which is the line at this place, must not press everything else flat when it is far off.
-fn limits(series: &[Series], plainest: usize) -> Option<(f64, f64)> {
+fn limits(series: &[Series], plainest: usize, beyond: f64) -> Option<(f64, f64)> {
     let range = |one: &Series| {
         let finite = || one.values.values().iter().copied().filter(|value| value.is_finite());
         Some((finite().reduce(f64::min)?, finite().reduce(f64::max)?))
@@ -134,7 +137,7 @@ fn limits(series: &[Series], plainest: usize) -> Option<(f64, f64)> {
     let others = series.iter().enumerate().filter(|(place, _)| *place != plainest);
     let (low, high) =
         others.filter_map(|(_, one)| range(one)).reduce(|all, one| (all.0.min(one.0), all.1.max(one.1)))?;
-    let beyond = BEYOND * (high - low);
+    let beyond = beyond * (high - low);
     let is_beyond = plain.0 < low - beyond || plain.1 > high + beyond;
     is_beyond.then_some((low - beyond, high + beyond))
 }
@@ -154,10 +157,10 @@ mod tests {
             interval: None,
         };
         let [own, far, near] = [[-1.0, 1.0], [-1e5, 0.0], [-1.5, 0.0]].map(|ends| series(ends.to_vec()));
-        assert_eq!(limits(&[own.clone(), far.clone()], 1), Some((-2.0, 2.0)));
-        assert_eq!(limits(&[far.clone(), own.clone()], 0), Some((-2.0, 2.0)));
-        assert_eq!(limits(&[own, near], 1), None);
-        assert_eq!(limits(&[far], 0), None, "by itself it is all there is to see");
-        assert_eq!(limits(&[], 0), None);
+        assert_eq!(limits(&[own.clone(), far.clone()], 1, 0.5), Some((-2.0, 2.0)));
+        assert_eq!(limits(&[far.clone(), own.clone()], 0, 4.0), Some((-9.0, 9.0)));
+        assert_eq!(limits(&[own, near], 1, 0.5), None);
+        assert_eq!(limits(&[far], 0, 4.0), None, "by itself it is all there is to see");
+        assert_eq!(limits(&[], 0, 4.0), None);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::caveats;
 use super::gain;
+use super::plots;
 use super::tried;
 use super::words::{self, number, sentence, signed, stopped};
 use crate::explain::{Explanation, Finding, Verdict};
@@ -224,7 +225,7 @@ fn facts_of(explanation: &Explanation) -> Vec<Fact> {
         facts.extend(error.map(|value| Fact {
             name: format!("Held-out error, {}", words::channel(gain.channel)),
             value,
-            note: "root mean square, without and with it".into(),
+            note: format!("root mean square; {}", plots::names(explanation).join(" → ")),
         }));
         let note = match gain.interval {
             Some([low, high]) => format!(

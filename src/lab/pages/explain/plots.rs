@@ -168,7 +168,7 @@ impl Drawn<'_> {
         };
         let grid = &self.axis.grid;
         let (low, high) = (grid.lower(&column(-NORMAL_95)), grid.upper(&column(NORMAL_95)));
-        let own = line(self.axis, "as found", Source::Predicted, Color::First, &column(0.0), 1.0);
+        let own = line(self.axis, "as found", Source::Estimated, Color::First, &column(0.0), 1.0);
         // The interval may be wide where nothing is known; the course must stay visible.
         let finite = || own.values.values().iter().copied().filter(|value| value.is_finite());
         let core = (finite().fold(0.0, f64::min), finite().fold(0.0, f64::max));

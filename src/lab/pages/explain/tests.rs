@@ -187,7 +187,7 @@ fn an_hour_of_several_channels_is_below_three_megabytes() {
     assert!(html.len() < 3_000_000, "{} bytes", html.len());
     let data = data(&html);
     assert!(data["stretch_s"].as_f64().unwrap() < 1.5, "{}", data["stretch_s"]);
-    assert_eq!(data["panels"].as_array().unwrap().len(), 11);
+    assert_eq!(data["panels"].as_array().unwrap().len(), 10);
 }
 
 /// `GRIPD_PAGES=/tmp/pages cargo test sample_pages -- --ignored` and look at them.

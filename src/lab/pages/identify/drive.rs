@@ -18,34 +18,42 @@ pub fn beside(story: &Story<'_>) -> Beside {
         Model { name: "identified", color: Color::First },
     ];
     let found = story.found;
+    let fitted = [&found.before, &found.after].map(|fits| fits.rows.as_slice());
+    let held_out = story.predicted.each_ref().map(|fits| fits.rows.as_slice());
     let measured: Vec<Output> = found.noise.iter().map(|(channel, _)| *channel).collect();
-    let drive = |(place, record): (usize, &Record)| {
-        let rows = |rows: &[FitRow]| rows.iter().filter(|row| row.record == place).copied().collect();
-        let both: [Vec<FitRow>; 2] = [&found.before, &found.after].map(|fits| rows(&fits.rows));
+    let drive = |(place, record): (usize, &Record), both: [&[FitRow]; 2], is_held_out: bool| {
+        let both = both.map(|rows| rows.iter().filter(|row| row.record == place).collect::<Vec<_>>());
         let channel = |channel: &Output| Channel {
             name: channel.name().into(),
             unit: channel.unit().into(),
             said: both.iter().map(|rows| said(rows, *channel)).collect(),
         };
+        let ends = record.rows.first().zip(record.rows.last()).filter(|_| is_held_out);
         Drive {
             name: record.name.clone(),
             begins_utc: record.clock.utc(0.0),
             channels: measured.iter().map(channel).collect(),
             driven: record.rows.iter().map(|row| [row.t, row.speed(story.vehicle), row.steering]).collect(),
+            held_out: ends.map(|(first, last)| [first.t, last.t]).into_iter().collect(),
             yaw_rate_offset: found.value("yaw_rate_offset").unwrap_or(0.0),
-            ..Drive::default()
         }
     };
-    let drives = story.records.iter().enumerate().map(drive).collect();
-    let mut beside = Beside { models, drives, error_is: "error of the free run", ..Beside::default() };
+    let records = story.records.iter().enumerate().map(|record| drive(record, fitted, false));
+    let held = story.held_out.iter().enumerate().map(|record| drive(record, held_out, true));
+    let drives = records.chain(held).collect();
+    let (error_is, rows) = match story.held_out {
+        [] => ("error of the free run", fitted),
+        _ => ("held-out error", held_out),
+    };
+    let mut beside = Beside { models, drives, error_is, ..Beside::default() };
     for channel in measured {
-        let errors = [&found.before, &found.after].map(|fits| root_mean_square(&fits.rows, channel));
+        let errors = rows.map(|rows| root_mean_square(rows, channel));
         beside.error.insert(channel.name().into(), errors.to_vec());
     }
     beside
 }
 
-fn said(rows: &[FitRow], channel: Output) -> Said {
+fn said(rows: &[&FitRow], channel: Output) -> Said {
     let place = channel as usize;
     Said {
         t: rows.iter().map(|row| row.t).collect(),

@@ -8,7 +8,8 @@ mod story;
 mod text;
 
 use self::story::{digits, number};
-use crate::identify::Identified;
+use crate::identify::{Fits, Identified};
+use crate::pages::explain::words::sentence;
 use crate::report::{Page, Shift};
 
 pub use json::{Report, report};
@@ -45,9 +46,16 @@ pub fn html(story: &Story<'_>) -> String {
          measured; 100 (1 − |y − ŷ| / |y − mean|) per cent, and the noise that is left where segments are tied \
          as the data allow.",
     );
-    let rows: Vec<Vec<String>> =
-        text::fit_rows(story).iter().map(|row| row.iter().take(5).cloned().collect()).collect();
-    page.table(&["channel", "table's numbers, %", "identified, %", "noise", "unit"], &rows);
+    let columns = ["channel", "table's numbers, %", "identified, %", "noise", "unit"];
+    let rows = |both: [&Fits; 2], count: usize| -> Vec<Vec<String>> {
+        let rows = text::fit_rows(story, both);
+        rows.iter().map(|row| row.iter().take(count).cloned().collect()).collect()
+    };
+    page.table(&columns, &rows([&found.before, &found.after], 5));
+    if !story.held_out.is_empty() {
+        page.paragraph(&format!("{}.", sentence(&text::held_out(story))));
+        page.table(&columns[..3], &rows(story.predicted.each_ref(), 3));
+    }
     page.heading("Where it comes from");
     page.notes(&[("Recordings", &recordings(story)), ("Search", &text::summary(story))]);
     for line in super::clocks::lines(&story.begins_utc()) {

@@ -21,7 +21,7 @@ impl<'a> Scene<'a> {
 
     pub fn new(drive: &'a Drive, vehicle: &'a Vehicle) -> Self {
         let lines = drive.quantities.len() + Self::OTHER_LINES;
-        Self { grid: Grid::of_page(&drive.times, lines), drive, vehicle }
+        Self { grid: Grid::of_page(&drive.times, lines, 0), drive, vehicle }
     }
 
     /// A line of a column in another unit (`factor` of it are one SI unit).

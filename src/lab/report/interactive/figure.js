@@ -155,7 +155,8 @@ class PlaneFigure {
     ctx.fillStyle = ctx.strokeStyle = colour(color);
     ctx.lineWidth = 1.2 * devicePixelRatio;
     const colours = shade && shades();
-    const radius = (shape === 'dots' ? 1.6 : 2.6) * devicePixelRatio;
+    // A colour takes some room to be seen.
+    const radius = (shape === 'rings' || shade ? 2.6 : 1.6) * devicePixelRatio;
     x.forEach((value, place) => {
       if (value === null || y[place] === null) return;
       if (shade) ctx.fillStyle = colours.get(shadeStep(shade, place));

@@ -31,6 +31,9 @@ pub struct Identify {
     /// Recordings of one car, in any format that `gripd convert` reads (`-` is the standard input), used together.
     #[arg(required = true)]
     logs: Vec<PathBuf>,
+    /// Fit nothing to these recordings of the same car, and tell how well they are predicted.
+    #[arg(long, value_name = "LOG", num_args = 1..)]
+    holdout: Vec<PathBuf>,
     /// Write everything as JSON (`-`: to the standard output, instead of the text).
     #[arg(long, value_name = "JSON")]
     json: Option<PathBuf>,
@@ -65,15 +68,17 @@ impl Identify {
     pub fn run(self) -> Result<(), Failure> {
         let config = configuration::load(&self.config)?;
         check_outputs(
-            self.logs.iter().chain([&self.config]).chain(config.files()),
+            self.logs.iter().chain(&self.holdout).chain([&self.config]).chain(config.files()),
             self.json.iter().chain(&self.html).chain(&self.apply),
         )?;
         let used = self.settings(&configuration::identify(&self.config)?)?;
         if used.method == Method::Ordinary {
             return self.ordinary(&config);
         }
-        let (records, broken) =
-            recordings::read(&self.logs, &self.part, &config.clone().with_true_signals())?;
+        let signals = config.clone().with_true_signals();
+        let (records, mut broken) = recordings::read(&self.logs, &self.part, &signals)?;
+        let (held_out, broken_too) = recordings::read(&self.holdout, &Part::default(), &signals)?;
+        broken.extend(broken_too);
         let progress = Progress::of_stages(STAGES, Work::default());
         let found = Identifier::new(&records, &config.vehicle, &used)
             .and_then(|identifier| identifier.run(|stage, share| progress.at(stage, share)));
@@ -81,7 +86,15 @@ impl Identify {
         let found = found.map_err(|error| failure(&error, &broken))?;
         let offsets = Quantity::ALL
             .map(|quantity| config.signals.quantities.get(&quantity).map_or(0.0, |config| config.offset));
-        let story = Story { offsets, used: &used, records: &records, found: &found };
+        let story = Story {
+            offsets,
+            vehicle: &config.vehicle,
+            used: &used,
+            records: &records,
+            held_out: &held_out,
+            predicted: found.predicts(&held_out, &config.vehicle),
+            found: &found,
+        };
         if self.prints_text() {
             let mut stdout = std::io::stdout().lock();
             stdout.write_all(page::text(&story).as_bytes()).and_then(|()| stdout.flush())?;
@@ -90,8 +103,7 @@ impl Identify {
             write_json(path, &page::report(&story))?;
         }
         if let Some(path) = &self.html {
-            let html = page::html(&story).map_err(Failure::work)?;
-            write_text(path, &html)?;
+            write_text(path, &page::html(&story))?;
         }
         if let Some(path) = &self.apply {
             write_text(path, &apply::toml((&self.config, path), &found, self.force)?)?;
@@ -102,13 +114,16 @@ impl Identify {
 
     /// The ordinary car by free runs, the measured speed an input.
     fn ordinary(&self, config: &bus::Config) -> Result<(), Failure> {
-        let mut read = explain::read(&self.logs, |_| self.part.clone(), config)?;
+        let logs: Vec<PathBuf> = self.logs.iter().chain(&self.holdout).cloned().collect();
+        let part = |place| if place < self.logs.len() { self.part.clone() } else { Part::default() };
+        let mut read = explain::read(&logs, part, config)?;
         let work = Work::default();
         read.recordings.iter_mut().for_each(|recording| recording.work = work.clone());
         let progress = Progress::of_stages(FIT_STAGES, work);
         progress.at(FIT_STAGES[0].name, 0.0);
-        let ordinary = Ordinary::of(&config.vehicle, &config.effect, &read.recordings, Asked::CAR)
-            .ok_or_else(|| {
+        let asked = Asked { held_out: self.holdout.len(), ..Asked::CAR };
+        let ordinary =
+            Ordinary::of(&config.vehicle, &config.effect, &read.recordings, asked).ok_or_else(|| {
                 Failure::work("no recording has steering, yaw rate and 12 s of driving above 4 m/s")
             });
         progress.finish();
@@ -121,7 +136,7 @@ impl Identify {
             write_json(path, &pages::ordinary::report(&ordinary))?;
         }
         if let Some(path) = &self.html {
-            write_text(path, &pages::ordinary::html(&ordinary))?;
+            write_text(path, &pages::ordinary::html(&ordinary, &config.vehicle))?;
         }
         if let Some(path) = &self.apply {
             write_text(path, &apply::of_ordinary((&self.config, path), &ordinary, self.force)?)?;

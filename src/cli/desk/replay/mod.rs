@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use self::learned::Learning;
 use super::Failure;
-use super::output::{Output, check_outputs, write_json};
+use super::output::{Output, check_outputs, write_json, write_text};
 use super::part::{Part, PartError, PartReader};
 use super::player::Player;
 use super::progress::Progress;
@@ -23,6 +23,7 @@ use bus::can::recording::{Format, LogError, Reader, Writer};
 use bus::service::saved::{Claim, Refusal};
 use bus::service::{Engine, SavedState, Sink};
 use lab::identify::CorneringStiffness;
+use lab::pages::plot::{self, Drive};
 use physics::estimate::{EstimatorsConfig, Learned};
 use physics::time::Clock;
 use physics::{Estimates, Micros, Quantity, Sample};
@@ -51,6 +52,10 @@ pub struct Replay {
     /// Write the decoded signals as the estimators see them, likewise.
     #[arg(long, value_name = "TABLE")]
     samples: Option<PathBuf>,
+    /// Write a page to look into: the estimates over time with their intervals and when they were valid, beside what was
+    /// measured; friction used and available, handling curve, track; and what was learned.
+    #[arg(long, value_name = "HTML")]
+    html: Option<PathBuf>,
     /// Write counts and speed as JSON.
     #[arg(long, value_name = "JSON")]
     stats: Option<PathBuf>,
@@ -97,7 +102,7 @@ impl Replay {
         // A state is read before it is written, and what is none is refused then.
         check_outputs(
             self.logs.iter().chain([&self.config]).chain(&self.state).chain(config.files()),
-            [&self.out, &self.estimates, &self.samples, &self.stats].into_iter().flatten(),
+            [&self.out, &self.estimates, &self.samples, &self.html, &self.stats].into_iter().flatten(),
         )?;
         let mut engine = Engine::new(&config)?;
         if self.estimates.is_some() {
@@ -141,6 +146,12 @@ impl Replay {
         }
         let stats = totals.stats(&engine, started, results.learning.cornering_stiffness(&config.estimators));
         let learned = results.learning.text(&config.estimators);
+        if let (Some(path), Some(drive)) = (&self.html, results.drive.take().filter(|it| !it.is_empty())) {
+            let page = plot::page(&drive, &config.vehicle, |page| {
+                results.learning.write(page, &config.estimators);
+            });
+            write_text(path, &page.html())?;
+        }
         results.finish()?;
         if let Some(state) = state.filter(|_| engine.driving_s() > driven_before_s) {
             if let Some(contradiction) = engine.contradiction() {
@@ -199,8 +210,12 @@ fn play(
     player: &mut Player,
     progress: &Progress,
 ) -> Result<(), PartError> {
+    let mut is_first = true;
     while let Some(frame) = reader.next_frame()? {
         results.learning.begin(reader.clock());
+        if let Some(drive) = results.drive.as_mut().filter(|_| std::mem::take(&mut is_first)) {
+            drive.begin(reader.name(), reader.clock().begins());
+        }
         player.play(&frame);
         results.input(reader.interface(), &frame);
         engine.frame(&frame, results);
@@ -234,6 +249,8 @@ struct Results {
     /// Quantities that had a value, as bits.
     heard: u16,
     learning: Learning,
+    /// What the page is made of.
+    drive: Option<Drive>,
     estimators: EstimatorsConfig,
     failure: Option<Failure>,
 }
@@ -264,6 +281,10 @@ impl Results {
             onto_bus: command.interface.is_some(),
             heard: 0,
             learning: Learning::default(),
+            drive: command.html.as_ref().map(|_| {
+                let quantities = config.signals.quantities.keys().copied().collect();
+                Drive::new(quantities, [None; 2])
+            }),
             estimators: config.estimators.clone(),
             failure: None,
         })
@@ -306,6 +327,9 @@ impl Sink for Results {
     fn estimates(&mut self, sample: &Sample, estimates: &Estimates) {
         self.heard |= sample.present();
         self.learning.take(estimates, &self.estimators);
+        if let Some(drive) = &mut self.drive {
+            drive.push(sample, estimates);
+        }
         if let Some(table) = &mut self.estimates {
             let written = table.row(sample, estimates);
             self.check(written);

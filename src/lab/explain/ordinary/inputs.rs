@@ -6,8 +6,8 @@ use std::ops::Range;
 use physics::model::{DrivenAxle, Vehicle};
 use physics::{Quantity, Wheel};
 
-use crate::explain::Recording;
 use crate::explain::work::Work;
+use crate::explain::{Block, Driven, Recording};
 
 /// Seconds between grid points. Numerical.
 pub const STEP_S: f64 = 0.01;
@@ -162,6 +162,32 @@ impl FreeDrive {
     /// Time of a grid point, s from the recording's start.
     pub fn time(&self, i: usize) -> f64 {
         self.from_s + i as f64 * STEP_S
+    }
+
+    /// Every so manyth grid point of how it was driven.
+    pub fn driven_every(&self, points: usize) -> Driven {
+        let steering = self.steered(0.0, 0..self.points());
+        let row = |i: usize| [self.time(i), at(&self.speed, self.time(i)), steering[2 * i]];
+        let rows = (0..self.points()).step_by(points).map(row).collect();
+        Driven { recording: self.name.clone(), rows }
+    }
+
+    /// Stretches that are held out or not.
+    pub fn blocks(&self) -> Vec<Block> {
+        let end = |i: usize| self.time(i + 1);
+        let mut blocks: Vec<Block> = Vec::new();
+        for (i, held) in self.held.iter().enumerate() {
+            match blocks.last_mut().filter(|last| last.is_holdout == *held) {
+                Some(last) => last.t[1] = end(i),
+                None => blocks.push(Block {
+                    recording: self.name.clone(),
+                    t: [self.time(i), end(i)],
+                    t_utc: None,
+                    is_holdout: *held,
+                }),
+            }
+        }
+        blocks
     }
 
     /// Speed, m/s, and acceleration, m/s², at a time, from a record that is so late and so much too small.

@@ -51,7 +51,7 @@ enum Command {
     Forget(forget::Forget),
     #[cfg(feature = "desk")]
     #[command(flatten)]
-    Desk(desk::Command),
+    Desk(Box<desk::Command>),
 }
 
 /// Parses the arguments and runs the subcommand. Diagnostics go to stderr, results to stdout.

@@ -224,6 +224,7 @@ fn no_result_goes_over_what_it_is_made_of() {
         ("replay", "-o"),
         ("replay", "--estimates"),
         ("replay", "--stats"),
+        ("replay", "--html"),
         ("identify", "--json"),
         ("identify", "--html"),
         ("explain", "--json"),

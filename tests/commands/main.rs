@@ -15,6 +15,7 @@ mod export;
 mod fmu;
 mod identify_cli;
 mod inputs;
+mod interactive;
 mod map;
 mod monitor;
 mod pages;

@@ -57,7 +57,7 @@ impl Plot {
         if drive.is_empty() {
             return Err(nothing(&drive, &engine, broken));
         }
-        let page = plot::document(&drive, &config.vehicle).html().map_err(Failure::work)?;
+        let page = plot::page(&drive, &config.vehicle, |_| {}).html();
         write_text(&self.html, &page)?;
         tracing::info!("{}: {:.1} MB", self.html.display(), page.len() as f64 / 1e6);
         if broken.is_empty() { Ok(()) } else { Err(Failure::Work(broken.join("; "))) }

@@ -40,9 +40,9 @@ impl<'a> Conclusion<'_, 'a> {
             (before.clone(), before)
         };
         let mut fits = Models {
-            baseline: proof::fits(&before, split),
+            baseline: proof::sums(&before, split).fits(),
             ordinary: None,
-            extended: proof::fits(&after, split),
+            extended: proof::sums(&after, split).fits(),
         };
         // Unknown forces say where something is missing, whether or not they help to simulate.
         let helps = self.verdict != Verdict::UnknownPhysics
@@ -57,6 +57,7 @@ impl<'a> Conclusion<'_, 'a> {
             Default::default()
         };
         let unexplained = proof::unexplained(&before, &after, split, &extended.noise.sensor);
+        let [baseline_error, extended_error] = [&before, &after].map(|of| proof::sums(of, split).errors());
         let traces = self.traces(&before, &after);
         // Of an hour either of them is a hundred megabytes.
         drop((before, after));
@@ -64,9 +65,13 @@ impl<'a> Conclusion<'_, 'a> {
             rayon::join(|| self.innovations(baseline), || differs.then(|| self.innovations(differing)));
         let differently = differently.unwrap_or_else(|| plainly.clone());
         let place = self.place(&plainly, &differently);
-        let predicted = proof::fits(&compared(&plainly), split);
+        let predicted = proof::sums(&compared(&plainly), split).fits();
         let prediction_fit = Models {
-            extended: if helps { proof::fits(&compared(&differently), split) } else { predicted.clone() },
+            extended: if helps {
+                proof::sums(&compared(&differently), split).fits()
+            } else {
+                predicted.clone()
+            },
             baseline: predicted,
             ordinary: None,
         };
@@ -84,6 +89,7 @@ impl<'a> Conclusion<'_, 'a> {
         explanation.findings = self.findings(extended, plainly);
         explanation.ranking = ranking(self.selection);
         explanation.fit = fits;
+        explanation.error = Models { baseline: baseline_error, ordinary: None, extended: extended_error };
         explanation.prediction_fit = prediction_fit;
         explanation.log_likelihood = Models {
             baseline: self.likelihood(baseline),
@@ -104,6 +110,7 @@ impl<'a> Conclusion<'_, 'a> {
         explanation.used = self.drives.iter().map(Used::of).collect();
         explanation.seconds = usable;
         explanation.traces = traces;
+        explanation.driven = self.drives.iter().map(GriddedDrive::driven).collect();
         if let Some((ordinary, decided)) = self.ordinary {
             explanation.take_ordinary(ordinary, decided);
         }

@@ -8,7 +8,8 @@ use super::excerpt::Excerpt;
 use super::fit::Data;
 use super::long_recording::LongSearch;
 use super::model::Model;
-use super::ordinary::Ordinary;
+use super::on_time::on_time;
+use super::ordinary::{FittedCars, Ordinary, with_bend};
 use super::predict::noise::{Live, Noise};
 use super::predict::{GriddedDrive, grid::STEP_S};
 use super::result::{Explanation, Verdict};
@@ -51,9 +52,12 @@ impl<'a> Case<'a> {
             return Answer { explanation, model: plain };
         }
         progress(work::ORDINARY, 0.0);
-        let ordinary_if = |searches: &dyn Fn(&Ordinary) -> bool| {
-            Ordinary::of(self.vehicle, self.effects, self.recordings, self.asked(searches))
-        };
+        let own = with_bend(self.vehicle);
+        let cars = [&own, self.vehicle];
+        let recordings = on_time(self.recordings, self.chain);
+        let cars = FittedCars::of(cars, self.effects, &recordings, self.asked(&|_| false));
+        let ordinary_if =
+            |searches: &dyn Fn(&Ordinary) -> bool| Some(cars.as_ref()?.say(self.asked(searches)));
         let mut ordinary = ordinary_if(&|ordinary| {
             let shakes = ordinary.shakes();
             if shakes {

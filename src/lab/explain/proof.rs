@@ -96,33 +96,66 @@ impl ErrorSums {
         }
     }
 
+    /// Fewer values say nothing. Tuned, no test on record.
+    const LEAST: f64 = 20.0;
+
+    /// √mean (y − ŷ)², if there is enough to say.
+    pub fn root_mean_square(&self) -> Option<f64> {
+        (self.count > Self::LEAST).then(|| (self.error / self.count).sqrt())
+    }
+
     /// 100 (1 − |y − ŷ|/|y − mean y|), if there is enough to say.
     pub fn fit(&self) -> Option<f64> {
         let spread = self.square - self.value * self.value / self.count.max(1.0);
-        (self.count > 20.0 && spread > 0.0).then(|| 100.0 * (1.0 - (self.error / spread).sqrt()))
+        (self.count > Self::LEAST && spread > 0.0).then(|| 100.0 * (1.0 - (self.error / spread).sqrt()))
     }
 }
 
-/// Fit by channel in %, of both parts.
-pub fn fits(comparisons: &Comparisons, split: &Split) -> Parts<ByChannel> {
-    let mut parts: Parts<ByChannel> = Parts::default();
+/// By channel.
+pub type Sums = BTreeMap<String, ErrorSums>;
+
+/// Sums of both parts.
+pub fn sums(comparisons: &Comparisons, split: &Split) -> Parts<Sums> {
+    let mut parts: Parts<Sums> = Parts::default();
     for channel in COMPARED {
-        let (mut train, mut holdout) = (ErrorSums::default(), ErrorSums::default());
-        for (drive, comparisons) in comparisons.iter().enumerate() {
-            for compared in comparisons.iter().filter(|compared| compared.channel == channel as u8) {
-                let part = if split.is_held_out(drive, compared.t) { &mut holdout } else { &mut train };
-                part.add(compared.measured, compared.simulated);
-            }
-        }
-        let name = channel.name().to_owned();
-        if let Some(fit) = train.fit() {
-            parts.train.insert(name.clone(), fit);
-        }
-        if let Some(fit) = holdout.fit() {
-            parts.holdout.insert(name, fit);
-        }
+        let of = |(drive, compared): (usize, &Vec<Comparison>)| {
+            let own = compared.iter().filter(|compared| compared.channel == channel as u8);
+            own.map(|it| (split.is_held_out(drive, it.t), it.measured, it.simulated)).collect::<Vec<_>>()
+        };
+        parts.add(channel, comparisons.iter().enumerate().flat_map(of));
     }
     parts
+}
+
+impl Parts<Sums> {
+    /// Adds what was held out or not, measured and simulated of a channel.
+    pub fn add(&mut self, channel: Quantity, all: impl Iterator<Item = (bool, f64, f64)>) {
+        let [mut train, mut holdout] = [ErrorSums::default(); 2];
+        for (is_held, measured, simulated) in all {
+            if is_held { &mut holdout } else { &mut train }.add(measured, simulated);
+        }
+        for (part, sums) in [(&mut self.train, train), (&mut self.holdout, holdout)] {
+            let own = part.entry(channel.name().into()).or_default();
+            *own = own.plus(&sums);
+        }
+    }
+
+    /// Fit in %.
+    pub fn fits(&self) -> Parts<ByChannel> {
+        self.each(ErrorSums::fit)
+    }
+
+    /// Root mean square error, SI.
+    pub fn errors(&self) -> Parts<ByChannel> {
+        self.each(ErrorSums::root_mean_square)
+    }
+
+    fn each(&self, of: fn(&ErrorSums) -> Option<f64>) -> Parts<ByChannel> {
+        let all = |sums: &Sums| {
+            sums.iter().filter_map(|(channel, sums)| Some((channel.clone(), of(sums)?))).collect()
+        };
+        Parts { train: all(&self.train), holdout: all(&self.holdout) }
+    }
 }
 
 /// Is the mean fit of the channels better after than before?
@@ -207,7 +240,7 @@ pub fn unexplained(
                 }
             }
             let variance = noise[channel as usize].powi(2);
-            (sums.count > 20.0).then(|| sums.error / sums.count - variance)
+            (sums.count > ErrorSums::LEAST).then(|| sums.error / sums.count - variance)
         };
         if let Some((before, after)) = error(before).zip(error(after))
             && before > 0.0

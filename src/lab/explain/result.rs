@@ -258,7 +258,9 @@ pub struct Explanation {
     pub ranking: Vec<Ranked>,
     /// 100 (1 − |y − ŷ|/|y − mean y|) of a free simulation restarted every 20 s, %.
     pub fit: Models<Parts<ByChannel>>,
-    /// The same of predictions by one step.
+    /// Root mean square of the same simulation's error, SI.
+    pub error: Models<Parts<ByChannel>>,
+    /// Fit of predictions by one step.
     pub prediction_fit: Models<Parts<ByChannel>>,
     /// ln likelihood.
     pub log_likelihood: Models<Parts<f64>>,
@@ -314,6 +316,9 @@ pub struct Explanation {
     /// For plots; not in the JSON.
     #[serde(skip)]
     pub traces: Vec<Trace>,
+    /// How the car was driven; for plots, not in the JSON.
+    #[serde(skip)]
+    pub driven: Vec<Driven>,
     /// The ordinary car, where it could be fitted; what the JSON has of it stands above.
     #[serde(skip)]
     pub ordinary: Option<Ordinary>,
@@ -333,6 +338,7 @@ impl Explanation {
             findings: Vec::new(),
             ranking: Vec::new(),
             fit: Models::default(),
+            error: Models::default(),
             prediction_fit: Models::default(),
             log_likelihood: Models::default(),
             improvement_ci95: BTreeMap::new(),
@@ -357,6 +363,7 @@ impl Explanation {
             used: Vec::new(),
             begins_utc: BTreeMap::new(),
             traces: Vec::new(),
+            driven: Vec::new(),
             ordinary: None,
             needs_ordinary: false,
             is_by_ordinary: false,
@@ -394,6 +401,7 @@ impl Explanation {
     /// run with the measured speed.
     pub fn take_ordinary(&mut self, ordinary: &Ordinary, decided: Option<Verdict>) {
         self.fit.ordinary = Some(ordinary.fit.clone());
+        self.error.ordinary.clone_from(&ordinary.error.ordinary);
         if let Some(verdict) = decided {
             self.verdict = verdict;
             self.is_by_ordinary = true;
@@ -409,7 +417,11 @@ impl Explanation {
             };
             take(&mut self.fit.baseline, &ordinary.plain_fit);
             take(&mut self.fit.extended, &ordinary.found_fit);
+            take(&mut self.error.baseline, &ordinary.error.baseline);
+            take(&mut self.error.extended, &ordinary.error.extended);
             self.traces = ordinary.traces.iter().map(Trace::of).collect();
+            self.driven.clone_from(&ordinary.driven);
+            self.split.clone_from(&ordinary.split);
             let yaw_rate = |fit: &Parts<ByChannel>| fit.holdout.get("yaw_rate").copied().unwrap_or(f64::NAN);
             self.needs_ordinary = yaw_rate(&ordinary.fit) > yaw_rate(&ordinary.plain_fit);
         }
@@ -466,6 +478,15 @@ pub struct Block {
     pub t_utc: Option<[String; 2]>,
     /// Was it held out?
     pub is_holdout: bool,
+}
+
+/// How a recorded car was driven.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Driven {
+    /// The recording.
+    pub recording: String,
+    /// Time, s; speed, m/s; steering wheel angle, rad. Not-a-number: not available.
+    pub rows: Vec<[f64; 3]>,
 }
 
 /// One channel of one recording, with both simulations.

@@ -59,6 +59,15 @@ impl Output {
             Self::Speed => "speed",
         }
     }
+
+    /// Its SI unit.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::WheelFl | Self::WheelFr | Self::WheelRl | Self::WheelRr | Self::YawRate => "rad/s",
+            Self::LateralAcceleration | Self::LongitudinalAcceleration => "m/s²",
+            Self::Speed => "m/s",
+        }
+    }
 }
 
 /// A number for each [`Output`].

@@ -154,7 +154,7 @@ impl Row {
 
     /// The car's speed as well as it is known, m/s: by the wheels that roll freely, else as another unit has it, else
     /// by the wheels there are.
-    pub(super) fn speed(&self, vehicle: &Vehicle) -> f64 {
+    pub fn speed(&self, vehicle: &Vehicle) -> f64 {
         let known = [self.undriven_speed(vehicle), self.vehicle_speed];
         let known = known.into_iter().find(|speed| speed.is_finite());
         known.unwrap_or_else(|| self.rolling_speed(vehicle.wheel_radius_m.value))

@@ -3,10 +3,13 @@
 use std::fmt;
 
 use super::doubt::Doubt;
-use super::free_run::Fits;
+use super::free_run::{Fits, fits};
 use super::longitudinal_input::LongitudinalInput;
 use super::motion::Output;
 use super::parameter::Values;
+use super::record::Record;
+use super::setup;
+use physics::model::Vehicle;
 
 /// One parameter as it came out.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,6 +86,19 @@ pub struct Identification {
     pub before: Fits,
     /// After.
     pub after: Fits,
+}
+
+impl Identification {
+    /// How a free run predicts recordings that nothing was fitted to: with the table's numbers, and with those found.
+    pub fn predicts(&self, records: &[Record], vehicle: &Vehicle) -> [Fits; 2] {
+        let records = setup::prepared(records, vehicle, self.drive);
+        [&Values::of(vehicle), &self.values].map(|values| fits(&records, vehicle, values, self.drive))
+    }
+
+    /// What was found of a parameter, in its unit, if it was free.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.parameters.iter().find(|it| it.name == name).map(|it| it.value)
+    }
 }
 
 impl fmt::Display for Identified {

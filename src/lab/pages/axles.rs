@@ -1,7 +1,8 @@
 //! The cornering stiffness of each axle, said the same way by every command.
 
-use crate::identify::{AxleStiffness, CorneringStiffness};
+use crate::identify::{AxleStiffness, CorneringStiffness, understeer};
 use crate::report::{Page, number};
+use physics::model::Uncertain;
 
 /// What it is.
 pub const WHAT: &str = "Cornering stiffness of the axles: initial slope of the lateral force over the slip angle, per static axle \
@@ -16,6 +17,15 @@ pub fn lines(stiffness: &CorneringStiffness) -> Vec<String> {
         Some(format!("{axle} {} ± {} 1/rad{why}", number(*value, decimals), number(*std, decimals)))
     };
     [("front", &stiffness.front), ("rear", &stiffness.rear)].into_iter().filter_map(line).collect()
+}
+
+/// The understeer gradient (rad per m/s²) that they come to, where both are told.
+pub fn gradient(stiffness: &CorneringStiffness) -> Option<Uncertain> {
+    let of = |axle: &Option<AxleStiffness>| {
+        let axle = axle.as_ref().filter(|axle| axle.told)?;
+        Some(Uncertain { value: axle.value, std: axle.std })
+    };
+    Some(understeer::of_stiffness(of(&stiffness.front)?, of(&stiffness.rear)?))
 }
 
 /// The same as a part of a page.

@@ -2,16 +2,18 @@
 
 use std::collections::BTreeMap;
 
+use super::file_name;
+
 /// More recordings than that are not listed by their dates.
 const MOST: usize = 8;
 
 /// By recording when it begins, in UTC; nothing where stamps are no dates.
 pub fn lines(begins_utc: &BTreeMap<String, String>) -> Vec<String> {
-    let file = |name: &str| name.rsplit('/').next().unwrap_or(name).to_owned();
     match begins_utc.len() {
         0 => Vec::new(),
         count => {
-            let shown = begins_utc.iter().take(MOST).map(|(name, utc)| format!("{} at {utc}", file(name)));
+            let shown =
+                begins_utc.iter().take(MOST).map(|(name, utc)| format!("{} at {utc}", file_name(name)));
             let mut shown: Vec<String> = shown.collect();
             if count > MOST {
                 shown.push(format!("and {} more", count - MOST));

@@ -5,13 +5,16 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::explain::ordinary::{FreeTrace, Number, Ordinary};
-use crate::explain::{ByChannel, Parts};
+use crate::explain::ordinary::{Number, Ordinary};
+use crate::explain::{ByChannel, Driven, Parts};
 use crate::identify::CorneringStiffness;
 use crate::pages::axles;
+use crate::pages::beside::{Beside, Channel, Drive, Model, Said};
 use crate::pages::clocks;
 use crate::pages::explain::words;
-use crate::report::{Color, Page, Plot};
+use crate::pages::file_name as file;
+use crate::report::{Color, Page};
+use physics::model::Vehicle;
 
 /// What it predicts and what it leaves, a line each.
 pub fn lines(ordinary: &Ordinary) -> Vec<String> {
@@ -155,16 +158,62 @@ pub fn report(ordinary: &Ordinary) -> Report {
 }
 
 /// A page of its own.
-pub fn html(ordinary: &Ordinary) -> String {
+pub fn html(ordinary: &Ordinary, vehicle: &Vehicle) -> String {
     let mut page = Page::new("gripd identify: the ordinary car", "");
     for line in clocks::lines(&ordinary.begins_utc) {
         page.paragraph(&words::stopped(&line));
     }
+    let beside = beside(ordinary);
+    page.facts(&beside.facts());
+    let stiffness = &ordinary.cornering_stiffness;
+    let plots = beside.plots(0, |axis, plots| {
+        plots.figure(beside.handling(axis, vehicle, axles::gradient(stiffness)));
+    });
+    page.plots(&plots);
+    page.paragraph(&plots.reading());
     section(&mut page, ordinary);
+    axles::section(&mut page, stiffness);
     page.html()
 }
 
-/// Its section: what it predicts, its numbers, measured beside predicted.
+/// Its free runs beside those of the car as configured, and what was measured.
+fn beside(ordinary: &Ordinary) -> Beside {
+    let models = vec![
+        Model { name: "car as configured, refitted", color: Color::Second },
+        Model { name: "ordinary car", color: Color::First },
+    ];
+    let drive = |driven: &Driven| {
+        let name = &driven.recording;
+        let mut drive = Drive::new(name, &ordinary.driven, &ordinary.split);
+        drive.begins_utc = ordinary.begins_utc.get(name).cloned();
+        let own = |number: &&Number| {
+            number.name == "yaw_rate_offset" && number.recording.as_ref().is_none_or(|it| it == name)
+        };
+        drive.yaw_rate_offset = ordinary.numbers.iter().find(own).map_or(0.0, |it| it.estimate.value);
+        for trace in ordinary.traces.iter().filter(|trace| trace.recording == *name) {
+            drive.channels.push(Channel {
+                name: trace.channel.name().into(),
+                unit: trace.channel.unit().into(),
+                said: vec![Said::of_rows(&trace.rows, 3), Said::of_rows(&trace.rows, 2)],
+            });
+        }
+        drive
+    };
+    let drives = ordinary.driven.iter().map(drive).collect();
+    let mut beside = Beside { models, drives, error_is: "held-out error", ..Beside::default() };
+    beside.disturbances.clone_from(&ordinary.disturbances);
+    let [plain, own] = [Some(&ordinary.error.baseline), ordinary.error.ordinary.as_ref()];
+    for channel in beside.channels() {
+        let of = |parts: Option<&Parts<ByChannel>>| {
+            parts.and_then(|it| it.holdout.get(&channel).copied()).unwrap_or(f64::NAN)
+        };
+        let errors = vec![of(plain), of(own)];
+        beside.error.insert(channel, errors);
+    }
+    beside
+}
+
+/// Its section: what it predicts, and its numbers.
 pub fn section(page: &mut Page, ordinary: &Ordinary) {
     page.section("ordinary", "The ordinary car", "");
     for line in lines(ordinary) {
@@ -187,30 +236,6 @@ pub fn section(page: &mut Page, ordinary: &Ordinary) {
     };
     let rows: Vec<Vec<String>> = ordinary.numbers.iter().map(row).collect();
     page.table_of_words(&["number", "of", "value", "before", ""], &rows);
-    for trace in &ordinary.traces {
-        if let Err(why) = plotted(page, trace) {
-            page.paragraph(&format!("A plot could not be drawn: {why}"));
-        }
-    }
-}
-
-fn plotted(page: &mut Page, trace: &FreeTrace) -> Result<(), crate::report::PlotError> {
-    let finite = trace.rows.iter().filter(|row| row.iter().all(|value| value.is_finite()));
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for row in finite {
-        (low, high) = (low.min(row[1]).min(row[2]), high.max(row[1]).max(row[2]));
-    }
-    let heading = format!("{}, {}", file(&trace.recording), plain(trace.channel.name()));
-    let ends = trace.rows.first().zip(trace.rows.last()).filter(|_| low < high);
-    let Some((first, last)) = ends else {
-        page.paragraph(&format!("{heading}: no values to draw."));
-        return Ok(());
-    };
-    let plot = Plot::new(&heading, trace.channel.unit(), first[0]..last[0], low..high)
-        .height(200)
-        .line("measured", Color::Truth, trace.rows.iter().map(|row| (row[0], row[1])))
-        .line("by steering and speed alone", Color::First, trace.rows.iter().map(|row| (row[0], row[2])));
-    page.plot(&heading, &plot, "")
 }
 
 /// A quantity in words.
@@ -225,9 +250,4 @@ fn three(value: f64) -> String {
     }
     let digits = (2 - value.abs().log10().floor() as i32).clamp(0, 8) as usize;
     format!("{value:.digits$}")
-}
-
-/// A recording without its folder.
-fn file(path: &str) -> &str {
-    path.rsplit('/').next().unwrap_or(path)
 }

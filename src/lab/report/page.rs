@@ -1,11 +1,23 @@
 //! A page: one HTML file with its style in it.
 
+use super::interactive::{Embedded, Plots};
 use super::markup::escape;
-use super::{Interval, Plot, PlotError, Shift, Timeline, intervals, shifts};
+use super::{Plot, PlotError, Shift, shifts};
 
 const STYLE: &str = include_str!("page.css");
 /// Said of a plot whose lines do so.
 const BEYOND: &str = "What is beyond the scale is drawn along its edge.";
+
+/// A number at the head of a page.
+#[derive(Clone, Debug)]
+pub struct Fact {
+    /// What it is.
+    pub name: String,
+    /// With its unit.
+    pub value: String,
+    /// What there is to say of it.
+    pub note: String,
+}
 
 /// A page in the making, from top to bottom.
 #[derive(Clone, Debug)]
@@ -14,6 +26,8 @@ pub struct Page {
     body: String,
     /// Of the headings that are to come.
     level: u8,
+    /// If there are any to look into.
+    plots: Option<Embedded>,
 }
 
 impl Page {
@@ -21,12 +35,12 @@ impl Page {
     pub fn new(title: &str, lead: &str) -> Self {
         let body =
             format!("<header><h1>{}</h1><p class=\"lead\">{}</p></header>\n", escape(title), escape(lead));
-        Self { title: title.into(), body, level: 2 }
+        Self { body, ..Self::empty(title) }
     }
 
     /// Begins with nothing; `title` is the window's.
     pub fn empty(title: &str) -> Self {
-        Self { title: title.into(), body: String::new(), level: 2 }
+        Self { title: title.into(), body: String::new(), level: 2, plots: None }
     }
 
     /// Begins a part: what comes until the next one has smaller headings. `id` is where links find it.
@@ -52,6 +66,27 @@ impl Page {
     /// A paragraph.
     pub fn paragraph(&mut self, text: &str) {
         self.body += &format!("<p>{}</p>\n", escape(text));
+    }
+
+    /// Numbers beside each other; nothing if there is none.
+    pub fn facts(&mut self, facts: &[Fact]) {
+        if facts.is_empty() {
+            return;
+        }
+        self.body += "<dl class=\"facts\">\n";
+        for Fact { name, value, note } in facts {
+            let [name, value, note] = [name, value, note].map(|text| escape(text));
+            self.body +=
+                &format!("<div><dt>{name}</dt><dd>{value}</dd><dd class=\"note\">{note}</dd></div>\n");
+        }
+        self.body += "</dl>\n";
+    }
+
+    /// Plots to look into, all of a page at once: they share their time and cursor.
+    pub fn plots(&mut self, plots: &Plots) {
+        let embedded = plots.embedded();
+        self.body += &embedded.place;
+        self.plots = Some(embedded);
     }
 
     /// Notes: what is meant, and its explanation.
@@ -89,25 +124,9 @@ impl Page {
         self.body += "</figure>\n";
     }
 
-    /// What was when.
-    pub fn timeline(&mut self, heading: &str, timeline: &Timeline, caption: &str) {
-        self.figure(heading, &timeline.legend(), &timeline.svg(), caption);
-    }
-
     /// How numbers moved when something was learnt.
     pub fn shifts(&mut self, heading: &str, names: (&str, &str), rows: &[Shift], caption: &str) {
         self.figure(heading, &shifts::legend(names.0, names.1), &shifts::svg(heading, rows), caption);
-    }
-
-    /// Intervals before and after something was learnt, below one another.
-    pub fn intervals(
-        &mut self,
-        heading: &str,
-        (before, after): (&str, &str),
-        rows: &[Interval],
-        caption: &str,
-    ) {
-        self.figure(heading, &intervals::legend(before, after), &intervals::svg(heading, rows), caption);
     }
 
     /// A table: the first cell of a row is its name, the others are numbers.
@@ -143,12 +162,20 @@ impl Page {
 
     /// The whole file.
     pub fn html(&self) -> String {
+        let plots = self.plots.as_ref();
+        let (head, end) = plots.map_or(("", ""), |it| (it.head.as_str(), it.end.as_str()));
+        let (class, drawn) = match plots {
+            Some(_) => {
+                (" class=\"interactive\"", ". Plots drawn with uPlot, whose licence stands in this file.")
+            }
+            None => ("", ""),
+        };
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
              <meta name=\"color-scheme\" content=\"light dark\"/>\n<title>{}</title>\n\
-             <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{}</main>\n\
-             <footer>gripd {}</footer>\n</body>\n</html>\n",
+             <style>\n{STYLE}</style>\n{head}</head>\n<body>\n<main{class}>\n{}</main>\n\
+             <footer>gripd {}{drawn}</footer>\n{end}</body>\n</html>\n",
             escape(&self.title),
             self.body,
             env!("CARGO_PKG_VERSION")
@@ -159,6 +186,7 @@ impl Page {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::interactive::{Clock, Mark};
 
     #[test]
     fn text_cannot_become_markup() {
@@ -167,5 +195,34 @@ mod tests {
         let html = page.html();
         assert!(html.contains("<h1>&lt;b&gt;</h1>") && html.contains("&quot;a&quot; &amp; b"));
         assert!(html.contains("<td>&lt;script&gt;</td>") && !html.contains("<script"));
+    }
+
+    #[test]
+    fn text_in_plots_cannot_become_markup_or_script() {
+        let mut plots = Plots::default();
+        let name = "</script><script>alert(1)".to_owned();
+        plots.clocks.push(Clock { from_s: 0.0, utc_s: None, name, own_s: None });
+        plots.marks.push(Mark { at_s: 0.0, name: "<!--".into() });
+        let mut page = Page::new("<b>", "a & b");
+        page.plots(&plots);
+        let html = page.html();
+        assert!(html.contains("<h1>&lt;b&gt;</h1>") && html.contains("a &amp; b"));
+        assert!(html.contains("\\u003c/script>\\u003cscript>alert(1)"));
+        assert_eq!(html.matches("</script>").count(), 3, "data, library, ours");
+        let data = html.split("id=\"data\">").nth(1).unwrap().split("</script>").next().unwrap();
+        let data: serde_json::Value = serde_json::from_str(data).unwrap();
+        assert_eq!(data["clocks"][0]["name"], "</script><script>alert(1)");
+    }
+
+    #[test]
+    fn nothing_is_loaded_from_elsewhere() {
+        let mut page = Page::empty("plots");
+        page.plots(&Plots::default());
+        let html = page.html();
+        for attribute in ["src=", "href=", "@import", "url("] {
+            assert!(!html.contains(attribute), "{attribute}");
+        }
+        assert!(html.contains("default-src 'none'"));
+        assert!(html.contains("Permission is hereby granted"), "the library's licence");
     }
 }

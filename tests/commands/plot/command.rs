@@ -1,6 +1,7 @@
 //! The command: the page's data, parts of recordings, refusals.
 
 use super::*;
+use crate::interactive::stands_alone;
 
 const PANELS: [&str; 12] = [
     "Speed",
@@ -25,11 +26,7 @@ fn titles(data: &Value, kind: &str) -> Vec<String> {
 fn a_page_is_one_file_with_everything_in_it() {
     let place = Place::new();
     let page = place.plotted("drive.log");
-    for attribute in ["src=", "href=", "@import", "url("] {
-        assert!(!page.contains(attribute), "{attribute} loads something");
-    }
-    assert!(page.contains("default-src 'none'"), "the browser is told to load nothing");
-    assert!(page.contains("Copyright (c) 2022 Leon Sorokin"), "the library's licence");
+    stands_alone(&page);
     let data = data(&page);
     assert_eq!(titles(&data, "panels"), PANELS);
     assert_eq!(titles(&data, "figures"), ["Handling curve", "Use of the tires: g-g diagram", "Track"]);

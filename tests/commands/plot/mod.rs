@@ -12,6 +12,8 @@ use serde_json::Value;
 use tempfile::TempDir;
 use testing::program::{gripd, project};
 
+use crate::interactive::{data, titled};
+
 /// 30 s of the demo drive as candump text.
 fn drive() -> &'static str {
     static TEXT: OnceLock<String> = OnceLock::new();
@@ -70,16 +72,4 @@ impl Place {
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         fs::read_to_string(self.path("page.html")).unwrap()
     }
-}
-
-/// The numbers in a page.
-fn data(page: &str) -> Value {
-    let text = page.split_once("id=\"data\">").unwrap().1.split_once("</script>").unwrap().0;
-    serde_json::from_str(text).unwrap()
-}
-
-/// A panel or figure by its title.
-fn titled<'a>(data: &'a Value, kind: &str, title: &str) -> &'a Value {
-    let all = data[kind].as_array().unwrap();
-    all.iter().find(|it| it["title"] == title).unwrap_or_else(|| panic!("no `{title}`"))
 }

@@ -5,24 +5,15 @@ use std::time::Instant;
 use serde_json::json;
 
 use super::*;
+use crate::interactive::{self, MOST_BYTES, open, suits_every_screen};
 use crate::view::browser::{Browser, Tab};
 
 /// A page is opened and drawn within so long, s: it takes half a second, on a machine with nothing else to do.
 const MOST_SECONDS: f64 = 15.0;
 
-fn open(browser: &mut Browser, place: &Place) -> Tab {
-    let tab = browser.open(&format!("file://{}", place.path("page.html").display()));
-    browser.wait_until(&tab, "document.documentElement.dataset.ready");
-    assert_eq!(browser.evaluate(&tab, "document.documentElement.dataset.error"), Value::Null);
-    tab
-}
-
-/// What all panels show, if they show the same.
+/// What all panels show.
 fn shown(browser: &mut Browser, tab: &Tab) -> (f64, f64) {
-    let ranges = browser.evaluate(tab, "gripd.ranges()");
-    let ranges = ranges.as_array().unwrap();
-    assert!(ranges.len() >= 12 && ranges.iter().all(|range| *range == ranges[0]), "{ranges:?}");
-    (ranges[0][0].as_f64().unwrap(), ranges[0][1].as_f64().unwrap())
+    interactive::shown(browser, tab, 12)
 }
 
 /// The mouse over the second panel, at a share of its width.
@@ -52,7 +43,7 @@ fn all_panels_zoom_and_follow_the_cursor_together() {
     let place = Place::new();
     place.write("drive.log", repeated(1));
     place.plotted("drive.log");
-    let tab = open(&mut browser, &place);
+    let tab = open(&mut browser, &place.path("page.html"));
     browser
         .evaluate(&tab, "document.querySelectorAll('#panels figure')[1].scrollIntoView({ block: 'center' })");
     let (from, to) = shown(&mut browser, &tab);
@@ -98,38 +89,8 @@ fn it_suits_the_phone_the_dark_and_paper() {
     let Some(mut browser) = Browser::start() else { return };
     let place = Place::new();
     place.plotted("drive.log");
-    let tab = open(&mut browser, &place);
-    let ground = "getComputedStyle(document.body).backgroundColor";
-    let light = browser.evaluate(&tab, ground);
-    for (width, scale) in [(1280, 1), (390, 2)] {
-        let screen =
-            json!({ "width": width, "height": 800, "deviceScaleFactor": scale, "mobile": width < 600 });
-        browser.call(Some(&tab), "Emulation.setDeviceMetricsOverride", screen);
-        browser.wait_until(&tab, &format!("innerWidth === {width}"));
-        let fits = format!(
-            "[...document.querySelectorAll('.uplot')].every((plot) => \
-             plot.getBoundingClientRect().right <= {width} && plot.offsetWidth > 0.2 * {width})"
-        );
-        browser.wait_until(&tab, &fits);
-        let wide = browser.evaluate(&tab, "document.documentElement.scrollWidth").as_u64().unwrap();
-        assert!(wide <= width, "the page is {wide} wide of {width}");
-    }
-    let dark = json!({ "features": [{ "name": "prefers-color-scheme", "value": "dark" }] });
-    browser.call(Some(&tab), "Emulation.setEmulatedMedia", dark);
-    browser.wait_until(&tab, &format!("{ground} !== {light}"));
-    // On paper from a dark screen: ink on white, and the screen as before afterwards.
-    browser.evaluate(
-        &tab,
-        "addEventListener('beforeprint', () => { window.paper = getComputedStyle(document.body).backgroundColor; })",
-    );
-    let printed = browser.call(Some(&tab), "Page.printToPDF", json!({ "printBackground": true }));
-    assert!(printed["data"].as_str().unwrap().len() > 50_000);
-    assert_eq!(browser.evaluate(&tab, "window.paper"), "rgb(255, 255, 255)");
-    browser.wait_until(
-        &tab,
-        &format!("{ground} !== {light} && !document.documentElement.hasAttribute('data-paper')"),
-    );
-    assert_eq!(browser.complaints(), Vec::<String>::new());
+    let tab = open(&mut browser, &place.path("page.html"));
+    suits_every_screen(&mut browser, &tab);
 }
 
 #[test]
@@ -139,7 +100,7 @@ fn an_hour_is_below_three_megabytes_and_opens_at_once() {
     place.write("hour.log", repeated(120));
     let page = place.plotted("hour.log");
     println!("{:.2} MB for an hour", page.len() as f64 / 1e6);
-    assert!(page.len() < 3_000_000, "{} bytes", page.len());
+    assert!(page.len() < MOST_BYTES, "{} bytes", page.len());
     let data = data(&page);
     assert!(data["stretch_s"].as_f64().unwrap() < 1.0);
     // Peaks of the same half minute are there each of the 120 times.
@@ -150,7 +111,7 @@ fn an_hour_is_below_three_megabytes_and_opens_at_once() {
     assert!(near >= 120, "{near} rows at the peaks of {peak} °");
     let Some(mut browser) = Browser::start() else { return };
     let begun = Instant::now();
-    let tab = open(&mut browser, &place);
+    let tab = open(&mut browser, &place.path("page.html"));
     let seconds = begun.elapsed().as_secs_f64();
     println!("open and drawn after {seconds:.2} s");
     assert!(seconds < MOST_SECONDS, "{seconds}");

@@ -19,7 +19,7 @@ use super::{Failure, configuration};
 use lab::explain::ordinary::{Asked, Ordinary};
 use lab::explain::{FIT_STAGES, Work};
 use lab::identify::{
-    Identification, Identifier, IdentifyConfig, IdentifyError, LongitudinalInput, Method, STAGES,
+    Identification, Identifier, IdentifyConfig, IdentifyError, LongitudinalInput, Method, Record, STAGES,
 };
 use lab::pages;
 use lab::pages::identify::{self as page, Story};
@@ -34,6 +34,9 @@ pub struct Identify {
     /// Recordings of one car, in any format that `gripd convert` reads (`-` is the standard input), used together.
     #[arg(required = true)]
     logs: Vec<PathBuf>,
+    /// Fit nothing to these recordings of the same car, and tell how well they are predicted.
+    #[arg(long, value_name = "LOG", num_args = 1..)]
+    holdout: Vec<PathBuf>,
     /// Write everything as JSON (`-`: to the standard output, instead of the text).
     #[arg(long, value_name = "JSON")]
     json: Option<PathBuf>,
@@ -68,19 +71,19 @@ impl Identify {
     pub fn run(self) -> Result<(), Failure> {
         let config = configuration::load(&self.config)?;
         check_outputs(
-            self.logs.iter().chain([&self.config]).chain(config.files()),
+            self.logs.iter().chain(&self.holdout).chain([&self.config]).chain(config.files()),
             self.json.iter().chain(&self.html).chain(&self.apply),
         )?;
         let used = self.settings()?;
         if used.method == Method::Ordinary {
             return self.ordinary(&config);
         }
-        let read = self.records(&config)?;
+        let (read, held_out) = self.records(&config)?;
         let progress = Progress::of_stages(STAGES, Work::default());
         let found = found(&config, &used, &read, &|stage, share| progress.at(stage, share));
         progress.finish();
         let found = found?;
-        let story = story(&config, &used, &read, &found);
+        let story = story(&config, &used, (&read, &held_out), &found);
         if self.prints_text() {
             let mut stdout = std::io::stdout().lock();
             stdout.write_all(page::text(&story).as_bytes()).and_then(|()| stdout.flush())?;
@@ -89,8 +92,7 @@ impl Identify {
             write_json(path, &page::report(&story))?;
         }
         if let Some(path) = &self.html {
-            let html = page::html(&story).map_err(Failure::work)?;
-            write_text(path, &html)?;
+            write_text(path, &page::html(&story))?;
         }
         if let Some(path) = &self.apply {
             write_text(path, &apply::toml((&self.config, path), &found, self.force)?)?;
@@ -107,12 +109,12 @@ impl Identify {
         let used = self.settings()?;
         if used.method == Method::Ordinary {
             let read = self.drives(&config, &Work::default())?;
-            let ordinary = fitted(&config, &read, watch)?;
+            let ordinary = self.fitted(&config, &read, watch)?;
             return Told::new(&pages::ordinary::report(&ordinary), whole(&read.broken));
         }
-        let read = self.records(&config)?;
+        let (read, held_out) = self.records(&config)?;
         let found = found(&config, &used, &read, watch)?;
-        Told::new(&page::report(&story(&config, &used, &read, &found)), whole(&read.broken))
+        Told::new(&page::report(&story(&config, &used, (&read, &held_out), &found)), whole(&read.broken))
     }
 
     /// The ordinary car by free runs, the measured speed an input.
@@ -120,7 +122,7 @@ impl Identify {
         let work = Work::default();
         let read = self.drives(config, &work)?;
         let progress = Progress::of_stages(FIT_STAGES, work);
-        let ordinary = fitted(config, &read, &|stage, share| progress.at(stage, share));
+        let ordinary = self.fitted(config, &read, &|stage, share| progress.at(stage, share));
         progress.finish();
         let ordinary = ordinary?;
         if self.prints_text() {
@@ -131,7 +133,7 @@ impl Identify {
             write_json(path, &pages::ordinary::report(&ordinary))?;
         }
         if let Some(path) = &self.html {
-            write_text(path, &pages::ordinary::html(&ordinary))?;
+            write_text(path, &pages::ordinary::html(&ordinary, &config.vehicle))?;
         }
         if let Some(path) = &self.apply {
             write_text(path, &apply::of_ordinary((&self.config, path), &ordinary, self.force)?)?;
@@ -139,15 +141,35 @@ impl Identify {
         whole(&read.broken)
     }
 
-    fn records(&self, config: &bus::Config) -> Result<recordings::Read, Failure> {
-        recordings::read(&self.logs, &self.part, &config.clone().with_true_signals())
+    /// What is fitted to, and what is only predicted; what is broken of either stands with the first.
+    fn records(&self, config: &bus::Config) -> Result<(recordings::Read, Vec<Record>), Failure> {
+        let config = config.clone().with_true_signals();
+        let mut read = recordings::read(&self.logs, &self.part, &config)?;
+        let held_out = recordings::read(&self.holdout, &Part::default(), &config)?;
+        read.broken.extend(held_out.broken);
+        Ok((read, held_out.records))
     }
 
-    /// The recordings as `explain` has them, which count in `work` how far the fit is.
+    /// The recordings as `explain` has them, the held-out ones last, which count in `work` how far the fit is.
     fn drives(&self, config: &bus::Config, work: &Work) -> Result<explain::Read, Failure> {
-        let mut read = explain::read(&self.logs, |_| self.part.clone(), config)?;
+        let logs: Vec<PathBuf> = self.logs.iter().chain(&self.holdout).cloned().collect();
+        let part = |place| if place < self.logs.len() { self.part.clone() } else { Part::default() };
+        let mut read = explain::read(&logs, part, config)?;
         read.recordings.iter_mut().for_each(|recording| recording.work = work.clone());
         Ok(read)
+    }
+
+    fn fitted(
+        &self,
+        config: &bus::Config,
+        read: &explain::Read,
+        watch: Watch<'_>,
+    ) -> Result<Ordinary, Failure> {
+        watch(FIT_STAGES[0].name, 0.0);
+        let asked = Asked { held_out: self.holdout.len(), ..Asked::CAR };
+        Ordinary::of(&config.vehicle, &config.effect, &read.recordings, asked).ok_or_else(|| {
+            Failure::work("no recording has steering, yaw rate and 12 s of driving above 4 m/s")
+        })
     }
 
     /// With `--json -` the standard output is for programs.
@@ -182,20 +204,22 @@ fn found(
 }
 
 fn story<'s>(
-    config: &bus::Config,
+    config: &'s bus::Config,
     used: &'s IdentifyConfig,
-    read: &'s recordings::Read,
+    (read, held_out): (&'s recordings::Read, &'s [Record]),
     found: &'s Identification,
 ) -> Story<'s> {
     let offsets = Quantity::ALL
         .map(|quantity| config.signals.quantities.get(&quantity).map_or(0.0, |config| config.offset));
-    Story { offsets, used, records: &read.records, found }
-}
-
-fn fitted(config: &bus::Config, read: &explain::Read, watch: Watch<'_>) -> Result<Ordinary, Failure> {
-    watch(FIT_STAGES[0].name, 0.0);
-    Ordinary::of(&config.vehicle, &config.effect, &read.recordings, Asked::CAR)
-        .ok_or_else(|| Failure::work("no recording has steering, yaw rate and 12 s of driving above 4 m/s"))
+    Story {
+        offsets,
+        vehicle: &config.vehicle,
+        used,
+        records: &read.records,
+        held_out,
+        predicted: found.predicts(held_out, &config.vehicle),
+        found,
+    }
 }
 
 /// What could be read was worth its results; that something was lost is said all the same.

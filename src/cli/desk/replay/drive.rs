@@ -1,6 +1,6 @@
 //! Recordings through the service's own engine, a frame at a time: who drives takes what comes, and may stop anywhere.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -16,12 +16,16 @@ use bus::can::Frame;
 use bus::can::recording::Reader;
 use bus::service::{Engine, Sink};
 use lab::identify::CorneringStiffness;
+use lab::report::Page;
 use physics::estimate::EstimatorsConfig;
 use physics::time::Clock;
 use physics::{Estimates, Micros, Quantity, Sample};
 
 /// Who takes what a drive makes.
 pub trait Listener: Sink {
+    /// A recording begins: its first frame is known.
+    fn begin(&mut self, _recording: &PartReader) {}
+
     /// A frame of a recording, before the engine has it.
     fn frame(&mut self, _recording: &PartReader, _frame: &Frame) {}
 }
@@ -29,9 +33,11 @@ pub trait Listener: Sink {
 /// A drive that goes on frame by frame.
 pub struct Drive {
     engine: Engine,
-    waiting: std::vec::IntoIter<PathBuf>,
+    waiting: VecDeque<PathBuf>,
     part: Part,
     reader: Option<PartReader>,
+    /// Has nothing come of it yet?
+    is_fresh: bool,
     progress: Progress,
     started: Instant,
     heard: Heard,
@@ -45,9 +51,10 @@ impl Drive {
             Heard { present: 0, learning: Learning::default(), estimators: config.estimators.clone() };
         Self {
             engine,
-            waiting: logs.to_vec().into_iter(),
+            waiting: logs.iter().cloned().collect(),
             part: part.clone(),
             reader: None,
+            is_fresh: false,
             progress: Progress::of_files(logs),
             started: Instant::now(),
             heard,
@@ -64,13 +71,17 @@ impl Drive {
     pub fn advance(&mut self, listener: &mut impl Listener) -> Result<bool, Failure> {
         loop {
             let Some(reader) = &mut self.reader else {
-                let Some(path) = self.waiting.next() else { return Ok(false) };
+                let Some(path) = self.waiting.pop_front() else { return Ok(false) };
                 self.reader = Some(self.part.open(&path)?);
+                self.is_fresh = true;
                 continue;
             };
             match reader.next_frame() {
                 Ok(Some(frame)) => {
                     self.heard.learning.begin(reader.clock());
+                    if std::mem::take(&mut self.is_fresh) {
+                        listener.begin(reader);
+                    }
                     listener.frame(reader, &frame);
                     self.engine.frame(&frame, &mut Hearing { heard: &mut self.heard, listener });
                     self.progress.advance(reader.stats().lines);
@@ -105,7 +116,7 @@ impl Drive {
             }
         }
         let stats = self.totals.stats(&self.engine, self.started, self.heard.cornering_stiffness());
-        Driven { engine: self.engine, stats, learned: self.heard.text(), broken: self.totals.broken }
+        Driven { engine: self.engine, stats, heard: self.heard, broken: self.totals.broken }
     }
 }
 
@@ -115,12 +126,21 @@ pub struct Driven {
     pub engine: Engine,
     /// Counts and speed.
     pub stats: Stats,
-    /// What was learned, for people.
-    pub learned: String,
+    heard: Heard,
     broken: Vec<String>,
 }
 
 impl Driven {
+    /// What was learned, for people.
+    pub fn learned(&self) -> String {
+        self.heard.learning.text(&self.heard.estimators)
+    }
+
+    /// The same as a part of a page.
+    pub fn write(&self, page: &mut Page) {
+        self.heard.learning.write(page, &self.heard.estimators);
+    }
+
     /// # Errors
     /// If there was nothing to estimate from, or a recording could not be read to its end.
     pub fn whole(&self) -> Result<(), Failure> {
@@ -147,10 +167,6 @@ struct Heard {
 impl Heard {
     fn cornering_stiffness(&self) -> CorneringStiffness {
         self.learning.cornering_stiffness(&self.estimators)
-    }
-
-    fn text(&self) -> String {
-        self.learning.text(&self.estimators)
     }
 }
 

@@ -1,8 +1,8 @@
 //! What a replay has learned: each published number with its share of validity, its last value, and why it was not valid.
 
-use super::super::closing::{Line, table};
+use super::super::closing::{Line, percent, table};
 use lab::identify::{AxleStiffness, CorneringStiffness};
-use lab::report::number;
+use lab::report::{Page, escape, number};
 use physics::Estimates;
 use physics::estimate::EstimatorsConfig;
 use physics::estimates::{Estimate, State};
@@ -22,6 +22,9 @@ enum Why {
     /// There was one that was sure, and signals contradict each other, or it was too old.
     Doubted,
 }
+
+/// Head of the column with the reasons.
+const WHY: &str = "why not valid, mostly";
 
 /// So many reasons there are.
 const REASONS: usize = 5;
@@ -116,26 +119,44 @@ impl Learning {
         if self.rows == 0 {
             return String::new();
         }
+        table(&[("last value", Some(18)), (WHY, None)], &self.lines(config)) + &self.use_of_friction() + "\n"
+    }
+
+    /// The same as a part of a page.
+    pub fn write(&self, page: &mut Page, config: &EstimatorsConfig) {
+        page.section("learned", "What was learned", "");
+        let row = |line: Line| {
+            let mut row = vec![line.name, percent(line.valid)];
+            row.extend(line.told);
+            row
+        };
+        let rows: Vec<Vec<String>> = self.lines(config).into_iter().map(row).collect();
+        page.table_of_words(&["", "valid", "last value", WHY], &rows);
+        page.raw(&format!("<p class=\"aside\">{}.</p>", escape(&self.use_of_friction())));
+    }
+
+    fn lines(&self, config: &EstimatorsConfig) -> Vec<Line> {
         // Wheels that are not driven have no slope, and nobody misses it.
         let is_there = |(published, tally): &(Published, &Tally)| {
             !matches!(published, Slope(2..) | Offset(2..)) || tally.last.is_some()
         };
         let line = |(published, tally): (Published, &Tally)| Line {
             name: published.name(),
-            valid: tally.valid as f64 / self.rows as f64,
+            valid: tally.valid as f64 / self.rows.max(1) as f64,
             told: vec![published.shown(tally.last), self.why(published, tally, config)],
         };
-        let lines: Vec<Line> = ALL.into_iter().zip(&self.tallies).filter(is_there).map(line).collect();
-        let mut text = table(&[("last value", Some(18)), ("why not valid, mostly", None)], &lines);
-        text += &match self.used {
+        ALL.into_iter().zip(&self.tallies).filter(is_there).map(line).collect()
+    }
+
+    fn use_of_friction(&self) -> String {
+        match self.used {
             Some((used, at, clock)) => {
-                format!("highest use of the friction: {}, at {}\n", number(used, 2), clock.at(at))
+                format!("highest use of the friction: {}, at {}", number(used, 2), clock.at(at))
             }
             None => {
-                "the use of the friction is not known: no acceleration, and no speed to take it from\n".into()
+                "the use of the friction is not known: no acceleration, and no speed to take it from".into()
             }
-        };
-        text
+        }
     }
 
     /// The axles, as identify and explain tell them, at the end.

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::Failure;
-use super::output::{Output, check_outputs, write_json};
+use super::output::{Output, check_outputs, write_json, write_text};
 use super::part::{Part, PartReader};
 use super::player::Player;
 use super::tables::rows::{Column, estimates_columns, estimates_row, samples_columns, samples_row};
@@ -19,6 +19,7 @@ use bus::can::Frame;
 use bus::can::recording::{Format, LogError, Writer};
 use bus::service::saved::{Claim, Refusal};
 use bus::service::{Engine, SavedState, Sink};
+use lab::pages::plot;
 use physics::estimate::Learned;
 use physics::{Estimates, Quantity, Sample};
 
@@ -48,6 +49,10 @@ pub struct Replay {
     /// Write the decoded signals as the estimators see them, likewise.
     #[arg(long, value_name = "TABLE")]
     samples: Option<PathBuf>,
+    /// Write a page to look into: the estimates over time with their intervals and when they were valid, beside what was
+    /// measured; friction used and available, handling curve, track; and what was learned.
+    #[arg(long, value_name = "HTML")]
+    html: Option<PathBuf>,
     /// Write counts and speed as JSON.
     #[arg(long, value_name = "JSON")]
     stats: Option<PathBuf>,
@@ -75,7 +80,7 @@ impl Replay {
         // A state is read before it is written, and what is none is refused then.
         check_outputs(
             self.logs.iter().chain([&self.config]).chain(&self.state).chain(config.files()),
-            [&self.out, &self.estimates, &self.samples, &self.stats].into_iter().flatten(),
+            [&self.out, &self.estimates, &self.samples, &self.html, &self.stats].into_iter().flatten(),
         )?;
         let mut engine = Engine::new(&config)?;
         if self.estimates.is_some() {
@@ -102,7 +107,11 @@ impl Replay {
             }
         }
         let driven = drive.end(&mut results);
-        let Driven { engine, stats, learned, .. } = &driven;
+        let Driven { engine, stats, .. } = &driven;
+        if let (Some(path), Some(page)) = (&self.html, results.page.take().filter(|page| !page.is_empty())) {
+            let page = plot::page(&page, &config.vehicle, |page| driven.write(page));
+            write_text(path, &page.html())?;
+        }
         results.finish()?;
         if let Some(state) = state.filter(|_| engine.driving_s() > driven_before_s) {
             if let Some(contradiction) = engine.contradiction() {
@@ -118,6 +127,7 @@ impl Replay {
             write_json(path, stats)?;
         }
         // For people: whoever wants to hear of errors only is not told.
+        let learned = driven.learned();
         if tracing::enabled!(tracing::Level::INFO) && !learned.is_empty() {
             let _ = write!(std::io::stderr().lock(), "\n{learned}\n");
         }
@@ -163,6 +173,8 @@ struct Results {
     /// Frames that still have to go onto a bus.
     published: Vec<Frame>,
     onto_bus: bool,
+    /// What the page is made of.
+    page: Option<plot::Drive>,
     failure: Option<Failure>,
 }
 
@@ -193,6 +205,10 @@ impl Results {
             player: Player::new(command.realtime, command.interface.as_deref(), config)?,
             published: Vec::new(),
             onto_bus: command.interface.is_some(),
+            page: command.html.as_ref().map(|_| {
+                let quantities = config.signals.quantities.keys().copied().collect();
+                plot::Drive::new(quantities, [None; 2])
+            }),
             failure: None,
         })
     }
@@ -231,6 +247,12 @@ impl Results {
 }
 
 impl Listener for Results {
+    fn begin(&mut self, recording: &PartReader) {
+        if let Some(page) = &mut self.page {
+            page.begin(recording.name(), recording.clock().begins());
+        }
+    }
+
     fn frame(&mut self, recording: &PartReader, frame: &Frame) {
         self.player.play(frame);
         self.input(recording.interface(), frame);
@@ -239,6 +261,9 @@ impl Listener for Results {
 
 impl Sink for Results {
     fn estimates(&mut self, sample: &Sample, estimates: &Estimates) {
+        if let Some(page) = &mut self.page {
+            page.push(sample, estimates);
+        }
         if let Some(table) = &mut self.estimates {
             let written = estimates_row(&mut **table, sample, estimates);
             self.check(written);

@@ -15,12 +15,14 @@ use super::numbers::{Free, Scope, free, on_time};
 use super::remaining::{Remaining, remaining};
 use super::robust::deviation;
 use super::run::Predicted;
+use super::scores::{
+    CHANNELS, FreeTrace, TRACED_EVERY, errors, fits, held_square, measured, said, sideslip, traces,
+};
 use crate::explain::dates::begins;
 use crate::explain::doubt::doubt;
 use crate::explain::model::{Chosen, Model};
 use crate::explain::predict::Recording;
-use crate::explain::proof::ErrorSums;
-use crate::explain::result::{ByChannel, Disturbance, Estimate, Parts, Verdict};
+use crate::explain::result::{Block, ByChannel, Disturbance, Driven, Estimate, Models, Parts, Verdict};
 use crate::identify::{CorneringStiffness, Doubt, Parameter, Values, against};
 
 /// A number of the car or of a recording's measurement.
@@ -42,17 +44,6 @@ pub struct Number {
     pub starts: Vec<[f64; 3]>,
 }
 
-/// Yaw rate or lateral acceleration of one recording.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FreeTrace {
-    /// The recording.
-    pub recording: String,
-    /// The quantity.
-    pub channel: Quantity,
-    /// Time, measured; predicted by the ordinary car with what was found beside it, and by the plain one.
-    pub rows: Vec<[f64; 4]>,
-}
-
 /// The ordinary car fitted to recordings.
 #[derive(Clone, Debug)]
 pub struct Ordinary {
@@ -62,6 +53,12 @@ pub struct Ordinary {
     pub plain_fit: Parts<ByChannel>,
     /// The same with what was found beside the ordinary car.
     pub found_fit: Parts<ByChannel>,
+    /// Root mean square errors of the three, SI.
+    pub error: Models<Parts<ByChannel>>,
+    /// Which stretches were held out.
+    pub split: Vec<Block>,
+    /// How each recorded car was driven.
+    pub driven: Vec<Driven>,
     /// Its numbers.
     pub numbers: Vec<Number>,
     /// Its axles, what gives way in the steering with them.
@@ -125,9 +122,6 @@ pub(super) const LEAST_FIT: f64 = 60.0;
 pub(super) const MOST_S: f64 = 600.0;
 const LEAST_OF_EACH_S: f64 = 60.0;
 
-/// Of so many points of a trace one is kept: twenty a second are more than a page can show.
-const TRACED_EVERY: usize = 5;
-
 impl Number {
     /// Why the recordings do not tell it, or what they say is not to be believed; none where it is.
     pub fn untold(&self) -> Option<String> {
@@ -150,6 +144,48 @@ impl Number {
 /// A number whose deviation is still this share of the one before was not told by the recordings.
 pub(super) const LEAST_TOLD: f64 = 0.7;
 
+/// The ordinary car fitted to recordings of one car, and the car as configured beside it.
+pub struct FittedCars<'a> {
+    own: &'a Vehicle,
+    drives: Drives,
+    found: FreeFit<'a>,
+    plain: FreeFit<'a>,
+    begins_utc: BTreeMap<String, String>,
+}
+
+impl<'a> FittedCars<'a> {
+    /// Of the vehicle, `own` being that [`with_bend`]. None where no recording can be used, or none beside its references.
+    pub fn of(
+        [own, vehicle]: [&'a Vehicle; 2],
+        effects: &[EffectConfig],
+        recordings: &[Recording],
+        asked: Asked<'_>,
+    ) -> Option<Self> {
+        let all = Drives::of(own, recordings, asked)?;
+        let drives = &all.drives;
+        let model = as_configured(own, effects);
+        let plain = Model { vehicle, values: Values::of(vehicle), ..model.clone() };
+        // The ordinary car twice, with and without what the data may refuse.
+        begin_counting(drives, 3);
+        let (found, plain) = rayon::join(
+            || fit_ordinary(&model, own, drives),
+            || fit(&plain, on_time(free(&plain, vehicle, drives)), drives),
+        );
+        Some(Self { own, found, plain, begins_utc: begins(recordings), drives: all })
+    }
+
+    /// What they say.
+    pub fn say(&self, asked: Asked<'_>) -> Ordinary {
+        let Self { own: vehicle, found, plain, drives: Drives { drives, references, left_out }, .. } = self;
+        let fitted = Fitted { vehicle, drives, found, plain, simulated: None };
+        Ordinary {
+            left_out: left_out.clone(),
+            begins_utc: self.begins_utc.clone(),
+            ..fitted.answer(Asked { references: *references, ..asked })
+        }
+    }
+}
+
 impl Ordinary {
     /// Of recordings of one car. None where no recording can be used, or none beside its references.
     pub fn of(
@@ -159,21 +195,7 @@ impl Ordinary {
         asked: Asked<'_>,
     ) -> Option<Self> {
         let own = with_bend(vehicle);
-        let Drives { drives, references, left_out } = Drives::of(&own, recordings, asked)?;
-        let model = as_configured(&own, effects);
-        let plain = Model { vehicle, values: Values::of(vehicle), ..model.clone() };
-        // The ordinary car twice, with and without what the data may refuse.
-        begin_counting(&drives, 3);
-        let (found, plain) = rayon::join(
-            || fit_ordinary(&model, &own, &drives),
-            || fit(&plain, on_time(free(&plain, vehicle, &drives)), &drives),
-        );
-        let fitted = Fitted { vehicle: &own, drives: &drives, found: &found, plain: &plain, simulated: None };
-        Some(Self {
-            left_out,
-            begins_utc: begins(recordings),
-            ..fitted.answer(Asked { references, ..asked })
-        })
+        Some(FittedCars::of([&own, vehicle], effects, recordings, asked)?.say(asked))
     }
 
     /// What it comes to, where the plain model and its effects leave much.
@@ -244,6 +266,9 @@ impl Fitted<'_> {
             fit: fits(drives, predicted),
             plain_fit: fits(drives, &plain.predicted),
             found_fit: Parts::default(),
+            error: Models::default(),
+            split: drives.iter().flat_map(FreeDrive::blocks).collect(),
+            driven: drives.iter().map(|drive| drive.driven_every(TRACED_EVERY)).collect(),
             cornering_stiffness: axles::of(found),
             numbers: numbers(found, drives),
             plain_numbers: numbers(plain, drives),
@@ -274,6 +299,7 @@ impl Fitted<'_> {
         let with_found = answer.beyond.predicted.clone();
         let with_found = with_found.as_deref().unwrap_or(predicted);
         answer.found_fit = fits(drives, with_found);
+        answer.error = errors(drives, [&plain.predicted, predicted, with_found]);
         if simulated.is_some() && answer.beyond.predicted.is_some() {
             answer.remaining = repeating(with_found);
         }
@@ -293,15 +319,6 @@ impl Fitted<'_> {
         answer.traces = traces(drives, with_found, &plain.predicted);
         answer
     }
-}
-
-/// What was measured of each drive and channel beside what two cars say.
-pub(super) fn traces(drives: &[FreeDrive], found: &[Predicted], plain: &[Predicted]) -> Vec<FreeTrace> {
-    let of = |channel: Quantity| {
-        let both = found.iter().zip(plain);
-        drives.iter().zip(both).filter_map(move |(drive, both)| trace(drive, both, channel))
-    };
-    CHANNELS.into_iter().flat_map(of).collect()
 }
 
 /// What the recordings could tell of each effect, and of each number of the car beside references. None where no recording
@@ -385,17 +402,6 @@ pub(super) fn as_configured<'a>(own: &'a Vehicle, effects: &[EffectConfig]) -> M
     Model { delays: Default::default(), effects, ..Model::plain(own, false) }
 }
 
-/// What is compared.
-const CHANNELS: [Quantity; 2] = [Quantity::YawRate, Quantity::LateralAcceleration];
-
-fn measured(drive: &FreeDrive, channel: Quantity) -> Option<&[f64]> {
-    if channel == Quantity::YawRate { Some(&drive.yaw_rate) } else { drive.lateral.as_deref() }
-}
-
-fn said(predicted: &Predicted, channel: Quantity) -> &[f64] {
-    if channel == Quantity::YawRate { &predicted.yaw_rate } else { &predicted.lateral }
-}
-
 /// Beyond this it is called shaking. Tuned by recordings: cars on roads have 0.13 to 0.54, simulated drives with white noise
 /// of up to 0.2 m/s² at 100 Hz have 0.02 at most.
 const MOST_SHAKING_MPS2: f64 = 0.05;
@@ -410,37 +416,6 @@ fn shaking(drives: &[FreeDrive], predicted: &[Predicted]) -> f64 {
         Some(steps.map(move |i| error[i] - error[i - 1]).collect::<Vec<_>>())
     });
     deviation(steps.flatten()).unwrap_or(0.0)
-}
-
-/// Squared errors of the rows that are held out.
-fn held_square(drives: &[FreeDrive], predicted: &[Predicted], channel: Quantity) -> f64 {
-    let of = |(drive, predicted): (&FreeDrive, &Predicted)| -> f64 {
-        let Some(measured) = measured(drive, channel) else { return 0.0 };
-        let held = rows(drive).filter(|i| drive.counts[*i] && drive.held[*i] && measured[*i].is_finite());
-        held.map(|i| (measured[i] - said(predicted, channel)[i]).powi(2)).sum()
-    };
-    drives.iter().zip(predicted).map(of).sum()
-}
-
-/// Fit over all drives, %, by channel.
-pub(super) fn fits(drives: &[FreeDrive], predicted: &[Predicted]) -> Parts<ByChannel> {
-    let fit = |channel: Quantity, held: bool| {
-        let rows = drives.iter().zip(predicted).flat_map(|(drive, own)| {
-            let measured = measured(drive, channel).unwrap_or_default();
-            let all = measured.iter().zip(said(own, channel)).enumerate();
-            all.filter(move |(i, (y, _))| drive.counts[*i] && drive.held[*i] == held && y.is_finite())
-                .map(|(_, (y, z))| (*y, *z))
-        });
-        let mut sums = ErrorSums::default();
-        rows.for_each(|(y, z)| sums.add(y, z));
-        sums.fit()
-    };
-    let of = |held: bool| {
-        let all =
-            CHANNELS.into_iter().filter_map(|channel| Some((channel.name().to_owned(), fit(channel, held)?)));
-        all.collect()
-    };
-    Parts { train: of(false), holdout: of(true) }
 }
 
 pub(super) fn numbers(found: &FreeFit<'_>, drives: &[FreeDrive]) -> Vec<Number> {
@@ -470,19 +445,6 @@ pub(super) fn numbers(found: &FreeFit<'_>, drives: &[FreeDrive]) -> Vec<Number> 
         }
     };
     found.free.iter().enumerate().map(of).collect()
-}
-
-fn sideslip(drive: &FreeDrive, predicted: &Predicted) -> (String, Vec<[f64; 2]>) {
-    let some = predicted.sideslip.iter().enumerate().step_by(TRACED_EVERY).filter(|(i, _)| drive.counts[*i]);
-    (drive.name.clone(), some.map(|(i, slip)| [drive.time(i), *slip]).collect())
-}
-
-fn trace(drive: &FreeDrive, (own, plain): (&Predicted, &Predicted), channel: Quantity) -> Option<FreeTrace> {
-    let measured = measured(drive, channel)?;
-    let (own, plain) = (said(own, channel), said(plain, channel));
-    let of = |i: usize| [drive.time(i), measured[i], own[i], plain[i]];
-    let rows = (0..drive.points()).step_by(TRACED_EVERY).map(of).collect();
-    Some(FreeTrace { recording: drive.name.clone(), channel, rows })
 }
 
 #[cfg(test)]

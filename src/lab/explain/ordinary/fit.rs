@@ -106,10 +106,12 @@ struct Normal {
 /// Fits to the training part.
 pub fn fit<'a>(model: &Model<'a>, free: Vec<Free>, drives: &[FreeDrive]) -> FreeFit<'a> {
     let pilot = liveliest(drives);
+    let part = drives[pilot].liveliest(PILOT_S);
+    let is_all = drives.len() == 1 && part.points() == drives[pilot].points();
     let of_pilot: Vec<usize> = (0..free.len()).filter(|place| free[*place].of.has(pilot)).collect();
     let own: Vec<Free> = of_pilot.iter().map(|place| free[*place].alone()).collect();
     let (mut starts, best) =
-        Problem { model, free: &own, drives: &drives[pilot..=pilot] }.search_from_all_starts();
+        Problem { model, free: &own, drives: std::slice::from_ref(&part) }.search_from_all_starts();
     // The other recordings' own numbers are where they were thought to be.
     let everywhere = |from_pilot: &[f64]| {
         let mut all: Vec<f64> = free.iter().map(|free| free.prior.0).collect();
@@ -124,7 +126,7 @@ pub fn fit<'a>(model: &Model<'a>, free: Vec<Free>, drives: &[FreeDrive]) -> Free
     let problem = Problem { model, free: &free, drives };
     let first = problem.first_scale();
     let mut best = everywhere(&best);
-    if drives.len() > 1 {
+    if !is_all {
         (_, best) = problem.search(best, &first, STEPS[1]);
     }
     FreeFit { starts, ..problem.refined(best, first) }
@@ -134,6 +136,10 @@ fn points(drives: &[FreeDrive]) -> usize {
     drives.iter().map(FreeDrive::points).sum()
 }
 
+/// So much of the liveliest drive is searched from all starts, s: far from the answer more would add computing only.
+/// Numerical: long enough to have all kinds of curves.
+const PILOT_S: f64 = 120.0;
+
 /// So many steps of a search are counted: one that may take 25 mostly ends after some. Tuned by three recordings.
 const fn counted(steps: usize) -> usize {
     if steps > STEPS[0] { 5 } else { steps }
@@ -141,16 +147,18 @@ const fn counted(steps: usize) -> usize {
 
 /// What so many fits to these drives count.
 pub fn begin_counting(drives: &[FreeDrive], fits: usize) {
-    let [of_pilot, of_all] = [&drives[liveliest(drives)..][..1], drives].map(points);
+    let of_all = points(drives);
+    let of_pilot =
+        drives.get(liveliest(drives)).map_or(0, FreeDrive::points).min((PILOT_S / STEP_S) as usize);
     let [short, long] = STEPS.map(counted);
     let from_starts = STARTS.len() * short + 2 * long;
-    let rounds = ROUNDS + usize::from(drives.len() > 1);
+    let rounds = ROUNDS + usize::from(of_pilot < of_all);
     if let [first, ..] = drives {
         first.work.begin(fits * (from_starts * of_pilot + rounds * long * of_all));
     }
 }
 
-/// The drive that tells most of a car: in which it turns most. Far from the answer the others would add computing only.
+/// The drive that tells most of a car: in which it turns most.
 fn liveliest(drives: &[FreeDrive]) -> usize {
     let turning = |drive: &FreeDrive| -> f64 {
         let fitted =

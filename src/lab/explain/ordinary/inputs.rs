@@ -1,11 +1,13 @@
 //! A recording as a free run takes it: speed and steering are inputs, yaw rate and lateral acceleration are compared, and
 //! every third block is held out.
 
+use std::ops::Range;
+
 use physics::model::{DrivenAxle, Vehicle};
 use physics::{Quantity, Wheel};
 
-use crate::explain::Recording;
 use crate::explain::work::Work;
+use crate::explain::{Block, Driven, Recording};
 
 /// Seconds between grid points. Numerical.
 pub const STEP_S: f64 = 0.01;
@@ -107,8 +109,9 @@ impl FreeDrive {
         if end - begin < (2.0 * BLOCK_S / STEP_S) as usize {
             return Err(Unusable::Standing);
         }
-        let (begin, points) = liveliest(yaw, (first, begin, end - begin), (most_s / STEP_S) as usize);
-        let from_s = first + begin as f64 * STEP_S;
+        let turning = resampled(yaw, first + begin as f64 * STEP_S, end - begin);
+        let (from, points) = liveliest_of(&turning, (most_s / STEP_S) as usize);
+        let from_s = first + (begin + from) as f64 * STEP_S;
         let time = |i: usize| from_s + i as f64 * STEP_S;
         let Compared { yaw_rate, lateral, axles } = Compared::of(recording, vehicle, from_s, points);
         Ok(Self {
@@ -132,6 +135,25 @@ impl FreeDrive {
         })
     }
 
+    /// Those `most_s` seconds of it in which it turns most.
+    pub fn liveliest(&self, most_s: f64) -> Self {
+        let (from, points) = liveliest_of(&self.yaw_rate, (most_s / STEP_S) as usize);
+        let cut = |values: &Vec<f64>| values[from..from + points].to_vec();
+        Self {
+            name: self.name.clone(),
+            work: self.work.clone(),
+            from_s: self.time(from),
+            steering: self.steering.clone(),
+            speed: self.speed.clone(),
+            acceleration: self.acceleration.clone(),
+            yaw_rate: cut(&self.yaw_rate),
+            lateral: self.lateral.as_ref().map(cut),
+            axles: self.axles.each_ref().map(|axle| axle.as_ref().map(cut)),
+            held: self.held[from..from + points].to_vec(),
+            counts: self.counts[from..from + points].to_vec(),
+        }
+    }
+
     /// Its grid points.
     pub fn points(&self) -> usize {
         self.yaw_rate.len()
@@ -142,18 +164,46 @@ impl FreeDrive {
         self.from_s + i as f64 * STEP_S
     }
 
+    /// Every so manyth grid point of how it was driven.
+    pub fn driven_every(&self, points: usize) -> Driven {
+        let steering = self.steered(0.0, 0..self.points());
+        let row = |i: usize| [self.time(i), at(&self.speed, self.time(i)), steering[2 * i]];
+        let rows = (0..self.points()).step_by(points).map(row).collect();
+        Driven { recording: self.name.clone(), rows }
+    }
+
+    /// Stretches that are held out or not.
+    pub fn blocks(&self) -> Vec<Block> {
+        let end = |i: usize| self.time(i + 1);
+        let mut blocks: Vec<Block> = Vec::new();
+        for (i, held) in self.held.iter().enumerate() {
+            match blocks.last_mut().filter(|last| last.is_holdout == *held) {
+                Some(last) => last.t[1] = end(i),
+                None => blocks.push(Block {
+                    recording: self.name.clone(),
+                    t: [self.time(i), end(i)],
+                    t_utc: None,
+                    is_holdout: *held,
+                }),
+            }
+        }
+        blocks
+    }
+
     /// Speed, m/s, and acceleration, m/s², at a time, from a record that is so late and so much too small.
     pub fn driven(&self, t: f64, delay: f64, scale: f64) -> (f64, f64) {
         let t = t + delay;
         ((scale * at(&self.speed, t)).max(SLOWEST_MPS), scale * at(&self.acceleration, t))
     }
 
-    /// Steering wheel angle at the grid points and in the middle between them, rad, from a record that is so late.
-    pub fn steered(&self, delay: f64) -> Vec<f64> {
-        let mut cursor = 1;
+    /// Steering wheel angle at some grid points and in the middle between them, rad, from a record that is so late.
+    pub fn steered(&self, delay: f64, points: Range<usize>) -> Vec<f64> {
         let half = 0.5 * STEP_S;
-        (0..2 * self.points() + 2)
-            .map(|i| interpolated(&self.steering, &mut cursor, self.from_s + delay + i as f64 * half).0)
+        let time = |i: usize| self.from_s + delay + i as f64 * half;
+        let after = self.steering.partition_point(|(t, _)| *t < time(2 * points.start));
+        let mut cursor = after.min(self.steering.len().saturating_sub(1)).max(1);
+        (2 * points.start..2 * points.end + 2)
+            .map(|i| interpolated(&self.steering, &mut cursor, time(i)).0)
             .collect()
     }
 }
@@ -190,22 +240,21 @@ impl Compared {
     }
 }
 
-/// The stretch of at most so many points in which the car turns most: its first point and its length.
-fn liveliest(yaw: &[(f64, f64)], (first, begin, points): (f64, usize, usize), most: usize) -> (usize, usize) {
-    if points <= most {
-        return (begin, points);
+/// The stretch of at most so many points in which a car turns most: its first point and its length.
+fn liveliest_of(turning: &[f64], most: usize) -> (usize, usize) {
+    if turning.len() <= most {
+        return (0, turning.len());
     }
-    let turning = resampled(yaw, first + begin as f64 * STEP_S, points);
     let square = |i: usize| if turning[i].is_finite() { turning[i] * turning[i] } else { 0.0 };
     let mut sum: f64 = (0..most).map(square).sum();
     let mut best = (sum, 0);
-    for from in 1..=points - most {
+    for from in 1..=turning.len() - most {
         sum += square(from + most - 1) - square(from - 1);
         if sum > best.0 {
             best = (sum, from);
         }
     }
-    (begin + best.1, most)
+    (best.1, most)
 }
 
 /// Yaw rate by the speeds of an axle's wheels, rad/s.

@@ -19,11 +19,14 @@ mod numbers;
 mod remaining;
 mod robust;
 mod run;
+mod scores;
 mod simulated;
 
-pub use answer::{Asked, FreeTrace, Number, Ordinary, could_tell};
+pub use answer::{Asked, Number, Ordinary, could_tell};
+pub(super) use answer::{FittedCars, with_bend};
 pub use beyond::{Bar, Beyond, History, OverDrives, Power, Powers, Since};
 pub(super) use inputs::resampled_every;
 pub use inputs::speed_of;
 pub use remaining::Remaining;
+pub use scores::FreeTrace;
 pub use simulated::{Incomparable, Simulated};

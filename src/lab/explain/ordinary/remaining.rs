@@ -102,7 +102,7 @@ fn rows(
     predicted: &Predicted,
     residual: &impl Fn(&FreeDrive, &Predicted, usize) -> f64,
 ) -> Rows {
-    let steered = drive.steered(0.0);
+    let steered = drive.steered(0.0, 0..drive.points());
     let mean = |of: &dyn Fn(usize) -> f64, row: usize| {
         let points = row * POINTS..(row + 1) * POINTS;
         points.map(of).sum::<f64>() / POINTS as f64

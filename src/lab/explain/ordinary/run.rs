@@ -37,30 +37,107 @@ const MOST_SUBSTEPS: f64 = 8.0;
 
 /// Runs a car freely along a drive, its wheels' speeds included if `ask` says so.
 pub fn run(drive: &FreeDrive, car: &ExtendedCar, speed: SpeedSensing, ask: Compute) -> Predicted {
-    let points = drive.points();
-    let mut predicted = Predicted {
-        yaw_rate: Vec::with_capacity(points),
-        lateral: Vec::with_capacity(points),
-        sideslip: Vec::with_capacity(points),
-        wheels: Default::default(),
-    };
-    along(drive, car, speed, ask, |point| {
-        let now = point.now;
-        predicted.yaw_rate.push(now.readings[Quantity::YawRate as usize]);
-        predicted.lateral.push(now.readings[Quantity::LateralAcceleration as usize]);
-        predicted.sideslip.push(point.state.body[1].atan2(point.state.body[0]));
+    let mut said = Predicted::with_room(drive.points());
+    along(drive, car, speed, ask, |point| said.push(point, speed, ask));
+    said.read(car, speed)
+}
+
+/// A free run of all readings that others can branch off from.
+pub struct Track {
+    /// Where the car was at each grid point, and what was a moment before.
+    path: Vec<(State, Before)>,
+    /// What it said there, not late yet.
+    said: Predicted,
+}
+
+impl Track {
+    /// Of a car along a drive.
+    pub fn of(drive: &FreeDrive, car: &ExtendedCar, speed: SpeedSensing) -> Self {
+        let points = drive.points();
+        let mut track = Self { path: Vec::with_capacity(points), said: Predicted::with_room(points) };
+        along(drive, car, speed, Compute::Readings, |point| {
+            track.path.push((*point.state, *point.before));
+            track.said.push(point, speed, Compute::Readings);
+        });
+        track
+    }
+
+    /// What another car says that differs from this one between two moments only, s, and has no states of its own.
+    pub fn branch(
+        &self,
+        drive: &FreeDrive,
+        car: &ExtendedCar,
+        speed: SpeedSensing,
+        [from, to]: [f64; 2],
+    ) -> Predicted {
+        let place = |t: f64| ((t - drive.from_s) / STEP_S).clamp(0.0, self.path.len() as f64);
+        // A step looks half a step ahead.
+        let (first, last) = (place(from).floor() as usize, place(to).ceil() as usize + 1);
+        let first = first.saturating_sub(1);
+        let mut said = self.said.until(first);
+        if let Some(start) = self.path.get(first) {
+            let branch = Along { drive, car, speed, ask: Compute::Readings };
+            branch.run_from(first, *start, |point| {
+                let i = said.yaw_rate.len();
+                let is_back = i > last && point.state.is_near(&self.path[i].0);
+                if !is_back {
+                    said.push(point, speed, Compute::Readings);
+                }
+                !is_back
+            });
+        }
+        said.extend_from(&self.said);
+        said.read(car, speed)
+    }
+}
+
+impl Predicted {
+    fn with_room(points: usize) -> Self {
+        let room = || Vec::with_capacity(points);
+        Self { yaw_rate: room(), lateral: room(), sideslip: room(), wheels: Default::default() }
+    }
+
+    /// What a car says now.
+    fn push(&mut self, Point { state, now, .. }: &Point<'_>, speed: SpeedSensing, ask: Compute) {
+        self.yaw_rate.push(now.readings[Quantity::YawRate as usize]);
+        self.lateral.push(now.readings[Quantity::LateralAcceleration as usize]);
+        self.sideslip.push(state.body[1].atan2(state.body[0]));
         if ask == Compute::Readings {
-            for (wheel, all) in predicted.wheels.iter_mut().enumerate() {
-                all.push(now.readings[wheel] / speed.scale);
+            for (reading, all) in now.readings.iter().zip(&mut self.wheels) {
+                all.push(reading / speed.scale);
             }
         }
-    });
-    predicted.yaw_rate = later(predicted.yaw_rate, car.delay(Quantity::YawRate as usize));
-    let lateral = later(predicted.lateral, car.delay(Quantity::LateralAcceleration as usize));
-    predicted.lateral = compared_mean(&lateral);
-    // They are what the speed was measured by.
-    predicted.wheels = predicted.wheels.map(|wheel| later(wheel, speed.delay_s));
-    predicted
+    }
+
+    /// The first so many points.
+    fn until(&self, points: usize) -> Self {
+        let first = |values: &Vec<f64>| values[..points.min(values.len())].to_vec();
+        Self {
+            yaw_rate: first(&self.yaw_rate),
+            lateral: first(&self.lateral),
+            sideslip: first(&self.sideslip),
+            wheels: self.wheels.each_ref().map(first),
+        }
+    }
+
+    /// From where it ends as another one.
+    fn extend_from(&mut self, other: &Self) {
+        let rest = |own: &mut Vec<f64>, other: &Vec<f64>| own.extend_from_slice(&other[own.len()..]);
+        rest(&mut self.yaw_rate, &other.yaw_rate);
+        rest(&mut self.lateral, &other.lateral);
+        rest(&mut self.sideslip, &other.sideslip);
+        self.wheels.iter_mut().zip(&other.wheels).for_each(|(own, other)| rest(own, other));
+    }
+
+    /// As late as the sensors are, and the lateral acceleration as it is compared.
+    fn read(mut self, car: &ExtendedCar, speed: SpeedSensing) -> Self {
+        self.yaw_rate = later(self.yaw_rate, car.delay(Quantity::YawRate as usize));
+        let lateral = later(self.lateral, car.delay(Quantity::LateralAcceleration as usize));
+        self.lateral = compared_mean(&lateral);
+        // They are what the speed was measured by.
+        self.wheels = self.wheels.map(|wheel| later(wheel, speed.delay_s));
+        self
+    }
 }
 
 /// A grid point of a free run.
@@ -87,40 +164,75 @@ pub fn along(
     ask: Compute,
     mut visit: impl FnMut(&Point<'_>),
 ) {
-    let steered = drive.steered(car.steering_delay());
-    let recorded = |i: usize| Recorded { steering_wheel: steered[i], ..Recorded::default() };
-    let start = drive.time(0);
-    let yaw_rate = drive.yaw_rate.iter().copied().find(|yaw_rate| yaw_rate.is_finite()).unwrap_or(0.0);
-    let (first_speed, _) = drive.driven(start, speed.delay_s, speed.scale);
-    let mut state = car.rolling(start, first_speed, yaw_rate, &car.undo(start, recorded(0)));
-    let mut before = Before::default();
-    for i in 0..drive.points() {
-        let t = drive.time(i);
-        let at = [0, 1, 2].map(|part| {
-            let t = t + 0.5 * STEP_S * part as f64;
-            car.undo(t, recorded(2 * i + part))
-        });
-        let inputs = Inputs::new(at, STEP_S);
-        let (vx, ax) = drive.driven(t, speed.delay_s, speed.scale);
-        (state.body[0], state.live[0]) = (vx, ax);
-        let now = car.instant(t, &state, &at[0], inputs.steering_rate, &before, ask);
-        let steering_rate = inputs.steering_rate;
-        visit(&Point { t, state: &state, input: &at[0], steering_rate, before: &before, now: &now });
-        let substeps = (car.fastest_rate(vx) * STEP_S / LARGEST_STEP).ceil().clamp(1.0, MOST_SUBSTEPS);
-        let h = STEP_S / substeps;
-        for part in 0..substeps as usize {
-            let share = |part: usize| part as f64 / substeps;
-            let inputs = if substeps == 1.0 { inputs } else { inputs.part(share(part), share(part + 1)) };
-            let t = t + part as f64 * h;
-            let here = if part == 0 {
-                now
-            } else {
-                car.instant(t, &state, &inputs.at[0], inputs.steering_rate, &now.before(), Compute::Rates)
-            };
-            state = car.step(&state, &here, t, h, &inputs);
-        }
-        before = now.before();
+    let along = Along { drive, car, speed, ask };
+    along.run_from(0, (along.start(), Before::default()), |point| {
+        visit(point);
+        true
+    });
+}
+
+/// Who runs where.
+struct Along<'r> {
+    drive: &'r FreeDrive,
+    car: &'r ExtendedCar,
+    speed: SpeedSensing,
+    ask: Compute,
+}
+
+impl Along<'_> {
+    /// Where the car begins.
+    fn start(&self) -> State {
+        let Self { drive, car, speed, .. } = self;
+        let start = drive.time(0);
+        let yaw_rate = drive.yaw_rate.iter().copied().find(|yaw_rate| yaw_rate.is_finite()).unwrap_or(0.0);
+        let (first_speed, _) = drive.driven(start, speed.delay_s, speed.scale);
+        let steered = drive.steered(car.steering_delay(), 0..1);
+        car.rolling(start, first_speed, yaw_rate, &car.undo(start, recorded(steered[0])))
     }
+
+    /// From a grid point on, as long as `visit` says so.
+    fn run_from(
+        &self,
+        first: usize,
+        (mut state, mut before): (State, Before),
+        mut visit: impl FnMut(&Point<'_>) -> bool,
+    ) {
+        let Self { drive, car, speed, ask } = self;
+        let steered = drive.steered(car.steering_delay(), first..drive.points());
+        for i in first..drive.points() {
+            let t = drive.time(i);
+            let at = [0, 1, 2].map(|part| {
+                let t = t + 0.5 * STEP_S * part as f64;
+                car.undo(t, recorded(steered[2 * (i - first) + part]))
+            });
+            let inputs = Inputs::new(at, STEP_S);
+            let (vx, ax) = drive.driven(t, speed.delay_s, speed.scale);
+            (state.body[0], state.live[0]) = (vx, ax);
+            let now = car.instant(t, &state, &at[0], inputs.steering_rate, &before, *ask);
+            let steering_rate = inputs.steering_rate;
+            if !visit(&Point { t, state: &state, input: &at[0], steering_rate, before: &before, now: &now }) {
+                return;
+            }
+            let substeps = (car.fastest_rate(vx) * STEP_S / LARGEST_STEP).ceil().clamp(1.0, MOST_SUBSTEPS);
+            let h = STEP_S / substeps;
+            for part in 0..substeps as usize {
+                let share = |part: usize| part as f64 / substeps;
+                let inputs = if substeps == 1.0 { inputs } else { inputs.part(share(part), share(part + 1)) };
+                let t = t + part as f64 * h;
+                let here = if part == 0 {
+                    now
+                } else {
+                    car.instant(t, &state, &inputs.at[0], inputs.steering_rate, &now.before(), Compute::Rates)
+                };
+                state = car.step(&state, &here, t, h, &inputs);
+            }
+            before = now.before();
+        }
+    }
+}
+
+fn recorded(steering_wheel: f64) -> Recorded {
+    Recorded { steering_wheel, ..Recorded::default() }
 }
 
 /// What a sensor that is so late says, s.

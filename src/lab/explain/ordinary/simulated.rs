@@ -19,11 +19,12 @@ use physics::model::effect::EffectConfig;
 use physics::model::{Uncertain, Vehicle};
 use serde::Serialize;
 
-use super::answer::{Asked, Fitted, LEAST_FIT, MOST_S, Ordinary, as_configured, fits, traces, with_bend};
+use super::answer::{Asked, Fitted, LEAST_FIT, MOST_S, Ordinary, as_configured, with_bend};
 use super::fit::{FreeFit, fit};
 use super::inputs::{Compared, FreeDrive, Held, Unusable, turning};
 use super::numbers::{Free, Number, Scope, free, placed, with_ordinary};
 use super::run::{Predicted, run};
+use super::scores::{errors, fits, traces};
 use crate::explain::Recording;
 use crate::explain::align::align;
 use crate::explain::model::Place;
@@ -151,6 +152,7 @@ impl Ordinary {
         answer.fit = fits(&recorded, &sensed);
         answer.plain_fit = fits(&recorded, &plain);
         answer.found_fit = fits(&recorded, &with_found);
+        answer.error = errors(&recorded, [&plain, &sensed, &with_found]);
         answer.traces = traces(&recorded, &with_found, &plain);
         let simulated = Simulated {
             name: simulation.name.clone(),

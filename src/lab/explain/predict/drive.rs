@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::grid::{COMPARED, Measured, SLOWEST_MPS, SPEED, STEP_S, points};
 use super::slide::{Slide, slides};
 use super::smoothing::{on_grid, smooth_on_grid};
+use crate::explain::Driven;
 use crate::explain::used::Why;
 use crate::explain::work::Work;
 use physics::model::effect::Recorded;
@@ -56,6 +57,9 @@ impl Recording {
         self.tracks.iter().filter_map(|track| track.last()).map(|(t, _)| *t).fold(0.0, f64::max)
     }
 }
+
+/// Speed and steering of so many grid points one is kept for plots: seventeen a second.
+const SHOWN_EVERY: usize = 3;
 
 /// Shorter runs say nothing, s. Tuned, no test on record.
 const SHORTEST_RUN_S: f64 = 3.0;
@@ -255,6 +259,13 @@ impl GriddedDrive {
             0.5 * x * x * (x - 1.0),
         ];
         Around { inputs, weights }
+    }
+
+    /// How it was driven.
+    pub fn driven(&self) -> Driven {
+        let row = |(k, input): (usize, &Recorded)| [k as f64 * STEP_S, self.speed[k], input.steering_wheel];
+        let rows = self.inputs.iter().enumerate().step_by(SHOWN_EVERY).map(row).collect();
+        Driven { recording: self.name.clone(), rows }
     }
 
     /// Seconds from the recording's start to its end.

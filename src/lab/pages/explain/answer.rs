@@ -1,20 +1,13 @@
-//! The first screen: the answer in words, its numbers, and one plot.
+//! The first screen: the answer in words, and its numbers.
 
 use super::caveats;
-use super::courses;
-use super::stretch;
+use super::gain;
+use super::plots;
 use super::tried;
 use super::words::{self, number, sentence, signed, stopped};
 use crate::explain::{Explanation, Finding, Verdict};
 use crate::pages::clocks;
-use crate::report::{Page, escape};
-
-/// A number with what it is and what to think of it.
-struct Fact {
-    name: String,
-    value: String,
-    note: String,
-}
+use crate::report::{Fact, Page, escape};
 
 /// Writes it.
 pub fn write(page: &mut Page, explanation: &Explanation) {
@@ -49,7 +42,7 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
     if explanation.verdict == Verdict::InsufficientExcitation {
         to_drive(page, explanation);
     }
-    facts(page, &facts_of(explanation));
+    page.facts(&facts_of(explanation));
     if let [_, others @ ..] = explanation.findings.as_slice()
         && !others.is_empty()
     {
@@ -67,7 +60,6 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
         ));
     }
     page.raw("</header>");
-    plot(page, explanation);
 }
 
 /// What to drive, as a list.
@@ -114,7 +106,7 @@ fn lead(explanation: &Explanation) -> Vec<String> {
              references have and differ by."
         )],
         Verdict::UnknownPhysics => {
-            let gains = stretch::gains(explanation);
+            let gains = gain::gains(explanation);
             let better = gains.iter().filter(|gain| gain.points() > 0.0).count();
             vec![
                 format!(
@@ -226,9 +218,15 @@ fn facts_of(explanation: &Explanation) -> Vec<Fact> {
             note: format!("among {}", tried::count(explanation)),
         });
     }
-    let gains = stretch::gains(explanation);
+    let gains = gain::gains(explanation);
     let gain = gains.first().filter(|gain| gain.points() > 0.0);
     if let Some(gain) = gain.filter(|_| explanation.verdict != Verdict::Adequate) {
+        let error = gain::error(explanation, gain.channel);
+        facts.extend(error.map(|value| Fact {
+            name: format!("Held-out error, {}", words::channel(gain.channel)),
+            value,
+            note: format!("root mean square; {}", plots::names(explanation).join(" → ")),
+        }));
         let note = match gain.interval {
             Some([low, high]) => format!(
                 "{} points; 95 %: {} to {}",
@@ -250,51 +248,11 @@ fn facts_of(explanation: &Explanation) -> Vec<Fact> {
         facts.extend(fits.map(|(name, fit)| Fact {
             name: format!("Held-out fit, {}", words::channel(name)),
             value: format!("{} %", number(*fit, 1)),
-            note: "plain model, parameters refitted".into(),
+            note: match gain::error(explanation, name) {
+                Some(error) => format!("error {error}; plain model, parameters refitted"),
+                None => "plain model, parameters refitted".into(),
+            },
         }));
     }
     facts
-}
-
-fn facts(page: &mut Page, facts: &[Fact]) {
-    if facts.is_empty() {
-        return;
-    }
-    page.raw("<dl class=\"facts\">");
-    for fact in facts {
-        page.raw(&format!(
-            "<div><dt>{}</dt><dd>{}</dd><dd class=\"note\">{}</dd></div>",
-            escape(&fact.name),
-            escape(&fact.value),
-            escape(&fact.note)
-        ));
-    }
-    page.raw("</dl>");
-}
-
-fn plot(page: &mut Page, explanation: &Explanation) {
-    let Some(stretch) = stretch::first(explanation) else { return };
-    let has_extended = super::has_extension(explanation);
-    let Some(plot) = courses::plot(&stretch, 300, has_extended) else { return };
-    let channel = sentence(&words::channel(&stretch.trace.channel));
-    let heading = match (stretch.is_holdout, has_extended) {
-        (true, true) => format!("{channel}, before and after, on data held out of the fit"),
-        (false, true) => format!("{channel}, before and after"),
-        (true, false) => format!("{channel} on data held out of the fit"),
-        (false, false) => channel,
-    };
-    let chosen = if has_extended { "gains most" } else { "is furthest off" };
-    let inputs = if explanation.is_by_ordinary {
-        "steering wheel and measured speed"
-    } else {
-        "steering wheel, torques and brakes"
-    };
-    let caption = format!(
-        "{}, {} to {} s, where it {chosen}. Simulated from the {inputs} alone, \
-         without feedback of what is shown.",
-        stretch.trace.recording,
-        number(stretch.t[0], 0),
-        number(stretch.t[1], 0)
-    );
-    courses::draw(page, &heading, &plot, &caption);
 }

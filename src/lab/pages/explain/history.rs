@@ -1,12 +1,12 @@
-//! What changed from drive to drive, in words and as plots.
+//! What changed from drive to drive, in words and as figures.
 
 use std::path::Path;
 
-use super::courses::{axis, draw, range};
 use super::text::wrapped;
 use super::words::{self, Shown, number, plus_minus, sentence, three, with_unit};
 use crate::explain::{Change, Estimate, Explanation, History, InDrive, Order, Unchanged, Verdict};
-use crate::report::{Color, Mark, Marker, Page, Plot, Stroke};
+use crate::report::interactive::{Figure, Numbers, Points, Shape, Source};
+use crate::report::{Color, Page};
 
 /// So many of what has not changed are named.
 const MOST_NAMED: usize = 8;
@@ -145,77 +145,98 @@ pub fn text(text: &mut String, history: &History) {
     }
 }
 
-/// As a part of the page: each change over the drives, and the numbers that are told best.
+/// As a part of the page.
 pub fn section(page: &mut Page, history: &History) {
     page.section("history", "Over the drives", "");
     page.paragraph(&drives(history));
     for change in &history.changes {
         page.paragraph(&(sentence(&sentence_of(history, change)) + "."));
-        let of = (change.effect.as_str(), change.channel.as_deref(), change.parameter.as_str());
-        let since = history.drives.iter().position(|drive| drive.log == change.since);
-        plot(page, history, of, &change.unit, &change.values, since);
     }
+    let told = would_be_told(history);
+    if !told.is_empty() {
+        page.heading("As they were");
+        page.paragraph(&format!(
+            "A change from the middle of the drives on would be told with 90 % probability: {}.",
+            words::list(&told)
+        ));
+    }
+}
+
+/// Each change over the drives, and the numbers that are told best.
+pub fn figures(history: &History) -> Vec<Figure> {
+    let mut figures: Vec<Figure> = history
+        .changes
+        .iter()
+        .map(|change| {
+            let of = (change.effect.as_str(), change.channel.as_deref(), change.parameter.as_str());
+            let since = history.drives.iter().position(|drive| drive.log == change.since);
+            let figure = figure(history, of, &change.unit, &change.values, since);
+            Figure { answer: format!("Another one since {}.", short(history, &change.since)), ..figure }
+        })
+        .collect();
     let mut told: Vec<&Unchanged> =
         history.numbers.iter().filter(|it| it.told_from.is_some_and(|from| from <= it.ordinary)).collect();
     told.sort_by(|a, b| {
         let share = |it: &Unchanged| it.told_from.unwrap_or(f64::INFINITY) / it.ordinary;
         share(a).total_cmp(&share(b))
     });
-    if !told.is_empty() {
-        page.heading("As they were");
-        page.paragraph(&format!(
-            "A change from the middle of the drives on would be told with 90 % probability: {}.",
-            words::list(&would_be_told(history))
-        ));
-    }
-    for it in told.into_iter().take(MOST_NAMED) {
+    figures.extend(told.into_iter().take(MOST_NAMED).map(|it| {
         let of = (it.effect.as_str(), it.channel.as_deref(), it.parameter.as_str());
-        plot(page, history, of, &it.unit, &it.values, None);
-    }
+        figure(history, of, &it.unit, &it.values, None)
+    }));
+    figures
 }
 
 /// Value and interval over the drives.
-fn plot(
-    page: &mut Page,
+fn figure(
     history: &History,
     (effect, channel, parameter): (&str, Option<&str>, &str),
     unit: &str,
     values: &[InDrive],
     since: Option<usize>,
-) {
+) -> Figure {
     let name = name(effect, channel, parameter);
-    let shown: Vec<Shown> = values
-        .iter()
-        .map(|it| {
-            let estimate = Estimate { value: it.value, std: it.std };
-            words::shown(parameter, channel.unwrap_or(""), unit, estimate)
-        })
-        .collect();
+    let of = |it: &InDrive| {
+        let estimate = Estimate { value: it.value, std: it.std };
+        words::shown(parameter, channel.unwrap_or(""), unit, estimate)
+    };
+    let shown: Vec<Shown> = values.iter().map(of).collect();
+    let unit = shown.first().map_or("", |it| it.unit.as_str());
+    let axis = if unit.is_empty() { name.clone() } else { format!("{name}, {unit}") };
+    let mut figure = Figure::new(&sentence(&name), "drive", &axis);
+    let points = |name: &str, color: Color, shape: Shape, places: Vec<(f64, f64)>| Points {
+        name: name.into(),
+        source: Source::Measured,
+        color,
+        shape,
+        times: Numbers::default(),
+        x: Numbers::rounded(places.iter().map(|it| it.0).collect(), 1),
+        y: Numbers::new(places.iter().map(|it| it.1).collect()),
+        shade: None,
+    };
     let ends = |it: &Shown| {
         let Estimate { value, std } = it.estimate;
         [value - NORMAL_95 * std, value + NORMAL_95 * std]
     };
-    let Some(y) = range(shown.iter().flat_map(ends)) else { return };
-    let unit = shown.first().map_or("", |it| it.unit.as_str());
     let at = |place: usize| place as f64 + 1.0;
     // One line with holes in it: an upright piece for each drive.
     let bars = shown.iter().enumerate().flat_map(|(place, it)| {
         let [low, high] = ends(it);
         [(at(place), low), (at(place), high), (at(place), f64::NAN)]
     });
-    let points = shown.iter().enumerate().map(|(place, it)| (at(place), it.estimate.value));
-    let marks: Vec<Mark> =
-        since.map(|place| Mark { x: at(place) - 0.5, label: "since".into() }).into_iter().collect();
-    let plot = Plot::new(&name, &axis(unit), 0.5..values.len() as f64 + 0.5, y)
-        .x_label("drive")
-        .height(220)
-        .curve("95 % interval", Color::First, Stroke::Solid, bars)
-        .points("value", Color::First, Marker::Dot, points)
-        .marks(&marks);
+    figure.points.push(points("95 % interval", Color::First, Shape::Path, bars.collect()));
+    let middles = shown.iter().enumerate().map(|(place, it)| (at(place), it.estimate.value));
+    figure.points.push(points("value", Color::First, Shape::Rings, middles.collect()));
+    if let Some(place) = since {
+        let all = || shown.iter().flat_map(ends).filter(|it| it.is_finite());
+        let ends = [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)];
+        let line = ends.map(|end| (at(place) - 0.5, end));
+        figure.points.push(points("since", Color::Notice, Shape::Path, line.to_vec()));
+    }
     let last = values.last().map_or("", |it| short(history, &it.log));
     let first = values.first().map_or("", |it| short(history, &it.log));
-    let caption = format!("From {first} (1) to {last} ({}).", number(values.len() as f64, 0));
-    draw(page, &sentence(&name), &plot, &caption);
+    figure.caption = format!("From {first} (1) to {last} ({}).", number(values.len() as f64, 0));
+    figure
 }
 
 #[cfg(test)]

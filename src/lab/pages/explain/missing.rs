@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use super::words::{self, Shown, sentence, stopped};
-use super::{answer, caveats, formula, place};
+use super::{answer, caveats, formula, place, plots};
 use crate::explain::{Explanation, Finding, Verdict};
 use crate::report::{Page, Shift, escape};
 
@@ -139,9 +139,10 @@ fn ordinary(page: &mut Page, explanation: &Explanation) {
     }
     if !moved.is_empty() {
         let rows: Vec<Shift> = moved.iter().filter_map(shift).collect();
+        let [plain, extended] = plots::names(explanation);
         page.shifts(
             "What the ordinary parameters moved to",
-            (super::courses::PLAIN.0, super::courses::EXTENDED.0),
+            (plain, extended),
             &rows,
             "Bars: 95 % intervals; text: ± one standard deviation. Each row has a scale of its own. Whatever the plain \
              model lacks, these had to make up for.",

@@ -2,17 +2,17 @@
 
 mod answer;
 mod caveats;
-mod courses;
 mod formula;
+mod gain;
 mod history;
 mod missing;
 mod numbers;
 mod place;
+mod plots;
 mod rest;
 #[cfg(test)]
 mod sample;
 pub mod sensitivity;
-mod stretch;
 mod sure;
 #[cfg(test)]
 mod tests;
@@ -27,11 +27,12 @@ use crate::report::Page;
 pub use text::print;
 pub use words::answer as answer_lines;
 
-/// The page as one HTML file. A plot that cannot be drawn is left out, and the page says why.
+/// The page as one HTML file.
 pub fn page(explanation: &Explanation) -> String {
     let title = format!("gripd explain: {}", words::headline(explanation));
     let mut page = Page::empty(&title);
     answer::write(&mut page, explanation);
+    plots::write(&mut page, explanation);
     if let Some(history) = &explanation.history {
         history::section(&mut page, history);
     }

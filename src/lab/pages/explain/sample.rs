@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::explain::{
-    Block, CourseEstimate, Estimate, Explanation, Finding, Missing, Models, Nature, Parts, Ranked, Trace,
-    Verdict, Where,
+    Block, CourseEstimate, Driven, Estimate, Explanation, Finding, Missing, Models, Nature, Parts, Ranked,
+    Trace, Verdict, Where,
 };
 use physics::model::effect;
 
@@ -84,14 +84,21 @@ pub fn several() -> Explanation {
     }
 }
 
+/// An hour.
+pub fn long() -> Explanation {
+    Explanation { verdict: Verdict::MissingPhysics, ..plain(3600.0, &["hour.log"], 1.0) }
+}
+
 /// Nothing.
 pub fn adequate() -> Explanation {
     let base = plain(120.0, &[RECORDING], 0.0);
     let parameters = Models { extended: base.parameters.baseline.clone(), ..base.parameters.clone() };
     let fit = Models { extended: base.fit.baseline.clone(), ..base.fit };
+    let error = Models { extended: base.error.baseline.clone(), ..base.error };
     Explanation {
         verdict: Verdict::Adequate,
         fit,
+        error,
         parameters,
         unexplained: [("yaw_rate".into(), 0.004), ("lateral_acceleration".into(), 0.011)].into(),
         place: Where::default(),
@@ -179,6 +186,13 @@ fn plain(seconds: f64, recordings: &[&str], misses: f64) -> Explanation {
         })
     });
     let traces = recordings.iter().flat_map(|recording| traces(recording, seconds, misses));
+    let driven = recordings.iter().map(|recording| Driven {
+        recording: (*recording).into(),
+        rows: (0..(seconds * 20.0) as usize)
+            .map(|place| place as f64 * 0.05)
+            .map(|t| [t, 18.0 + 6.0 * (0.05 * t).sin(), 0.3 * (0.5 * t).sin()])
+            .collect(),
+    });
     let missing = |ratios: [f64; 3]| {
         let rows = [
             ("lateral force balance", "m/s²"),
@@ -226,6 +240,17 @@ fn plain(seconds: f64, recordings: &[&str], misses: f64) -> Explanation {
                     ("speed", 99.01),
                     ("wheel_speed_fl", 98.7),
                 ]),
+            },
+        },
+        error: Models {
+            baseline: Parts {
+                train: fits(&[("yaw_rate", 0.058)]),
+                holdout: fits(&[("yaw_rate", 0.062), ("lateral_acceleration", 0.91), ("speed", 0.01)]),
+            },
+            ordinary: None,
+            extended: Parts {
+                train: fits(&[("yaw_rate", 0.010)]),
+                holdout: fits(&[("yaw_rate", 0.011), ("lateral_acceleration", 0.36), ("speed", 0.01)]),
             },
         },
         prediction_fit: Models {
@@ -282,6 +307,7 @@ fn plain(seconds: f64, recordings: &[&str], misses: f64) -> Explanation {
         split: split.collect(),
         seconds: seconds * recordings.len() as f64,
         traces: traces.collect(),
+        driven: driven.collect(),
         ..Explanation::empty(Verdict::Adequate)
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::gain;
 use super::has_extension;
 use super::words::{self, number, sentence, signed, three};
 use crate::explain::{ByChannel, Explanation, Missing, Models, Parts};
@@ -26,12 +27,40 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
     } else if !is_extended {
         aside(page, "The error's share of the variance that was recorded, on held-out data: (1 − fit)².");
     }
+    errors(page, explanation, is_extended);
     if !explanation.prediction_fit.baseline.train.is_empty() {
         page.heading("Prediction by one step: fit, %");
         fits(page, &explanation.prediction_fit, &Intervals::new(), &ByChannel::new());
     }
     likelihoods(page, &explanation.log_likelihood, is_extended);
     equations(page, &explanation.equations, is_extended);
+}
+
+/// The same in the channels' units.
+fn errors(page: &mut Page, explanation: &Explanation, is_extended: bool) {
+    let error = &explanation.error;
+    let channels = channels(error);
+    if channels.is_empty() {
+        return;
+    }
+    page.heading("Simulation without feedback: error");
+    let names = super::plots::names(explanation);
+    let count = if is_extended { 2 } else { 1 };
+    let row = |name: &str| {
+        let (factor, unit) = gain::shown(name);
+        let of = |by: &ByChannel| three(factor * of(by, name));
+        let parts = [&error.baseline, &error.extended].into_iter().take(count);
+        let mut row = vec![format!("{}, {unit}", sentence(&words::channel(name)))];
+        row.extend(parts.flat_map(|parts| [of(&parts.train), of(&parts.holdout)]));
+        row
+    };
+    let mut columns = vec!["channel".to_owned()];
+    columns.extend(
+        names.iter().take(count).flat_map(|name| [format!("{name}, fitted"), format!("{name}, held out")]),
+    );
+    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+    page.table(&columns, &channels.into_iter().map(row).collect::<Vec<_>>());
+    aside(page, "Root mean square of measured − predicted.");
 }
 
 fn aside(page: &mut Page, text: &str) {

@@ -3,9 +3,10 @@
 use super::*;
 use crate::report::escape;
 
-/// Every tag that opens closes, in order, and attributes are quoted.
+/// Every tag that opens closes, in order, and attributes are quoted; in scripts nothing is a tag.
 fn assert_well_formed(html: &str) {
     let mut open: Vec<&str> = Vec::new();
+    let html = without_scripts(html);
     let mut rest = html.split_once("<!DOCTYPE html>").expect("a document type").1;
     while let Some((_, after)) = rest.split_once('<') {
         let (tag, behind) = after.split_once('>').expect("a tag that ends");
@@ -22,6 +23,23 @@ fn assert_well_formed(html: &str) {
     assert!(open.is_empty(), "{open:?} never close");
 }
 
+fn without_scripts(html: &str) -> String {
+    let mut parts = html.split("<script");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |text, part| text + part.split_once("</script>").expect("a script that ends").1)
+}
+
+/// The numbers of the plots.
+fn data(html: &str) -> serde_json::Value {
+    let text = html.split_once("id=\"data\">").unwrap().1.split_once("</script>").unwrap().0;
+    serde_json::from_str(text).unwrap()
+}
+
+fn titled<'a>(data: &'a serde_json::Value, kind: &str, title: &str) -> &'a serde_json::Value {
+    let all = data[kind].as_array().unwrap();
+    all.iter().find(|it| it["title"] == title).unwrap_or_else(|| panic!("no `{title}`"))
+}
+
 fn part<'a>(html: &'a str, id: &str) -> &'a str {
     let begin = html.find(&format!("id=\"{id}\"")).unwrap_or_else(|| panic!("no part {id}"));
     let rest = &html[begin..];
@@ -35,15 +53,22 @@ fn every_verdict_gives_a_sound_page_that_says_it() {
         let html = page(&explanation);
         assert_well_formed(&html);
         assert!(html.contains(&format!("<h1>{}</h1>", escape(sentence))), "{sentence}");
-        let text = html.split_once("<body>").unwrap().1;
-        for bad in ["NaN", "inf ", ">inf", "<dry>", "<learnt", "{}", " _", "<script", "http-equiv", "src="] {
+        let shown = without_scripts(&html);
+        let text = shown.split_once("<body>").unwrap().1;
+        for bad in ["NaN", "inf ", ">inf", "<dry>", "<learnt", "{}", " _", "src="] {
             assert!(!text.contains(bad), "{bad} in the page of {sentence}");
         }
-        assert!(!html.contains("https://"), "nothing is fetched");
+        assert!(html.contains("default-src 'none'") && !shown.contains("https://"), "nothing is fetched");
         let first = html.find("</header>").unwrap();
         assert!(html[..first].contains(words::verdict(explanation.verdict)));
-        let plot = html[first..].find("<figure>").unwrap();
-        assert!(plot < 20, "the plot is next to the answer");
+        let plot = html[first..].find("<section class=\"plots\">").unwrap();
+        assert!(plot < 20, "the plots are next to the answer");
+        let titles: Vec<_> =
+            data(&html)["panels"].as_array().unwrap().iter().map(|it| it["title"].clone()).collect();
+        assert_eq!(
+            titles[..4],
+            ["Yaw rate", "Yaw rate: error", "Lateral acceleration", "Lateral acceleration: error"]
+        );
     }
 }
 
@@ -55,13 +80,14 @@ fn a_finding_is_on_the_first_screen_with_its_numbers() {
         "move load between the wheels",
         "0.553 ± 0.021 m",
         "97 %",
+        "0.910 → 0.360 m/s²",
         "81.7 → 92.8 %",
         "+11.1 points; 95 %: +8.4 to +13.7",
         "cannot tell it from body roll at the accelerometer",
     ] {
         assert!(first.contains(told), "{told} is missing in {first}");
     }
-    let parts = ["where", "missing", "sure", "ranking", "plots", "reading"];
+    let parts = ["plots", "where", "missing", "sure", "ranking", "reading"];
     let places = parts.map(|id| html.find(&format!("id=\"{id}\"")).unwrap());
     assert!(places.is_sorted(), "{places:?}");
     assert!(part(&html, "where").contains("|a<sub>y</sub>| above 5 m/s²"));
@@ -80,8 +106,18 @@ fn a_finding_is_on_the_first_screen_with_its_numbers() {
 #[test]
 fn a_course_is_shown_in_degrees_and_the_chain_is_linked() {
     let html = page(&sample::several());
-    assert!(html.contains("Road bank: its course"));
-    assert!(part(&html, "where").contains(">\ndegrees\n</text>"), "the unit of the course's axis");
+    let data = data(&html);
+    let course = titled(&data, "panels", "Road bank: its course");
+    assert_eq!(course["axis"], "road bank, °");
+    // It is of the second recording, which stands behind the first one.
+    let values = course["series"][0]["values"].as_array().unwrap();
+    let first = values.iter().position(serde_json::Value::is_number).unwrap();
+    let begins = data["clocks"][1]["from_s"].as_f64().unwrap();
+    assert!((data["times"][first].as_f64().unwrap() - begins).abs() < 1.0, "{begins}");
+    let lanes = &titled(&data, "panels", "Where they differ")["lanes"];
+    assert_eq!(lanes.as_array().unwrap().len(), 3, "{lanes}");
+    let from = lanes[0]["times"][0].as_f64().unwrap();
+    assert!((from - begins - 100.0).abs() < 0.1, "100 s of the second recording: {from}");
     assert!(html.contains("Late yaw rate: delay 43.1 ± 2.1 ms, probability &gt; 99 %"));
     assert!(html.contains("href=\"#chain\"") && part(&html, "chain").contains("learnt by the estimators"));
 }
@@ -96,7 +132,8 @@ fn what_is_unknown_or_not_driven_is_said_first() {
     let first = html.split_once("</header>").unwrap().0;
     assert!(first.contains("<li>Steady turns both ways with 3 to 5 m/s².</li>"), "{first}");
     assert!(first.contains("straight ahead &amp; hard"));
-    assert!(!html.contains("extended model</li>"), "there is no extended model to be drawn");
+    let yaw_rate = titled(&data(&html), "panels", "Yaw rate")["series"].clone();
+    assert_eq!(yaw_rate.as_array().unwrap().len(), 2, "there is no extended model to be drawn");
 }
 
 #[test]
@@ -125,7 +162,9 @@ fn an_answer_with_nothing_in_it_is_still_a_page() {
     explanation.prediction_fit = Default::default();
     explanation.parameters = Default::default();
     explanation.unexplained.clear();
-    assert_well_formed(&page(&explanation));
+    let html = page(&explanation);
+    assert_well_formed(&html);
+    assert!(html.contains("There is nothing to draw"));
     let mut explanation = sample::missing();
     for trace in &mut explanation.traces {
         trace.extended.clear();
@@ -135,7 +174,20 @@ fn an_answer_with_nothing_in_it_is_still_a_page() {
     explanation.place.intervals = vec![[f64::NAN, 3.0]];
     let html = page(&explanation);
     assert_well_formed(&html);
-    assert!(!html.contains("NaN"));
+    assert!(!without_scripts(&html).contains("NaN"));
+    assert!(
+        titled(&data(&html), "panels", "Yaw rate: error")["empty"].as_str().unwrap().contains("no value")
+    );
+}
+
+#[test]
+fn an_hour_of_several_channels_is_below_three_megabytes() {
+    let html = page(&sample::long());
+    println!("{:.2} MB", html.len() as f64 / 1e6);
+    assert!(html.len() < 3_000_000, "{} bytes", html.len());
+    let data = data(&html);
+    assert!(data["stretch_s"].as_f64().unwrap() < 1.5, "{}", data["stretch_s"]);
+    assert_eq!(data["panels"].as_array().unwrap().len(), 10);
 }
 
 /// `GRIPD_PAGES=/tmp/pages cargo test sample_pages -- --ignored` and look at them.

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use super::caveats;
+use super::gain;
 use super::tried::Tried;
 use super::words::{self, number, sentence, signed, stopped};
 use crate::explain::{ByChannel, Explanation, Finding, Ranked, Where};
@@ -159,6 +160,11 @@ fn fit(text: &mut String, explanation: &Explanation) {
         table(text, &names.map(str::to_owned), &rows);
     } else {
         table(text, &[const { String::new() }; 5], &rows);
+    }
+    let error = |name| Some(format!("{} {}", words::channel(name), gain::error(explanation, name)?));
+    let errors: Vec<String> = words::in_order(before.keys()).into_iter().filter_map(error).collect();
+    if !errors.is_empty() {
+        wrapped(text, "  error there: ", &errors.join(", "));
     }
 }
 

@@ -3,48 +3,85 @@
 use std::ops::Range;
 
 use super::Story;
-use crate::identify::{FitRow, Output};
-use crate::report::{Color, Page, Plot, PlotError};
+use crate::identify::{FitRow, Output, Record};
+use crate::pages::beside::{Axis, Beside, Channel, Drive, Model, Said};
+use crate::report::Color;
+use crate::report::interactive::Mark;
 
 /// Shorter stretches show little, s.
 const SHORTEST_S: f64 = 5.0;
 
-/// The worst and a typical stretch.
-pub fn plots(page: &mut Page, story: &Story<'_>) -> Result<(), PlotError> {
+/// All of it.
+pub fn beside(story: &Story<'_>) -> Beside {
+    let models = vec![
+        Model { name: "the table's numbers", color: Color::Second },
+        Model { name: "identified", color: Color::First },
+    ];
     let found = story.found;
-    let Some((worst, typical)) = worst_and_typical(story) else { return Ok(()) };
-    let mut shown = vec![("A typical stretch", typical.clone())];
-    if worst != typical {
-        shown.push(("The stretch that fits worst", worst));
-    }
-    for (name, stretch) in shown {
-        let (Some(first), Some(last)) =
-            (found.after.rows.get(stretch.start), found.after.rows.get(stretch.end - 1))
-        else {
-            continue;
+    let fitted = [&found.before, &found.after].map(|fits| fits.rows.as_slice());
+    let held_out = story.predicted.each_ref().map(|fits| fits.rows.as_slice());
+    let measured: Vec<Output> = found.noise.iter().map(|(channel, _)| *channel).collect();
+    let drive = |(place, record): (usize, &Record), both: [&[FitRow]; 2], is_held_out: bool| {
+        let both = both.map(|rows| rows.iter().filter(|row| row.record == place).collect::<Vec<_>>());
+        let channel = |channel: &Output| Channel {
+            name: channel.name().into(),
+            unit: channel.unit().into(),
+            said: both.iter().map(|rows| said(rows, *channel)).collect(),
         };
-        let record = story.records.get(first.record).map_or("", |record| record.name.as_str());
-        for channel in channels(story) {
-            let place = channel as usize;
-            let (label, unit) = meaning(channel);
-            let measured: Vec<(f64, f64)> =
-                found.after.rows[stretch.clone()].iter().map(|row| (row.t, row.measured[place])).collect();
-            let simulated = |rows: &[FitRow]| -> Vec<(f64, f64)> {
-                let rows = rows.get(stretch.clone()).unwrap_or_default();
-                rows.iter().map(|row| (row.t, row.simulated[place])).collect()
-            };
-            let (before, after) = (simulated(&found.before.rows), simulated(&found.after.rows));
-            // A table far off must not press everything else flat.
-            let Some(y) = range(measured.iter().chain(&after).map(|point| point.1)) else { continue };
-            let plot = Plot::new(&format!("{name}: {label}"), unit, first.t..last.t, y)
-                .height(200)
-                .line("measured", Color::Truth, measured.into_iter())
-                .line("the table's numbers", Color::Second, before.into_iter())
-                .line("identified", Color::First, after.into_iter());
-            page.plot(&format!("{name}, {record}: {label}"), &plot, "")?;
+        let ends = record.rows.first().zip(record.rows.last()).filter(|_| is_held_out);
+        Drive {
+            name: record.name.clone(),
+            begins_utc: record.clock.utc(0.0),
+            channels: measured.iter().map(channel).collect(),
+            driven: record.rows.iter().map(|row| [row.t, row.speed(story.vehicle), row.steering]).collect(),
+            held_out: ends.map(|(first, last)| [first.t, last.t]).into_iter().collect(),
+            yaw_rate_offset: found.value("yaw_rate_offset").unwrap_or(0.0),
         }
+    };
+    let records = story.records.iter().enumerate().map(|record| drive(record, fitted, false));
+    let held = story.held_out.iter().enumerate().map(|record| drive(record, held_out, true));
+    let drives = records.chain(held).collect();
+    let (error_is, rows) = match story.held_out {
+        [] => ("error of the free run", fitted),
+        _ => ("held-out error", held_out),
+    };
+    let mut beside = Beside { models, drives, error_is, ..Beside::default() };
+    for channel in measured {
+        let errors = rows.map(|rows| root_mean_square(rows, channel));
+        beside.error.insert(channel.name().into(), errors.to_vec());
     }
-    Ok(())
+    beside
+}
+
+fn said(rows: &[&FitRow], channel: Output) -> Said {
+    let place = channel as usize;
+    Said {
+        t: rows.iter().map(|row| row.t).collect(),
+        measured: rows.iter().map(|row| row.measured[place]).collect(),
+        predicted: rows.iter().map(|row| row.simulated[place]).collect(),
+    }
+}
+
+fn root_mean_square(rows: &[FitRow], channel: Output) -> f64 {
+    let place = channel as usize;
+    let off = rows.iter().map(|row| row.measured[place] - row.simulated[place]).filter(|it| it.is_finite());
+    let (count, square) = off.fold((0.0, 0.0), |(count, sum), off| (count + 1.0, sum + off * off));
+    f64::sqrt(square / count)
+}
+
+/// Where a typical stretch begins, and the one that fits worst.
+pub fn marks(story: &Story<'_>, axis: &Axis) -> Vec<Mark> {
+    let rows = &story.found.after.rows;
+    let Some((worst, typical)) = worst_and_typical(story) else { return Vec::new() };
+    let mut shown = vec![("A typical stretch", typical.start)];
+    if worst != typical {
+        shown.push(("The stretch that fits worst", worst.start));
+    }
+    let mark = |(name, row): (&str, usize)| {
+        let row = rows.get(row)?;
+        Some(Mark { at_s: axis.at(row.record, row.t), name: name.into() })
+    };
+    shown.into_iter().filter_map(mark).collect()
 }
 
 /// Yaw rate, lateral acceleration and one that tells of the wheels.
@@ -55,19 +92,6 @@ fn channels(story: &Story<'_>) -> Vec<Output> {
     channels.retain(has);
     channels.extend(wheels.into_iter().find(has));
     channels
-}
-
-fn meaning(channel: Output) -> (&'static str, &'static str) {
-    match channel {
-        Output::WheelFl => ("front left wheel", "rad/s"),
-        Output::WheelFr => ("front right wheel", "rad/s"),
-        Output::WheelRl => ("rear left wheel", "rad/s"),
-        Output::WheelRr => ("rear right wheel", "rad/s"),
-        Output::YawRate => ("yaw rate", "rad/s"),
-        Output::LateralAcceleration => ("lateral acceleration", "m/s²"),
-        Output::LongitudinalAcceleration => ("longitudinal acceleration", "m/s²"),
-        Output::Speed => ("speed", "m/s"),
-    }
 }
 
 /// Free runs without restart, by how far they are off in units of the noise: the worst one, and the middle one.
@@ -119,15 +143,6 @@ fn stretches(rows: &[FitRow]) -> Vec<Range<usize>> {
     stretches
 }
 
-/// From the lowest to the highest, and a little more.
-pub fn range(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
-    let (low, high) = values
-        .filter(|value| value.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
-    let margin = (0.08 * (high - low)).max(1e-6 + 1e-3 * high.abs());
-    (low <= high).then_some(low - margin..high + margin)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -140,12 +155,5 @@ mod tests {
         rows.extend((30..40).map(|i| row(1, f64::from(i) * 0.1)));
         assert_eq!(stretches(&rows), [0..10, 10..20, 20..30]);
         assert!(stretches(&[]).is_empty());
-    }
-
-    #[test]
-    fn a_range_has_some_width_and_nothing_has_none() {
-        assert_eq!(range(std::iter::empty()), None);
-        let same = range([2.0, 2.0].into_iter()).unwrap();
-        assert!(same.start < 2.0 && same.end > 2.0);
     }
 }

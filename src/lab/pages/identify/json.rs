@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::Story;
-use crate::identify::{CorneringStiffness, Doubt, Identified, LongitudinalInput, Method, Path};
+use crate::identify::{CorneringStiffness, Doubt, Fits, Identified, LongitudinalInput, Method, Path};
 
 /// Everything, in an order that reads well.
 #[derive(Serialize)]
@@ -67,6 +67,16 @@ struct Start {
 struct Fit {
     before: Named<f64>,
     after: Named<f64>,
+    /// The same of recordings that nothing was fitted to, where there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    holdout: Option<Box<Fit>>,
+}
+
+impl Fit {
+    fn of([before, after]: [&Fits; 2]) -> Self {
+        let named = |fits: &Fits| Named(fits.percent.clone());
+        Self { before: named(before), after: named(after), holdout: None }
+    }
 }
 
 #[derive(Serialize)]
@@ -102,7 +112,10 @@ pub fn report(story: &Story<'_>) -> Report {
         parameters: Named(found.parameters.iter().map(|it| (it.name, parameter(it))).collect()),
         cornering_stiffness: found.cornering_stiffness(),
         starts: found.paths.iter().map(start).collect(),
-        fit: Fit { before: Named(found.before.percent.clone()), after: Named(found.after.percent.clone()) },
+        fit: Fit {
+            holdout: (!story.held_out.is_empty()).then(|| Box::new(Fit::of(story.predicted.each_ref()))),
+            ..Fit::of([&found.before, &found.after])
+        },
         noise: Named(found.noise.iter().map(|(channel, std)| (channel.name(), *std)).collect()),
         correlation: found.correlation.clone(),
         between: found.between,

@@ -8,37 +8,54 @@ mod story;
 mod text;
 
 use self::story::{digits, number};
-use crate::identify::Identified;
-use crate::report::{Interval, Page, PlotError};
+use crate::identify::{Fits, Identified};
+use crate::pages::explain::words::sentence;
+use crate::report::{Page, Shift};
 
 pub use json::{Report, report};
 pub use story::Story;
 pub use text::text;
 
 /// The page.
-pub fn html(story: &Story<'_>) -> Result<String, PlotError> {
+pub fn html(story: &Story<'_>) -> String {
+    let found = story.found;
+    let stiffness = found.cornering_stiffness();
     let mut page = Page::new("gripd identify: the vehicle's parameters from recordings", &lead(story));
-    intervals(&mut page, story);
+    let beside = drive::beside(story);
+    page.facts(&beside.facts());
+    let plots = beside.plots(0, |axis, plots| {
+        plots.figure(beside.handling(axis, story.vehicle, super::axles::gradient(&stiffness)));
+        search::starts(story).into_iter().for_each(|figure| plots.figure(figure));
+        search::profiles(story).into_iter().for_each(|figure| plots.figure(figure));
+        plots.marks.extend(drive::marks(story, axis));
+    });
+    page.plots(&plots);
+    page.raw(&format!("<p class=\"aside\">{}</p>", plots.reading()));
+    shifts(&mut page, story);
     page.heading("What was identified");
     let rows: Vec<Vec<String>> =
-        story.found.parameters.iter().map(|parameter| text::row(parameter).to_vec()).collect();
+        found.parameters.iter().map(|parameter| text::row(parameter).to_vec()).collect();
     page.table_of_words(
         &["parameter", "unit", "the table's", "identified", "95 % interval", "identifiable"],
         &rows,
     );
-    super::axles::section(&mut page, &story.found.cornering_stiffness());
+    super::axles::section(&mut page, &stiffness);
     page.heading("How well a simulation without feedback fits");
     page.paragraph(
         "Driven by the recorded steering wheel and torques or wheel speeds, restarted each 20 s from what was \
          measured; 100 (1 − |y − ŷ| / |y − mean|) per cent, and the noise that is left where segments are tied \
          as the data allow.",
     );
-    let rows: Vec<Vec<String>> =
-        text::fit_rows(story).iter().map(|row| row.iter().take(5).cloned().collect()).collect();
-    page.table(&["channel", "table's numbers, %", "identified, %", "noise", "unit"], &rows);
-    drive::plots(&mut page, story)?;
-    search::starts(&mut page, story)?;
-    search::profiles(&mut page, story)?;
+    let columns = ["channel", "table's numbers, %", "identified, %", "noise", "unit"];
+    let rows = |both: [&Fits; 2], count: usize| -> Vec<Vec<String>> {
+        let rows = text::fit_rows(story, both);
+        rows.iter().map(|row| row.iter().take(count).cloned().collect()).collect()
+    };
+    page.table(&columns, &rows([&found.before, &found.after], 5));
+    if !story.held_out.is_empty() {
+        page.paragraph(&format!("{}.", sentence(&text::held_out(story))));
+        page.table(&columns[..3], &rows(story.predicted.each_ref(), 3));
+    }
     page.heading("Where it comes from");
     page.notes(&[("Recordings", &recordings(story)), ("Search", &text::summary(story))]);
     for line in super::clocks::lines(&story.begins_utc()) {
@@ -49,7 +66,7 @@ pub fn html(story: &Story<'_>) -> Result<String, PlotError> {
     }
     page.heading("How to read this");
     page.notes(NOTES);
-    Ok(page.html())
+    page.html()
 }
 
 /// The answer, in sentences.
@@ -103,31 +120,31 @@ fn is_sensors(parameter: &Identified) -> bool {
     parameter.name.contains("_offset")
 }
 
-fn intervals(page: &mut Page, story: &Story<'_>) {
+fn shifts(page: &mut Page, story: &Story<'_>) {
     let row = |parameter: &Identified| {
         let (prior, std) = parameter.prior;
-        let unit = if parameter.unit == "1" { String::new() } else { format!(", {}", parameter.unit) };
+        let [_, unit, before, after, ..] = text::row(parameter);
         let (low, high) = parameter.ci95;
-        let decimals = digits(parameter.value, parameter.std);
-        let told = || format!("{} ± {}", number(parameter.value, decimals), number(parameter.std, decimals));
-        let text = match (parameter.identifiable, parameter.is_clear) {
-            (true, _) => told(),
-            (false, true) => format!("{}, in doubt", told()),
+        let after = match (parameter.identifiable, parameter.is_clear) {
+            (true, _) => after,
+            (false, true) => format!("{after}, in doubt"),
             (false, false) => "not identifiable".into(),
         };
-        Interval {
-            name: format!("{}{unit}", parameter.name),
+        Shift {
+            name: parameter.name.into(),
+            unit,
             before: (std > 0.0).then_some([prior - 1.96 * std, prior, prior + 1.96 * std]),
             after: parameter.is_clear.then_some([low, parameter.value, high]),
-            text,
+            before_text: before,
+            after_text: after,
         }
     };
-    let rows: Vec<Interval> = story.found.parameters.iter().map(row).collect();
-    page.intervals(
+    let rows: Vec<Shift> = story.found.parameters.iter().map(row).collect();
+    page.shifts(
         "Before and after: 95 % intervals",
         ("the vehicle's table", "with the recordings"),
         &rows,
-        "Each row has a scale of its own. A dot outside of the grey: the table is wrong, or the equations are.",
+        "Each row has a scale of its own. A dot outside of the first bar: the table is wrong, or the equations are.",
     );
 }
 

@@ -1,10 +1,11 @@
 //! Where the searches went, and how sharply their end is known.
 
-use super::drive::range;
 use super::text;
 use super::{Story, digits, number};
 use crate::identify::Identified;
-use crate::report::{Color, Marker, Page, Plot, PlotError, Stroke};
+use crate::pages::explain::words::sentence;
+use crate::report::Color;
+use crate::report::interactive::{Figure, Line, Numbers, Points, Shape, Source};
 
 /// What is most asked for, first.
 const INTERESTING: [&str; 5] = [
@@ -22,61 +23,80 @@ const TOP: f64 = 12.0;
 /// An interval this many times as wide as the profile's is said to be wider.
 const WIDER: f64 = 1.2;
 
-/// Starts and ends in the plane of two parameters (thesis, Fig. 5.12).
-pub fn starts(page: &mut Page, story: &Story<'_>) -> Result<(), PlotError> {
+/// Starts and ends in the plane of two parameters (thesis, Fig. 5.12); nothing of one parameter or one search.
+pub fn starts(story: &Story<'_>) -> Option<Figure> {
     let parameters = &story.found.parameters;
     let rank =
         |it: &Identified| INTERESTING.iter().position(|name| *name == it.name).unwrap_or(INTERESTING.len());
     let mut places: Vec<usize> = (0..parameters.len()).collect();
     places.sort_by_key(|place| (!parameters[*place].identifiable, rank(&parameters[*place])));
-    let (&[x, y, ..], true) = (places.as_slice(), story.found.paths.len() > 1) else { return Ok(()) };
+    let (&[x, y, ..], true) = (places.as_slice(), story.found.paths.len() > 1) else { return None };
     let paths = &story.found.paths;
     let point = |values: &[f64]| (values[x], values[y]);
-    let all = || paths.iter().flat_map(|path| [point(&path.from), point(&path.to)]);
-    let (Some(x_range), Some(y_range)) = (range(all().map(|p| p.0)), range(all().map(|p| p.1))) else {
-        return Ok(());
-    };
     let gap = (f64::NAN, f64::NAN);
-    let plot = Plot::new("Starts and ends of the searches", &axis(&parameters[y]), x_range, y_range)
-        .x_label(&axis(&parameters[x]))
-        .height(360)
-        .curve(
-            "belong together",
-            Color::Muted,
-            Stroke::Dotted,
-            paths.iter().flat_map(|path| [point(&path.from), point(&path.to), gap]),
-        )
-        .points("start", Color::Second, Marker::Ring, paths.iter().map(|path| point(&path.from)))
-        .points("end", Color::First, Marker::Dot, paths.iter().map(|path| point(&path.to)));
-    page.plot("Where the searches began and ended", &plot, &format!("{}.", text::ends(story)))
+    let mut figure =
+        Figure::new("Where the searches began and ended", &axis(&parameters[x]), &axis(&parameters[y]));
+    let both = paths.iter().flat_map(|path| [point(&path.from), point(&path.to), gap]);
+    figure.points = vec![
+        points("belong together", Color::Muted, Shape::Path, both),
+        points("start", Color::Second, Shape::Rings, paths.iter().map(|path| point(&path.from))),
+        points("end", Color::First, Shape::Dots, paths.iter().map(|path| point(&path.to))),
+    ];
+    figure.answer = format!("{}.", sentence(&text::ends(story)));
+    Some(figure)
 }
 
 /// Profile likelihoods of the vehicle's parameters.
-pub fn profiles(page: &mut Page, story: &Story<'_>) -> Result<(), PlotError> {
+pub fn profiles(story: &Story<'_>) -> Vec<Figure> {
     let of_vehicle = story.found.parameters.iter().filter(|it| !super::is_sensors(it));
-    for parameter in of_vehicle.filter(|it| it.profile.len() > 2) {
-        // The interval given belongs to what is told: the two are to be compared.
-        let given = [parameter.ci95.0, parameter.ci95.1].into_iter().filter(|_| parameter.identifiable);
-        let values = parameter.profile.iter().map(|point| point.0).chain(given);
-        let Some(x) = range(values) else { continue };
-        // At kinks of the tire a refit may find a little less than the search did.
-        let profile: Vec<(f64, f64)> =
-            parameter.profile.iter().map(|(value, ratio)| (*value, ratio.max(0.0))).collect();
-        let half = 0.5 * (parameter.ci95.1 - parameter.ci95.0);
-        let parabola = (0..=200).map(|i| {
-            let at = x.start + (x.end - x.start) * f64::from(i) / 200.0;
-            (at, LIMIT * ((at - parameter.value) / half).powi(2))
-        });
-        let plot = Plot::new(&format!("Profile of {}", parameter.name), "2 ln ratio", x.clone(), -0.5..TOP)
-            .x_label(&axis(parameter))
-            .height(170)
-            .curve("95 %", Color::Notice, Stroke::Dashed, [(x.start, LIMIT), (x.end, LIMIT)].into_iter())
-            .curve("by the interval given", Color::Muted, Stroke::Dotted, parabola)
-            .curve("profile", Color::First, Stroke::Solid, between(&profile).into_iter())
-            .points("computed", Color::First, Marker::Dot, profile.into_iter());
-        page.plot(&format!("Profile likelihood: {}", parameter.name), &plot, &compared(parameter))?;
+    of_vehicle.filter(|it| it.profile.len() > 2).map(profile).collect()
+}
+
+fn profile(parameter: &Identified) -> Figure {
+    let title = format!("Profile likelihood: {}", parameter.name);
+    let mut figure = Figure::new(&title, &axis(parameter), "2 ln likelihood ratio");
+    // At kinks of the tire a refit may find a little less than the search did.
+    let profile: Vec<(f64, f64)> =
+        parameter.profile.iter().map(|(value, ratio)| (*value, ratio.max(0.0))).collect();
+    // The interval given belongs to what is told: the two are to be compared.
+    let given = [parameter.ci95.0, parameter.ci95.1].into_iter().filter(|_| parameter.identifiable);
+    let ends = profile.iter().map(|point| point.0).chain(given);
+    let (from, to) =
+        ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+    let half = 0.5 * (parameter.ci95.1 - parameter.ci95.0);
+    let parabola = (0..=200).map(|step| {
+        let at = from + (to - from) * f64::from(step) / 200.0;
+        (at, LIMIT * ((at - parameter.value) / half).powi(2))
+    });
+    let line = |name: &str, source: Source, color: Color, points: Vec<(f64, f64)>| {
+        let low = points.into_iter().filter(|point| point.1 <= TOP);
+        let (x, y) = low.unzip();
+        Line { name: name.into(), source, color, x: Numbers::new(x), y: Numbers::new(y), interval: None }
+    };
+    figure.lines = vec![
+        line("95 %", Source::Bound, Color::Notice, vec![(from, LIMIT), (to, LIMIT)]),
+        line("by the interval given", Source::Bound, Color::Muted, parabola.collect()),
+        line("profile", Source::Measured, Color::First, between(&profile)),
+    ];
+    let shown = profile.iter().copied().filter(|point| point.1 <= TOP);
+    figure.points = vec![points("computed", Color::First, Shape::Rings, shown)];
+    figure.caption = compared(parameter);
+    figure
+}
+
+/// Points of no time.
+fn points(name: &str, color: Color, shape: Shape, all: impl Iterator<Item = (f64, f64)>) -> Points {
+    let (x, y) = all.unzip();
+    Points {
+        name: name.into(),
+        source: Source::Measured,
+        color,
+        shape,
+        times: Numbers::default(),
+        x: Numbers::new(x),
+        y: Numbers::new(y),
+        shade: None,
     }
-    Ok(())
 }
 
 /// The profile as a line. Between two points it is nearly a parabola, so its root is nearly straight.

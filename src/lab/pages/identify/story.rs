@@ -3,17 +3,24 @@
 use std::collections::BTreeMap;
 
 use physics::Quantity;
+use physics::model::Vehicle;
 
-use crate::identify::{Identification, IdentifyConfig, LongitudinalInput, Record};
+use crate::identify::{Fits, Identification, IdentifyConfig, LongitudinalInput, Record};
 
 /// Everything that is told of an identification.
 pub struct Story<'a> {
     /// The configured offset of each quantity, in its SI unit.
     pub offsets: [f64; Quantity::COUNT],
+    /// The car as its table has it.
+    pub vehicle: &'a Vehicle,
     /// What was asked for.
     pub used: &'a IdentifyConfig,
     /// The recordings.
     pub records: &'a [Record],
+    /// Those that nothing was fitted to.
+    pub held_out: &'a [Record],
+    /// How a free run predicts these: with the table's numbers, and with those found.
+    pub predicted: [Fits; 2],
     /// What was found.
     pub found: &'a Identification,
 }
@@ -22,7 +29,7 @@ impl Story<'_> {
     /// When recordings begin, in UTC, by their names; of those whose stamps are dates.
     pub(super) fn begins_utc(&self) -> BTreeMap<String, String> {
         let of = |record: &Record| Some((record.name.clone(), record.clock.utc(0.0)?));
-        self.records.iter().filter_map(of).collect()
+        self.records.iter().chain(self.held_out).filter_map(of).collect()
     }
 
     /// What the recordings cannot tell, for what they lack.

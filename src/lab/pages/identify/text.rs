@@ -2,7 +2,7 @@
 
 use super::super::clocks;
 use super::{Story, digits, number};
-use crate::identify::{Identified, LongitudinalInput};
+use crate::identify::{Fits, Identified, LongitudinalInput};
 use crate::report::wrapped;
 
 /// The whole text.
@@ -30,7 +30,17 @@ pub fn text(story: &Story<'_>) -> String {
     }
     text += "\nfree run restarted each 20 s: fit in per cent; noise that is left\n";
     let head = ["channel", "table's", "identified", "noise", "unit", ""].map(str::to_owned);
-    table(&mut text, &head, &fit_rows(story));
+    table(&mut text, &head, &fit_rows(story, [&found.before, &found.after]));
+    if !story.held_out.is_empty() {
+        text += &wrapped("\n", 0, &held_out(story));
+        let head = ["channel", "table's", "identified", "", "", ""].map(str::to_owned);
+        let without_noise = |[name, before, after, ..]: [String; 6]| {
+            [name, before, after, String::new(), String::new(), String::new()]
+        };
+        let [before, after] = &story.predicted;
+        let rows: Vec<_> = fit_rows(story, [before, after]).into_iter().map(without_noise).collect();
+        table(&mut text, &head, &rows);
+    }
     text += &format!("\n{}", super::snippet::toml(story));
     text
 }
@@ -122,21 +132,22 @@ pub fn row(parameter: &Identified) -> [String; 6] {
     [parameter.name.into(), unit.into(), before, value, interval, verdict]
 }
 
+/// What nothing was fitted to.
+pub fn held_out(story: &Story<'_>) -> String {
+    let names: Vec<&str> = story.held_out.iter().map(|record| record.name.as_str()).collect();
+    format!("the same of {}, which nothing was fitted to, in per cent", names.join(", "))
+}
+
 /// Cells of each channel: name, fit before and after, noise, unit.
-pub fn fit_rows(story: &Story<'_>) -> Vec<[String; 6]> {
+pub fn fit_rows(story: &Story<'_>, [before, after]: [&Fits; 2]) -> Vec<[String; 6]> {
     let found = story.found;
     let fit = |fits: &[(&'static str, f64)], name: &str| {
         let fit = fits.iter().find(|(channel, _)| *channel == name);
         fit.map_or_else(|| "–".into(), |(_, percent)| number(*percent, 1))
     };
     let row = |(channel, noise): &(crate::identify::Output, f64)| {
-        let name = channel.name();
-        let unit = match name {
-            "speed" => "m/s",
-            "lateral_acceleration" | "longitudinal_acceleration" => "m/s²",
-            _ => "rad/s",
-        };
-        let (before, after) = (fit(&found.before.percent, name), fit(&found.after.percent, name));
+        let (name, unit) = (channel.name(), channel.unit());
+        let (before, after) = (fit(&before.percent, name), fit(&after.percent, name));
         [name.into(), before, after, number(*noise, digits(*noise, 0.0)), unit.into(), String::new()]
     };
     found.noise.iter().map(row).collect()

@@ -201,7 +201,7 @@ impl Drive {
             let from_s = first - self.offset_s;
             let utc_s = BothClocks::of(Micros::from_seconds(first)).date().map(|_| first);
             let name = name.or_else(|| self.clocks.last().map(|clock| clock.name.clone()));
-            self.clocks.push(Clock { from_s, utc_s, name: name.unwrap_or_default() });
+            self.clocks.push(Clock { from_s, utc_s, name: name.unwrap_or_default(), own_s: None });
         }
         let time = clock_s - self.offset_s;
         self.before = Some((clock_s, time));

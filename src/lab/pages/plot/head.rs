@@ -1,36 +1,39 @@
-//! The head of the page: what drive it is; and at its end how to read it.
+//! The words of the page: what drive it is, and at its end how to read it; and its time axis.
 
 use super::scene::{Scene, most};
-use crate::report::interactive::{Document, Fact, Mark, Numbers};
+use crate::pages::file_name;
+use crate::report::Fact;
+use crate::report::interactive::{Mark, Numbers, Plots};
 use physics::Quantity;
 use physics::model::GRAVITY;
 
 impl Scene<'_> {
-    /// The page without panels.
-    pub fn empty_document(&self) -> Document {
+    /// What the page is about.
+    pub fn lead(&self) -> String {
         let names: Vec<&str> = self.drive.clocks.iter().map(|clock| clock.name.as_str()).collect();
-        let lead = match names.as_slice() {
+        match names.as_slice() {
             [] => "Nothing of a recording.".into(),
             names => format!(
                 "What was measured, and what gripd makes of it. Drag over a plot to zoom: all panels show the same time. \
                  A double click shows all again. Recording: {}.",
                 list(names)
             ),
-        };
-        Document {
-            title: "A drive, recorded from the car's CAN bus".into(),
-            lead,
-            facts: self.facts(),
-            notes: self.notes(),
+        }
+    }
+
+    /// The plots without panels.
+    pub fn empty_plots(&self) -> Plots {
+        Plots {
             clocks: self.drive.clocks.clone(),
             marks: self.marks(),
             times: Numbers::rounded(self.grid.times().to_vec(), 3),
             stretch_s: self.grid.stretch_s(),
-            ..Document::default()
+            ..Plots::default()
         }
     }
 
-    fn facts(&self) -> Vec<Fact> {
+    /// Numbers at its head.
+    pub fn facts(&self) -> Vec<Fact> {
         let drive = self.drive;
         let steps = || (0..drive.times.len()).map(|place| drive.step_s(place));
         let seconds: f64 = steps().sum();
@@ -83,7 +86,8 @@ impl Scene<'_> {
         marks
     }
 
-    fn notes(&self) -> Vec<String> {
+    /// What has to be known to read it.
+    pub fn notes(&self) -> Vec<String> {
         let missing: Vec<&str> = Quantity::ALL
             .into_iter()
             .filter(|quantity| !self.drive.quantities.contains(quantity))
@@ -113,11 +117,6 @@ impl Scene<'_> {
         }
         notes
     }
-}
-
-/// Without its folders.
-fn file_name(path: &str) -> &str {
-    path.rsplit('/').next().unwrap_or(path)
 }
 
 /// "a, b and c".

@@ -11,20 +11,28 @@ mod track;
 
 pub use drive::Drive;
 
-use crate::report::interactive::Document;
+use crate::report::Page;
 use physics::model::Vehicle;
 
 use scene::Scene;
 
-/// The page of a drive with this car.
-pub fn document(drive: &Drive, vehicle: &Vehicle) -> Document {
+/// The page of a drive with this car; `more` writes what else is told of it, below the plots.
+pub fn page(drive: &Drive, vehicle: &Vehicle, more: impl FnOnce(&mut Page)) -> Page {
     let scene = Scene::new(drive, vehicle);
-    let mut document = scene.empty_document();
+    let mut plots = scene.empty_plots();
     for panel in scene.measured().into_iter().chain(scene.estimated()) {
-        document.panel(panel);
+        plots.panel(panel);
     }
-    document.figure(scene.handling());
-    document.figure(scene.accelerations());
-    document.figure(scene.track());
-    document
+    plots.figure(scene.handling());
+    plots.figure(scene.accelerations());
+    plots.figure(scene.track());
+    let mut page = Page::new("A drive, recorded from the car's CAN bus", &scene.lead());
+    page.facts(&scene.facts());
+    page.plots(&plots);
+    more(&mut page);
+    page.section("notes", "How to read this", "");
+    for note in scene.notes() {
+        page.paragraph(&note);
+    }
+    page
 }

@@ -15,15 +15,13 @@ pub struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    /// So many numbers of all lines together are 2.2 MB as text.
-    const MOST_NUMBERS: usize = 380_000;
     /// Lines that a page may have beside the quantities': speed and what is expected of yaw rate and lateral acceleration,
     /// sideslip and slip angles, cornering stiffness and slip slope with their intervals, friction, and the time itself.
     const OTHER_LINES: usize = 30;
 
     pub fn new(drive: &'a Drive, vehicle: &'a Vehicle) -> Self {
-        let rows = Self::MOST_NUMBERS / (drive.quantities.len() + Self::OTHER_LINES);
-        Self { grid: Grid::new(&drive.times, rows), drive, vehicle }
+        let lines = drive.quantities.len() + Self::OTHER_LINES;
+        Self { grid: Grid::of_page(&drive.times, lines, 0), drive, vehicle }
     }
 
     /// A line of a column in another unit (`factor` of it are one SI unit).

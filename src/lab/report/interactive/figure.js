@@ -13,8 +13,10 @@ class PlaneFigure {
     }
     const legend = new Legend();
     for (const [at, points] of spec.points.entries()) {
-      if (points.shade) legend.scale(points.shade);
-      else if (points.shape === 'path') legend.line(spec.points, at, false);
+      // One scale for all that have the same.
+      if (points.shade && spec.points.findIndex(({ shade }) => shade?.name === points.shade.name) === at) legend.scale(points.shade);
+      if (points.shade) continue;
+      if (points.shape === 'path') legend.line(spec.points, at, false);
       else legend.add(points.shape === 'dots' ? 'dot' : 'dot ring', points.color, points.name, false);
     }
     spec.lines.forEach((_, at) => legend.line(spec.lines, at, false));
@@ -143,17 +145,21 @@ class PlaneFigure {
     ctx.setLineDash([]);
   }
 
+  // What has no time is of all of it.
   isShown(time) {
     const [from, to] = this.group.range;
-    return time >= from && time <= to;
+    return time === undefined || (time >= from && time <= to);
   }
 
-  drawPoints(ctx, at, { x, y, times, shape, color }) {
+  drawPoints(ctx, at, { x, y, times, shape, color, shade }) {
     ctx.fillStyle = ctx.strokeStyle = colour(color);
     ctx.lineWidth = 1.2 * devicePixelRatio;
-    const radius = (shape === 'dots' ? 1.6 : 2.6) * devicePixelRatio;
+    const colours = shade && shades();
+    // A colour takes some room to be seen.
+    const radius = (shape === 'rings' || shade ? 2.6 : 1.6) * devicePixelRatio;
     x.forEach((value, place) => {
       if (value === null || y[place] === null) return;
+      if (shade) ctx.fillStyle = colours.get(shadeStep(shade, place));
       ctx.globalAlpha = this.isShown(times[place]) ? 0.75 : 0.12;
       ctx.beginPath();
       ctx.arc(at.x(value), at.y(y[place]), radius, 0, 2 * Math.PI);
@@ -165,16 +171,14 @@ class PlaneFigure {
 
   // In pieces of one colour and width; more of what shades it is wider, too.
   drawPath(ctx, at, { x, y, times, shade, color }) {
-    const STEPS = 5;
-    const step = (place) => (shade ? Math.round((Math.max(-1, Math.min(1, (shade.values[place] ?? 0) / shade.most))) * STEPS) : 0);
-    const colours = new Map();
-    for (let number = -STEPS; number <= STEPS; number += 1) colours.set(number, shade ? shadeColour(number / STEPS) : colour(color));
+    const step = (place) => (shade ? shadeStep(shade, place) : 0);
+    const colours = shade ? shades() : new Map([[0, colour(color)]]);
     ctx.lineCap = 'round';
     let place = 1;
     while (place < x.length) {
       const [kind, isShown] = [step(place), this.isShown(times[place])];
       ctx.strokeStyle = colours.get(kind);
-      ctx.lineWidth = (1.6 + (3 * Math.abs(kind)) / STEPS) * devicePixelRatio;
+      ctx.lineWidth = (1.6 + (3 * Math.abs(kind)) / SHADES) * devicePixelRatio;
       ctx.globalAlpha = isShown ? 1 : 0.15;
       ctx.beginPath();
       for (; place < x.length && step(place) === kind && this.isShown(times[place]) === isShown; place += 1) {
@@ -185,7 +189,7 @@ class PlaneFigure {
       ctx.stroke();
     }
     ctx.globalAlpha = 1;
-    this.drawStart(ctx, at, x, y);
+    if (times.length) this.drawStart(ctx, at, x, y);
   }
 
   drawStart(ctx, at, x, y) {
@@ -222,13 +226,17 @@ class PlaneFigure {
 
   // Where the car was at a time.
   point(time) {
-    const points = this.spec.points[0];
-    if (!this.plot || !points) return;
-    const place = time === null ? -1 : nearest(points.times, time);
-    const isThere = place >= 0 && Math.abs(points.times[place] - time) < 1 && points.x[place] !== null;
-    const [left, top] = isThere ? [this.plot.valToPos(points.x[place], 'x'), this.plot.valToPos(points.y[place], 'y')] : [-1, -1];
-    const { width, height } = this.plot.over.getBoundingClientRect();
-    this.here.hidden = !isThere || left < 0 || top < 0 || left > width || top > height;
+    if (!this.plot) return;
+    const [LONGEST, over] = [1, this.plot.over.getBoundingClientRect()];
+    let [best, left, top] = [LONGEST, -1, -1];
+    for (const { times, x, y } of time === null ? [] : this.spec.points) {
+      const place = nearest(times, time);
+      const apart = Math.abs(times[place] - time);
+      // Without times it is not a number, and nothing is nearer.
+      if (!(apart < best) || x[place] === null) continue;
+      [best, left, top] = [apart, this.plot.valToPos(x[place], 'x'), this.plot.valToPos(y[place], 'y')];
+    }
+    this.here.hidden = left < 0 || top < 0 || left > over.width || top > over.height;
     this.here.style.left = `${left}px`;
     this.here.style.top = `${top}px`;
   }

@@ -18,7 +18,7 @@ pub enum Shape {
     Path,
 }
 
-/// What colours the points of a path.
+/// What colours the points.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shade {
     /// Its name with the unit.
@@ -29,7 +29,7 @@ pub struct Shade {
     pub most: f64,
 }
 
-/// Points, each of which has a time: what is outside the zoomed time is drawn faintly.
+/// Points. What is outside the zoomed time is drawn faintly; what has no times is of all of it.
 #[derive(Clone, Debug, Serialize)]
 pub struct Points {
     /// In the legend.
@@ -41,7 +41,7 @@ pub struct Points {
     pub color: Color,
     /// Their shape.
     pub shape: Shape,
-    /// When, s.
+    /// When, s; of each point, or none at all.
     pub times: Numbers,
     /// The horizontal axis.
     pub x: Numbers,
@@ -115,8 +115,9 @@ impl Figure {
         Self { title: title.into(), x_axis: x_axis.into(), y_axis: y_axis.into(), ..Self::default() }
     }
 
-    /// No point is in it.
+    /// No point is in it, nor a line that stands by itself.
     pub fn is_empty(&self) -> bool {
         self.points.iter().all(|points| points.x.is_empty() || points.y.is_empty())
+            && (!self.points.is_empty() || self.lines.is_empty())
     }
 }

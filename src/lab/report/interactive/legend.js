@@ -51,3 +51,16 @@ function shadeColour(share) {
   const [end, weight] = [share < 0 ? 'first' : 'second', Math.round(Math.min(Math.abs(share), 1) * 100)];
   return `color-mix(in srgb, ${colour(end)} ${weight}%, ${colour('muted')})`;
 }
+
+// So many colours to either side.
+const SHADES = 5;
+
+// They by their number, as they are now.
+function shades() {
+  const colours = new Map();
+  for (let number = -SHADES; number <= SHADES; number += 1) colours.set(number, shadeColour(number / SHADES));
+  return colours;
+}
+
+// Which of them a point has.
+const shadeStep = ({ values, most }, place) => Math.round(Math.max(-1, Math.min(1, (values[place] ?? 0) / most)) * SHADES);

@@ -9,6 +9,7 @@ const LINES = {
   measured: { width: 1.2, dashes: [[]] },
   estimated: { width: 2.2, dashes: [[9, 4], [14, 3, 3, 3], [5, 3]] },
   expected: { width: 1.8, dashes: [[2, 4]] },
+  predicted: { width: 1.8, dashes: [[2, 4], [9, 4], [14, 3, 3, 3]] },
   bound: { width: 1.8, dashes: [[2, 4]] },
 };
 
@@ -22,7 +23,7 @@ function lineForm(source, place = 0) {
 const placeOfKind = (lines, at) => lines.slice(0, at).filter((line) => line.source === lines[at].source).length;
 
 // In the legend, where a name alone does not say it.
-const WORDS = { measured: '', estimated: 'estimated by gripd', expected: 'expected', bound: '' };
+const WORDS = { measured: '', estimated: 'estimated by gripd', expected: 'expected', predicted: '', bound: '' };
 
 // Space around every plot, in CSS pixels: the same, so that the time axes of all panels lie below each other.
 const LEFT = 48;
@@ -39,9 +40,12 @@ function said(value) {
   return value.toFixed(decimals).replace('-', '−');
 }
 
+// The clock of the recording that a time of the page is in.
+const clockAt = (clocks, time) => clocks.findLast((it) => it.from_s <= time) ?? clocks[0];
+
 // The wall clock at a time of the page, where the recording has one.
 function wallClock(clocks, time) {
-  const clock = clocks.findLast((it) => it.from_s <= time) ?? clocks[0];
+  const clock = clockAt(clocks, time);
   if (!clock || clock.utc_s === null) return null;
   return new Date((clock.utc_s + time - clock.from_s) * 1000);
 }

@@ -73,17 +73,23 @@ class Page {
     document.getElementById('clock').textContent = time === null ? '' : this.moment(time, 2);
   }
 
-  // A time as both clocks have it.
+  // A time as both clocks have it; of several recordings that count for themselves, with the one it is of.
   moment(time, decimals) {
-    const wall = wallClock(this.data.clocks, time);
-    return `${time.toFixed(decimals)} s${wall ? ` (${wall.toISOString()})` : ''}`;
+    const { clocks } = this.data;
+    const [clock, wall] = [clockAt(clocks, time), wallClock(clocks, time)];
+    const isOwn = clocks.length > 1 && clock.own_s !== undefined;
+    const own = isOwn ? clock.own_s + time - clock.from_s : time;
+    return `${own.toFixed(decimals)} s${isOwn ? ` of ${clock.name}` : ''}${wall ? ` (${wall.toISOString()})` : ''}`;
   }
 
   tell() {
     const [from, to] = this.range;
     const [begin, end] = [wallClock(this.data.clocks, from), wallClock(this.data.clocks, to)];
     const wall = begin && end ? ` (${begin.toISOString()} to ${hour(end)})` : ' from the start';
-    document.getElementById('shown').textContent = `${from.toFixed(1)} to ${to.toFixed(1)} s${wall}`;
+    const areOwn = this.data.clocks.length > 1 && this.data.clocks[0].own_s !== undefined;
+    document.getElementById('shown').textContent = areOwn
+      ? `${this.moment(from, 1)} to ${this.moment(to, 1)}`
+      : `${from.toFixed(1)} to ${to.toFixed(1)} s${wall}`;
   }
 
   move(how) {

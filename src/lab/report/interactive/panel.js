@@ -16,6 +16,7 @@ class TimePanel {
     this.numbers = spec.series.map((_, at) => this.legend.line(spec.series, at, true, areEstimated));
     if (spec.series.some((series) => series.interval)) this.legend.add('band', 'muted', '95 % interval', false);
     for (const shade of spec.shades) this.legend.add('strip', shade.color, shade.name, false);
+    for (const band of spec.bands ?? []) this.legend.add('band', band.color, band.name, false);
     this.element.append(this.legend.element);
     const axis = areEstimated ? `${spec.axis}; ${WORDS.estimated}` : spec.axis;
     if (axis) this.element.append(make('p', { class: 'axis' }, axis));
@@ -104,7 +105,7 @@ class TimePanel {
     return [limits && from === limits[0] ? from : from - pad, limits && to === limits[1] ? to : to + pad];
   }
 
-  // When something was so: a light ground, and a strip at the foot that is seen without colours, too.
+  // How large something usually is; when something was so: a light ground, and a strip at the foot that is seen without colours, too.
   drawBehind(plot) {
     const { ctx, bbox } = plot;
     const pixel = devicePixelRatio;
@@ -120,6 +121,13 @@ class TimePanel {
       }
     };
     const foot = bbox.top + bbox.height;
+    for (const { values, color } of this.spec.bands ?? []) {
+      const [low, high] = values.map((value) => plot.valToPos(value, 'y', true));
+      ctx.fillStyle = colour(color);
+      ctx.globalAlpha = 0.14;
+      ctx.fillRect(bbox.left, high, bbox.width, low - high);
+      ctx.globalAlpha = 1;
+    }
     this.spec.shades.forEach((span, place) => {
       ctx.fillStyle = colour(span.color);
       const height = 4 * pixel;

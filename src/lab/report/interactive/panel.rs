@@ -15,11 +15,13 @@ pub enum Source {
     Estimated,
     /// What the configured car would do, or what other sensors say: dotted.
     Expected,
+    /// What models say, from the plainest on: dotted, dashed, and so on.
+    Predicted,
     /// What something is at least or at most: dotted.
     Bound,
 }
 
-/// A line, with an interval about it perhaps. It has a number for each of the document's times.
+/// A line, with an interval about it perhaps. It has a number for each of the page's times.
 #[derive(Clone, Debug, Serialize)]
 pub struct Series {
     /// In the legend.
@@ -56,7 +58,19 @@ impl Span {
     }
 }
 
-/// A panel over the document's times.
+/// So large something usually is, whenever.
+#[derive(Clone, Debug, Serialize)]
+pub struct Band {
+    /// In the legend.
+    pub name: String,
+    /// Its colour's variable.
+    #[serde(serialize_with = "variable")]
+    pub color: Color,
+    /// From, to, in the panel's unit.
+    pub values: (f64, f64),
+}
+
+/// A panel over the page's times.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Panel {
     /// Its heading.
@@ -65,8 +79,11 @@ pub struct Panel {
     pub axis: String,
     /// Lines, from the back to the front.
     pub series: Vec<Series>,
-    /// Shaded, with a strip below the lines: when the lines are valid.
+    /// Shaded, with a strip below the lines: when the lines are valid, or held out.
     pub shades: Vec<Span>,
+    /// Behind the lines, at all times.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub bands: Vec<Band>,
     /// A strip for each, named at the axis; the panel has no lines then.
     pub lanes: Vec<Span>,
     /// The vertical axis never goes beyond these, however wide an interval is.
@@ -77,7 +94,7 @@ pub struct Panel {
     pub reach: Option<(f64, f64)>,
     /// How to read it, in a sentence or two.
     pub caption: String,
-    /// Why there is nothing to draw. Set by [`Document::panel`](super::Document::panel) where there is none and this is
+    /// Why there is nothing to draw. Set by [`Plots::panel`](super::Plots::panel) where there is none and this is
     /// empty.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub empty: String,

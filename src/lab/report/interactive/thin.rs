@@ -30,6 +30,15 @@ impl Grid {
     /// Samples further apart than this are not joined by a line, s.
     pub const LONGEST_STEP_S: f64 = 0.5;
 
+    /// So many numbers of all lines together are 2.2 MB as text.
+    const MOST_NUMBERS: usize = 380_000;
+
+    /// For samples at these times (s, in order), of which a page has so many lines, the time itself counted, and so many
+    /// numbers beside them.
+    pub fn of_page(times: &[f64], lines: usize, others: usize) -> Self {
+        Self::new(times, Self::MOST_NUMBERS.saturating_sub(others) / lines.max(1))
+    }
+
     /// For samples at these times (s, in order), with so many rows (and one for each gap).
     pub fn new(times: &[f64], rows: usize) -> Self {
         let duration = times.last().zip(times.first()).map_or(0.0, |(last, first)| last - first);

@@ -29,6 +29,12 @@ impl EffectList {
         self.list.iter().map(|(_, own)| own.clone())
     }
 
+    /// How many states they have.
+    #[inline]
+    pub fn states(&self) -> usize {
+        self.list.last().map_or(0, |(_, own)| own.end)
+    }
+
     /// Where their states begin.
     #[inline]
     pub fn begin(&self, now: &Now<'_>, states: &mut [f64]) {

@@ -13,8 +13,11 @@ struct SteeringCompliance {
 /// Pneumatic trail, m: a usual one, as far as the compliance is told in rad per aligning moment.
 pub const TRAIL_M: f64 = 0.05;
 
-/// Newton steps from the force of a moment ago to the one in balance with the angle it causes.
+/// Newton steps at most from the force of a moment ago to the one in balance with the angle it causes …
 const STEPS: usize = 3;
+
+/// … and the last step is smaller, N: the next one would be so much of a force, squared. Numerical.
+const LAST_STEP_N: f64 = 0.1;
 
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
@@ -55,10 +58,16 @@ impl SteeringCompliance {
             let (mut given, mut slope) = (0.0, 0.0);
             for i in 0..2 {
                 let (contact, angle) = (&on.contact[i], angle + on.toe[i] - back * force);
-                given += on.load[i] * on.tire.lateral(contact, angle);
-                slope += on.load[i] * on.tire.slope(contact.stiffness_y, contact.friction_y, angle);
+                let [share, by_angle] =
+                    on.tire.force_and_slope(contact.stiffness_y, contact.friction_y, angle);
+                given += on.load[i] * share;
+                slope += on.load[i] * by_angle;
             }
-            force -= (force - given) / (1.0 + back * slope.max(0.0));
+            let step = (force - given) / (1.0 + back * slope.max(0.0));
+            force -= step;
+            if step.abs() < LAST_STEP_N {
+                break;
+            }
         }
         force
     }

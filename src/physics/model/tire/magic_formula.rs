@@ -65,8 +65,15 @@ impl<T: Real> Curve<T> for MagicFormula<T> {
 impl Shape for MagicFormula {
     #[inline]
     fn slope(&self, stiffness: f64, friction: f64, slip: f64) -> f64 {
+        self.force_and_slope(stiffness, friction, slip)[1]
+    }
+
+    // Its arcs are nearly all of the work, and the same for both.
+    #[inline]
+    fn force_and_slope(&self, stiffness: f64, friction: f64, slip: f64) -> [f64; 2] {
         let (bent, by_bx) = self.bent(stiffness / (self.shape * friction) * slip);
-        stiffness * (self.shape * bent.atan()).cos() * by_bx / (1.0 + bent * bent)
+        let (sin, cos) = Real::sin_cos(self.shape * bent.atan());
+        [friction * sin, stiffness * cos * by_bx / (1.0 + bent * bent)]
     }
 
     fn peak_slip(&self, stiffness: f64, friction: f64) -> f64 {

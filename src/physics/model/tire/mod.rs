@@ -66,6 +66,12 @@ pub trait Shape: Curve {
     /// Derivative of [`Curve::force`] by the slip, exact; at a kink the value of the outer side.
     fn slope(&self, stiffness: f64, friction: f64, slip: f64) -> f64;
 
+    /// [`Curve::force`] and [`Self::slope`] at once.
+    #[inline]
+    fn force_and_slope(&self, stiffness: f64, friction: f64, slip: f64) -> [f64; 2] {
+        [self.force(stiffness, friction, slip), self.slope(stiffness, friction, slip)]
+    }
+
     /// The smallest slip at which the force is largest; infinite if it grows for ever.
     fn peak_slip(&self, stiffness: f64, friction: f64) -> f64;
 }
@@ -156,6 +162,11 @@ impl Shape for Tire {
         of_model!(self, curve => curve.slope(stiffness, friction, slip))
     }
 
+    #[inline]
+    fn force_and_slope(&self, stiffness: f64, friction: f64, slip: f64) -> [f64; 2] {
+        of_model!(self, curve => curve.force_and_slope(stiffness, friction, slip))
+    }
+
     fn peak_slip(&self, stiffness: f64, friction: f64) -> f64 {
         of_model!(self, curve => curve.peak_slip(stiffness, friction))
     }
@@ -224,6 +235,7 @@ mod tests {
             let difference = (force(slip + 1e-6) - force(slip - 1e-6)) / 2e-6;
             let slope = tire.slope(stiffness, friction, slip);
             prop_assert!((difference - slope).abs() < 1e-3 * stiffness.max(1.0), "{difference} {slope}");
+            prop_assert_eq!(tire.force_and_slope(stiffness, friction, slip), [force(slip), slope]);
         }
 
         #[test]

@@ -153,7 +153,7 @@ impl Search<'_> {
         for _ in 0..STEPS {
             let mut columns = kept.clone();
             for place in kept.len()..count {
-                let slope = self.slope(model, free, (&at, &errors), place, free[place].step);
+                let slope = self.slope(model, free, (&at, &errors), (place, free[place].step), None);
                 columns.push(self.white(colour, &rows, &slope, 0));
             }
             let (information, gradient) = normal(&columns, &white, &rows, free, &at);

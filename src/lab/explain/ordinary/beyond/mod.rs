@@ -213,10 +213,70 @@ impl Search<'_> {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::DMatrix;
+
     use super::super::super::bench::recorded;
-    use super::super::{Asked, Ordinary};
+    use super::super::answer::as_configured;
+    use super::super::inputs::Held;
+    use super::super::numbers::free;
+    use super::super::{Asked, Ordinary, with_bend};
     use super::*;
     use physics::model::effect::KINDS;
+
+    /// GIVEN what acts for a part of a drive WHEN its run branches off from the one without it THEN it says the same as a run
+    /// from the beginning.
+    #[test]
+    fn a_run_that_branches_off_says_the_same() {
+        let (vehicle, recording) = recorded("");
+        let own = with_bend(&vehicle);
+        let drives = [FreeDrive::new(&recording, &own, Held::EveryThird, 600.0).unwrap()];
+        let model = as_configured(&own, &[]);
+        let free = free(&model, &own, &drives);
+        let found = FreeFit {
+            at: free.iter().map(|free| free.prior.0).collect(),
+            covariance: DMatrix::zeros(0, 0),
+            predicted: Vec::new(),
+            noise: [0.01, 0.1],
+            time_constants_s: [0.1; 2],
+            starts: Vec::new(),
+            model,
+            free,
+        };
+        let trials = trial::trials(&found, &drives, KINDS, Scope::Car);
+        let search = Search {
+            drives: &drives,
+            vehicle: &own,
+            tried: BTreeMap::new(),
+            plain: [0.0; 2],
+            references: 0,
+            is_simulated: false,
+        };
+        let tracks = search.tracks(&found.model, &found.free, &found.at);
+        let (mut patches, mut differ) = (0, 0);
+        for trial in trials.iter().step_by(7) {
+            let Some(between) = trial.acts() else { continue };
+            let model = trial.put_into(&found.model);
+            let own = trial.free(&model);
+            let free: Vec<_> = found.free.iter().copied().chain(own.iter().copied()).collect();
+            let mut at = found.at.clone();
+            at.extend(own.iter().map(|free| free.prior.0 + free.step));
+            let whole = search.errors_of(&model, &free, &at, 0);
+            let branched = search.branched(&tracks, between, (&model, &free, &at), 0);
+            for (whole, branched) in whole.iter().flatten().zip(branched.iter().flatten()) {
+                assert!(
+                    (whole - branched).abs() < 1e-7 || whole.is_nan() && branched.is_nan(),
+                    "{}",
+                    trial.name()
+                );
+            }
+            let plain = search.errors_of(&found.model, &found.free, &found.at, 0);
+            differ += usize::from(
+                whole.iter().flatten().zip(plain.iter().flatten()).any(|(a, b)| (a - b).abs() > 1e-5),
+            );
+            patches += usize::from(trial.is_patch());
+        }
+        assert!(patches > 5 && differ > 10, "{patches} patches, {differ} differ");
+    }
 
     /// What is found in a drive with these effects.
     fn found(effects: &str) -> Beyond {

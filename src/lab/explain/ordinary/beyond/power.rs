@@ -181,7 +181,7 @@ impl Search<'_> {
             let by = [main.prior.1, -main.prior.1]
                 .into_iter()
                 .find(|by| (main.bounds.0..=main.bounds.1).contains(&(at[place] + by)))?;
-            let slope = self.slope(&model, &free, (&at, &state.errors), place, by);
+            let slope = self.slope(&model, &free, (&at, &state.errors), (place, by), None);
             let column = self.white(colour, &rows, &slope, 0) * by;
             let with = own.iter().map(|own| own.component_mul(&weights).dot(&column));
             let taken = factor.solve(&DVector::from_iterator(own.len(), with));

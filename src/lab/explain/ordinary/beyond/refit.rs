@@ -7,6 +7,7 @@ use super::super::numbers::{Free, Scope};
 use super::Search;
 use super::climb::{Climbed, State};
 use super::colour::{CHANNELS, Series};
+use super::rows::Tracks;
 use super::scan::Scored;
 use super::trial::Trial;
 use crate::explain::model::Model;
@@ -47,6 +48,23 @@ pub struct Refitted<'a> {
     pub gains: [f64; CHANNELS],
 }
 
+/// Between which moments, s, two trials differ that are the same but for the times at which they act.
+fn differs(one: &Trial, other: &Trial) -> Option<[f64; 2]> {
+    let edges = |trial: &Trial| -> Vec<f64> {
+        trial
+            .onset()
+            .map(|(at, _)| at)
+            .into_iter()
+            .chain(trial.stretches().iter().flatten().copied())
+            .collect()
+    };
+    let (one, other) = (edges(one), edges(other));
+    let moved = || one.iter().zip(&other).filter(|(one, other)| one != other);
+    moved().next()?;
+    let most = |of: fn(f64, f64) -> f64| move |most: f64, (a, b): (&f64, &f64)| of(most, of(*a, *b));
+    Some([moved().fold(f64::INFINITY, most(f64::min)), moved().fold(f64::NEG_INFINITY, most(f64::max))])
+}
+
 impl Search<'_> {
     /// Fits a candidate together with all that is free, with the noise's colour learned beside it.
     pub(super) fn refit<'a>(&self, state: &State<'a>, scored: &Scored) -> Refitted<'a> {
@@ -71,10 +89,11 @@ impl Search<'_> {
         let mut best = self.refit_from(state, trial, starts);
         // Where it begins and ends was on a grid.
         let (mut step, mut moves) = (LARGEST_MOVE_S, 0);
+        let mut known = None;
         while step >= LEAST_MOVE_S && moves < MOST_MOVES {
+            let tracks = &*known.get_or_insert_with(|| self.tracks(&best.model, &best.free, &best.at));
             let moved = best.trial.moved(step).into_par_iter().map(|trial| {
-                let model = trial.put_into(&state.model);
-                let errors = self.errors(&model, &best.free, &best.at);
+                let errors = self.errors_moved(state, (&best, tracks), &trial);
                 (self.own_cost(state, &errors), trial)
             });
             let here = self.own_cost(state, &best.errors);
@@ -83,12 +102,29 @@ impl Search<'_> {
             match next.filter(|next| next.evidence > best.evidence - LEAST_WORSE) {
                 Some(next) => {
                     best = next;
+                    known = None;
                     moves += 1;
                 }
                 None => step *= 0.5,
             }
         }
         best
+    }
+
+    /// What is not predicted if it acts at another time, all numbers where they are.
+    fn errors_moved(
+        &self,
+        state: &State<'_>,
+        (best, tracks): (&Refitted<'_>, &Tracks),
+        trial: &Trial,
+    ) -> Vec<Series> {
+        let model = trial.put_into(&state.model);
+        let there = (&model, &best.free[..], &best.at[..]);
+        let of = |drive: usize| match differs(&best.trial, trial) {
+            Some(between) => self.branched(tracks, between, there, drive),
+            None => self.errors_of(there.0, there.1, there.2, drive),
+        };
+        (0..self.drives.len()).into_par_iter().map(of).collect()
     }
 
     /// Of everything, held-out rows included: when something began may show nowhere else.

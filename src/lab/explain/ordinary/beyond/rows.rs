@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::super::inputs::{FreeDrive, turning};
 use super::super::numbers::{Free, placed};
 use super::super::robust::{loss, weight};
-use super::super::run::{Predicted, run};
+use super::super::run::{Predicted, Track, run};
 use super::Search;
 use super::colour::{CHANNELS, Colour, Series};
 use crate::explain::model::Model;
@@ -28,6 +28,9 @@ pub struct Rows {
     /// Is it held out?
     pub held: Vec<bool>,
 }
+
+/// Runs along all drives, and how many states their cars' effects have.
+pub struct Tracks(Vec<(Track, usize)>);
 
 /// −2 ln likelihood of rows.
 #[derive(Clone, Copy, Debug, Default)]
@@ -80,9 +83,13 @@ impl Search<'_> {
     }
 
     pub(super) fn errors_of(&self, model: &Model<'_>, free: &[Free], at: &[f64], number: usize) -> Series {
-        let drive = &self.drives[number];
         let (model, sensing) = placed(model, free, at, number);
-        let predicted = run(drive, &model.car(), sensing, Compute::Readings);
+        self.unpredicted(number, &run(&self.drives[number], &model.car(), sensing, Compute::Readings))
+    }
+
+    /// What one drive has that was not predicted.
+    fn unpredicted(&self, number: usize, predicted: &Predicted) -> Series {
+        let drive = &self.drives[number];
         let difference = |measured: Option<&[f64]>, predicted: &[f64]| -> Vec<f64> {
             let error = |measured: f64, predicted: f64| {
                 if predicted.abs() < OUT_OF_BOUNDS { measured - predicted } else { OUT_OF_BOUNDS }
@@ -104,6 +111,34 @@ impl Search<'_> {
         ]
     }
 
+    /// A model's run along each drive, from which others can branch off.
+    pub(super) fn tracks(&self, model: &Model<'_>, free: &[Free], at: &[f64]) -> Tracks {
+        let of = |(number, drive): (usize, &FreeDrive)| {
+            let (model, sensing) = placed(model, free, at, number);
+            let car = model.car();
+            (Track::of(drive, &car, sensing), car.own_states())
+        };
+        Tracks(self.drives.par_iter().enumerate().map(of).collect())
+    }
+
+    /// What a model does not predict of one drive that differs between two moments, s, from one whose runs are known.
+    pub(super) fn branched(
+        &self,
+        tracks: &Tracks,
+        between: [f64; 2],
+        (model, free, at): (&Model<'_>, &[Free], &[f64]),
+        number: usize,
+    ) -> Series {
+        let (track, own_states) = &tracks.0[number];
+        let (placed, sensing) = placed(model, free, at, number);
+        let car = placed.car();
+        // States that the other one has not are somewhere at that moment.
+        if car.own_states() != *own_states {
+            return self.errors_of(model, free, at, number);
+        }
+        self.unpredicted(number, &track.branch(&self.drives[number], &car, sensing, between))
+    }
+
     pub(super) fn slopes(
         &self,
         model: &Model<'_>,
@@ -111,18 +146,18 @@ impl Search<'_> {
         at: &[f64],
         errors: &[Series],
     ) -> Vec<Vec<Series>> {
-        let of = |place: usize| self.slope(model, free, (at, errors), place, free[place].step);
+        let of = |place: usize| self.slope(model, free, (at, errors), (place, free[place].step), None);
         (0..free.len()).into_par_iter().map(of).collect()
     }
 
-    /// How the predictions change with one number.
+    /// How the predictions change with one number; `branch` are the runs without it, and between which moments, s, it acts.
     pub(super) fn slope(
         &self,
         model: &Model<'_>,
         free: &[Free],
         (at, errors): (&[f64], &[Series]),
-        place: usize,
-        step: f64,
+        (place, step): (usize, f64),
+        branch: Option<(&Tracks, [f64; 2])>,
     ) -> Vec<Series> {
         let mut there = at.to_vec();
         let step = if at[place] + step > free[place].bounds.1 { -step } else { step };
@@ -131,7 +166,10 @@ impl Search<'_> {
             if !free[place].of.has(drive) {
                 return std::array::from_fn(|channel| vec![0.0; errors[channel].len()]);
             }
-            let moved = self.errors_of(model, free, &there, drive);
+            let moved = match branch {
+                Some((tracks, between)) => self.branched(tracks, between, (model, free, &there), drive),
+                None => self.errors_of(model, free, &there, drive),
+            };
             std::array::from_fn(|channel| {
                 errors[channel]
                     .iter()

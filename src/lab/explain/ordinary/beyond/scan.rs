@@ -55,6 +55,7 @@ impl Search<'_> {
         let least = LEAST_SHIFT.min(shortest / 4);
         let shifts: Vec<usize> =
             (0..DECOYS).map(|_| random.random_range(least..(shortest - least).max(least + 1))).collect();
+        let tracks = self.tracks(&state.model, &state.free, &state.at);
         let scored: Vec<(Scored, f64)> = trials
             .par_iter()
             .filter_map(|trial| {
@@ -72,7 +73,8 @@ impl Search<'_> {
                         if !(low..=high).contains(&(at[place] + step)) {
                             continue;
                         }
-                        let slope = self.slope(&model, &free, (&at, &state.errors), place, step);
+                        let branch = trial.acts().map(|between| (&tracks, between));
+                        let slope = self.slope(&model, &free, (&at, &state.errors), (place, step), branch);
                         let column = self.white(colour, &rows, &slope, 0);
                         let Some((gain, by)) = score(&column, free[place].prior.1) else { continue };
                         if best.is_none_or(|(most, ..)| gain > most) {

@@ -18,6 +18,9 @@ const PATCH_EVERY_S: f64 = 3.0;
 /// … of these lengths, s, and to the end.
 const PATCHES_S: [f64; 4] = [3.0, 6.0, 12.0, 24.0];
 
+/// Those to the end begin at so many moments at most. Numerical: three minutes have as many.
+const MOST_STAYING: f64 = 60.0;
+
 /// What begins earlier is there from the start: little has been driven before. Tuned: `a_load_is_named`.
 const EARLIEST_S: f64 = 2.5;
 
@@ -172,12 +175,12 @@ const MOST_CHANGE: f64 = 5.0;
 
 /// Where a patch could be, s.
 fn stretches(seconds: f64) -> Vec<[f64; 2]> {
-    let begins = (1..).map(|i| f64::from(i) * PATCH_EVERY_S).take_while(|begin| begin + 3.0 < seconds);
-    let of = |begin: f64| {
-        let ends = PATCHES_S.into_iter().map(move |length| begin + length).filter(|end| *end < seconds);
-        ends.chain([f64::INFINITY]).map(move |end| [begin, end])
-    };
-    begins.flat_map(of).collect()
+    let begins = |every: f64| (1..).map(move |i| f64::from(i) * every).take_while(move |t| t + 3.0 < seconds);
+    let of = |begin: f64| PATCHES_S.map(|length| [begin, begin + length]);
+    let patches = begins(PATCH_EVERY_S).flat_map(of).filter(|[_, end]| *end < seconds);
+    // What stays takes longest to compute, and where it begins shows from far.
+    let staying = begins(PATCH_EVERY_S.max(seconds / MOST_STAYING)).map(|begin| [begin, f64::INFINITY]);
+    patches.chain(staying).collect()
 }
 
 impl Trial {
@@ -351,6 +354,15 @@ impl Trial {
             }
             _ => 0.0,
         }
+    }
+
+    /// Between which moments it acts, s; none: always.
+    pub fn acts(&self) -> Option<[f64; 2]> {
+        if let Some((at, _)) = self.onset() {
+            return Some([at, f64::INFINITY]);
+        }
+        let (first, last) = (self.stretches().first()?, self.stretches().last()?);
+        Some([first[0], last[1]])
     }
 
     /// From when it is there, s; none: always.

@@ -126,7 +126,7 @@ impl ExtendedCar {
         let driven = self.driven.iter().filter(|driven| **driven).count() as f64;
         let weight: [f64; 4] = std::array::from_fn(|i| {
             let most = MOST_ALONG * on.contact[i].friction_x * on.load[i];
-            if self.driven[i] { (1.0 + (force / driven / most).powi(4)).powf(-0.25) } else { 0.0 }
+            if self.driven[i] { (1.0 + (force / driven / most).powi(4)).sqrt().sqrt().recip() } else { 0.0 }
         });
         let all: f64 = weight.iter().sum();
         weight.map(|weight| force * weight / all)

@@ -134,6 +134,11 @@ impl ExtendedCar {
         }
     }
 
+    /// How many states its effects have.
+    pub fn own_states(&self) -> usize {
+        self.effects.states()
+    }
+
     /// How late a sensor is, s.
     pub fn delay(&self, channel: usize) -> f64 {
         self.delay[channel]

@@ -59,7 +59,16 @@ impl Inputs {
     }
 }
 
+/// States that differ by less are the same, in their units. Numerical: a million times less than a sensor tells.
+const NEAR: f64 = 1e-9;
+
 impl State {
+    /// Is it where another one is?
+    pub fn is_near(&self, other: &Self) -> bool {
+        let is_near = |(a, b): (&f64, &f64)| (a - b).abs() < NEAR;
+        self.body.iter().zip(&other.body).all(is_near) && self.own.iter().zip(&other.own).all(is_near)
+    }
+
     fn advanced(&self, rate: &State, h: f64) -> Self {
         let mut next = *self;
         for (value, rate) in next.body.iter_mut().zip(rate.body) {

@@ -103,8 +103,13 @@ impl<'s, 'a> Linear<'s, 'a> {
             gradient: DVector::zeros(drives),
         };
         for drive in 0..drives {
-            let slope =
-                self.search.slope(model, &free, (&there, &self.state.errors), first + drive, main.step);
+            let slope = self.search.slope(
+                model,
+                &free,
+                (&there, &self.state.errors),
+                (first + drive, main.step),
+                None,
+            );
             let column = self.search.white(&self.colour, &self.rows, &slope, 0);
             for (number, own) in self.weighed.iter().enumerate() {
                 spread.with[(number, drive)] = own.dot(&column);

@@ -65,12 +65,6 @@ fn standing_in_a_traffic_jam_the_car_does_not_move_and_nothing_is_valid() {
 }
 
 #[test]
-#[ignore = "long: wheels that stand are slow to simulate; the same for a minute and a half is not"]
-fn standing_for_seven_minutes_changes_nothing() {
-    traffic_jam(420.0);
-}
-
-#[test]
 fn stopping_and_driving_off_is_no_change_of_surface() {
     let seen = watch(&roads::traffic_jam(100.0, 105.0), 0.0, f64::INFINITY);
     seen.is_sane(12_000);
@@ -177,5 +171,15 @@ fn sensors_that_drift_for_minutes_make_little_valid_and_wrong() {
                 "{channel} in {within_s} s: {seen:#?}"
             );
         }
+    }
+}
+
+mod by_hand {
+    use super::*;
+
+    #[test]
+    #[ignore = "by hand: wheels that stand are slow to simulate; the same for a minute and a half is not"]
+    fn standing_for_seven_minutes_changes_nothing() {
+        traffic_jam(420.0);
     }
 }

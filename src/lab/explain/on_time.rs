@@ -5,7 +5,7 @@
 
 use std::borrow::Cow;
 
-use super::chain::{ChainReport, Confidence};
+use super::chain::{AuditFinding, ChainReport, Confidence};
 use super::predict::Recording;
 use physics::Quantity;
 
@@ -26,7 +26,7 @@ pub fn on_time<'r>(recordings: &'r [Recording], chain: &[ChainReport]) -> Cow<'r
 
 /// How late the yaw rate is for certain, s.
 fn certainly_late(report: &ChainReport) -> f64 {
-    let of = |finding: &&super::chain::AuditFinding| {
+    let of = |finding: &&AuditFinding| {
         finding.confidence == Confidence::Certain
             && finding.effect == "sensor_delay"
             && finding.channel == Quantity::YawRate.name()
@@ -37,7 +37,6 @@ fn certainly_late(report: &ChainReport) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::bench::recorded;
-    use super::super::chain::{AuditFinding, Confidence};
     use super::*;
 
     fn report(confidence: Confidence) -> ChainReport {

@@ -48,13 +48,16 @@ pub struct Track {
     path: Vec<(State, Before)>,
     /// What it said there, not late yet.
     said: Predicted,
+    /// So many states its effects have.
+    own_states: usize,
 }
 
 impl Track {
     /// Of a car along a drive.
     pub fn of(drive: &FreeDrive, car: &ExtendedCar, speed: SpeedSensing) -> Self {
         let points = drive.points();
-        let mut track = Self { path: Vec::with_capacity(points), said: Predicted::with_room(points) };
+        let (path, said) = (Vec::with_capacity(points), Predicted::with_room(points));
+        let mut track = Self { path, said, own_states: car.own_states() };
         along(drive, car, speed, Compute::Readings, |point| {
             track.path.push((*point.state, *point.before));
             track.said.push(point, speed, Compute::Readings);
@@ -62,7 +65,7 @@ impl Track {
         track
     }
 
-    /// What another car says that differs from this one between two moments only, s, and has no states of its own.
+    /// What another car says that differs from this one between two moments only, s.
     pub fn branch(
         &self,
         drive: &FreeDrive,
@@ -70,6 +73,10 @@ impl Track {
         speed: SpeedSensing,
         [from, to]: [f64; 2],
     ) -> Predicted {
+        // States that this one has not are somewhere at that moment.
+        if car.own_states() != self.own_states {
+            return run(drive, car, speed, Compute::Readings);
+        }
         let place = |t: f64| ((t - drive.from_s) / STEP_S).clamp(0.0, self.path.len() as f64);
         // A step looks half a step ahead.
         let (first, last) = (place(from).floor() as usize, place(to).ceil() as usize + 1);

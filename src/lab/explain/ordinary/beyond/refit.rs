@@ -4,10 +4,10 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::super::numbers::{Free, Scope};
+use super::super::run::Track;
 use super::Search;
 use super::climb::{Climbed, State};
 use super::colour::{CHANNELS, Series};
-use super::rows::Tracks;
 use super::scan::Scored;
 use super::trial::Trial;
 use crate::explain::model::Model;
@@ -91,7 +91,7 @@ impl Search<'_> {
         let (mut step, mut moves) = (LARGEST_MOVE_S, 0);
         let mut known = None;
         while step >= LEAST_MOVE_S && moves < MOST_MOVES {
-            let tracks = &*known.get_or_insert_with(|| self.tracks(&best.model, &best.free, &best.at));
+            let tracks = known.get_or_insert_with(|| self.tracks(&best.model, &best.free, &best.at));
             let moved = best.trial.moved(step).into_par_iter().map(|trial| {
                 let errors = self.errors_moved(state, (&best, tracks), &trial);
                 (self.own_cost(state, &errors), trial)
@@ -115,7 +115,7 @@ impl Search<'_> {
     fn errors_moved(
         &self,
         state: &State<'_>,
-        (best, tracks): (&Refitted<'_>, &Tracks),
+        (best, tracks): (&Refitted<'_>, &[Track]),
         trial: &Trial,
     ) -> Vec<Series> {
         let model = trial.put_into(&state.model);

@@ -29,9 +29,6 @@ pub struct Rows {
     pub held: Vec<bool>,
 }
 
-/// Runs along all drives, and how many states their cars' effects have.
-pub struct Tracks(Vec<(Track, usize)>);
-
 /// −2 ln likelihood of rows.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cost {
@@ -112,31 +109,25 @@ impl Search<'_> {
     }
 
     /// A model's run along each drive, from which others can branch off.
-    pub(super) fn tracks(&self, model: &Model<'_>, free: &[Free], at: &[f64]) -> Tracks {
+    pub(super) fn tracks(&self, model: &Model<'_>, free: &[Free], at: &[f64]) -> Vec<Track> {
         let of = |(number, drive): (usize, &FreeDrive)| {
             let (model, sensing) = placed(model, free, at, number);
-            let car = model.car();
-            (Track::of(drive, &car, sensing), car.own_states())
+            Track::of(drive, &model.car(), sensing)
         };
-        Tracks(self.drives.par_iter().enumerate().map(of).collect())
+        self.drives.par_iter().enumerate().map(of).collect()
     }
 
     /// What a model does not predict of one drive that differs between two moments, s, from one whose runs are known.
     pub(super) fn branched(
         &self,
-        tracks: &Tracks,
+        tracks: &[Track],
         between: [f64; 2],
         (model, free, at): (&Model<'_>, &[Free], &[f64]),
         number: usize,
     ) -> Series {
-        let (track, own_states) = &tracks.0[number];
-        let (placed, sensing) = placed(model, free, at, number);
-        let car = placed.car();
-        // States that the other one has not are somewhere at that moment.
-        if car.own_states() != *own_states {
-            return self.errors_of(model, free, at, number);
-        }
-        self.unpredicted(number, &track.branch(&self.drives[number], &car, sensing, between))
+        let (model, sensing) = placed(model, free, at, number);
+        let drive = &self.drives[number];
+        self.unpredicted(number, &tracks[number].branch(drive, &model.car(), sensing, between))
     }
 
     pub(super) fn slopes(
@@ -157,7 +148,7 @@ impl Search<'_> {
         free: &[Free],
         (at, errors): (&[f64], &[Series]),
         (place, step): (usize, f64),
-        branch: Option<(&Tracks, [f64; 2])>,
+        branch: Option<(&[Track], [f64; 2])>,
     ) -> Vec<Series> {
         let mut there = at.to_vec();
         let step = if at[place] + step > free[place].bounds.1 { -step } else { step };

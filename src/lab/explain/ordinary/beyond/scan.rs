@@ -73,7 +73,7 @@ impl Search<'_> {
                         if !(low..=high).contains(&(at[place] + step)) {
                             continue;
                         }
-                        let branch = trial.acts().map(|between| (&tracks, between));
+                        let branch = trial.acts().map(|between| (&tracks[..], between));
                         let slope = self.slope(&model, &free, (&at, &state.errors), (place, step), branch);
                         let column = self.white(colour, &rows, &slope, 0);
                         let Some((gain, by)) = score(&column, free[place].prior.1) else { continue };

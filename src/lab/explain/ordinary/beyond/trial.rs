@@ -367,8 +367,7 @@ impl Trial {
 
     /// From when it is there, s; none: always.
     pub fn begins(&self) -> Option<f64> {
-        let patch = self.stretches().first().map(|[from, _]| *from);
-        self.onset().map(|(at, _)| at).or(patch).filter(|from| from.is_finite())
+        self.acts().map(|[from, _]| from).filter(|from| from.is_finite())
     }
 
     /// The steps, in deviations of the prior, that tell how it acts; nothing: the number's own step.

@@ -37,13 +37,6 @@ fn twenty_minutes_of_straight_motorway_move_nothing() {
     straight_motorway(HOUR_S / 3.0, 1.0);
 }
 
-#[test]
-#[ignore = "long: 20 s; the same for twenty minutes is not"]
-fn three_hours_of_straight_motorway_move_nothing() {
-    // Today: since an accelerometer may be left out.
-    straight_motorway(3.0 * HOUR_S, 2.5);
-}
-
 fn traffic_jam(seconds: f64) {
     let from = 100.0;
     // A stiffness may be acted upon for a minute after it was measured.
@@ -176,6 +169,13 @@ fn sensors_that_drift_for_minutes_make_little_valid_and_wrong() {
 
 mod by_hand {
     use super::*;
+
+    #[test]
+    #[ignore = "by hand: a minute of a processor; the same for twenty minutes is in the quick set"]
+    fn three_hours_of_straight_motorway_move_nothing() {
+        // Today: since an accelerometer may be left out.
+        straight_motorway(3.0 * HOUR_S, 2.5);
+    }
 
     #[test]
     #[ignore = "by hand: wheels that stand are slow to simulate; the same for a minute and a half is not"]

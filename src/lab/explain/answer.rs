@@ -110,13 +110,16 @@ impl<'a> Conclusion<'_, 'a> {
         explanation.used = self.drives.iter().map(Used::of).collect();
         explanation.seconds = usable;
         explanation.traces = traces;
+        explanation.vehicle = Some(self.case.vehicle.clone());
         explanation.driven = self.drives.iter().map(GriddedDrive::driven).collect();
         if let Some((ordinary, decided)) = self.ordinary {
             explanation.take_ordinary(ordinary, decided);
         }
         if explanation.is_by_ordinary {
             let wrong = measured_wrong(self.case.chain, &explanation.findings);
-            if !wrong.is_empty() && explanation.verdict == Verdict::Adequate {
+            let says_nothing =
+                matches!(explanation.verdict, Verdict::Adequate | Verdict::InsufficientExcitation);
+            if !wrong.is_empty() && says_nothing {
                 explanation.verdict = Verdict::MissingPhysics;
             }
             explanation.findings.splice(0..0, wrong);

@@ -103,15 +103,15 @@ impl<'a> Case<'a> {
         tracing::debug!(noise = ?selection.baseline.noise, "of the plain model");
         tracing::debug!(noise = ?selection.extended.noise, "of the extended model");
         let gains = Gains::of(&data, &selection, &corrected);
-        let by_torque =
-            if shakes { Verdict::UnknownPhysics } else { gains.verdict(drives.iter().any(turns)) };
+        let turns = drives.iter().any(turns);
+        let by_torque = if shakes { Verdict::UnknownPhysics } else { gains.verdict(turns) };
         if by_torque == Verdict::UnknownPhysics && !shakes {
             progress(work::BEYOND, 0.0);
             ordinary = ordinary_if(&|_| true);
         }
         // What the plain model and its effects leave is asked of the ordinary car.
-        let decided =
-            ordinary.as_ref().filter(|_| by_torque == Verdict::UnknownPhysics).map(Ordinary::verdict);
+        let decided = ordinary.as_ref().filter(|_| by_torque == Verdict::UnknownPhysics);
+        let decided = decided.map(|ordinary| ordinary.verdict(turns));
         let verdict = match decided {
             // Then the plain model's own effects say nothing.
             Some(Verdict::MissingPhysics) => Verdict::Adequate,

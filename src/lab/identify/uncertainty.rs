@@ -73,8 +73,12 @@ pub(super) fn of(fit: &Fit, free: &[Free], shift: &Shift) -> Option<Uncertainty>
     let robust = &inverse * (&scatter + &prior) * &inverse;
     // Too few segments do not tell by how much for each direction: then all of them get the mean of it.
     let enough = count > 3.0 * of + 10.0;
-    let covariance =
-        if enough { robust } else { &inverse * inflation(&inverse, &scatter_of(&scores), &prior) };
+    // That mean is of all directions, so that it has at least as much freedom as the segments' scatter in one.
+    let (covariance, freedom) = if enough {
+        (robust, dof)
+    } else {
+        (&inverse * inflation(&inverse, &scatter_of(&scores), &prior), (count - 1.0).max(1.0))
+    };
     let variance =
         DVector::from_fn(free.len(), |i, _| covariance[(i, i)].max(inverse[(i, i)]).max(f64::MIN_POSITIVE));
     let std = (variance + shift.variance()).map(f64::sqrt);
@@ -94,7 +98,7 @@ pub(super) fn of(fit: &Fit, free: &[Free], shift: &Shift) -> Option<Uncertainty>
         by_data,
         correction,
         decided_by_noise,
-        factor: student::quantile(0.95, dof),
+        factor: student::quantile(0.95, freedom),
     })
 }
 

@@ -10,13 +10,18 @@ pub const WHAT: &str = "Cornering stiffness of the axles: initial slope of the l
 
 /// A line for each axle that has a number.
 pub fn lines(stiffness: &CorneringStiffness) -> Vec<String> {
-    let line = |(axle, of): (&str, &Option<AxleStiffness>)| {
-        let AxleStiffness { value, std, told, reason } = of.as_ref()?;
-        let decimals = usize::from(*std < 10.0) + usize::from(*std < 0.5);
-        let why = if *told { String::new() } else { format!("; not told by this drive: {reason}") };
-        Some(format!("{axle} {} ± {} 1/rad{why}", number(*value, decimals), number(*std, decimals)))
-    };
-    [("front", &stiffness.front), ("rear", &stiffness.rear)].into_iter().filter_map(line).collect()
+    [("front", &stiffness.front), ("rear", &stiffness.rear)]
+        .into_iter()
+        .filter_map(|(axle, of)| line(axle, of))
+        .collect()
+}
+
+/// The line of an axle, if it has a number.
+pub fn line(axle: &str, of: &Option<AxleStiffness>) -> Option<String> {
+    let AxleStiffness { value, std, told, reason } = of.as_ref()?;
+    let decimals = usize::from(*std < 10.0) + usize::from(*std < 0.5);
+    let why = if *told { String::new() } else { format!("; not told by this drive: {reason}") };
+    Some(format!("{axle} {} ± {} 1/rad{why}", number(*value, decimals), number(*std, decimals)))
 }
 
 /// The understeer gradient (rad per m/s²) that they come to, where both are told.

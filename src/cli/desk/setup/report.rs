@@ -6,7 +6,7 @@ use super::quoted;
 use super::rounds::{Files, Settled};
 use crate::cli::desk::check::cost;
 use bus::propose::{Choice, Confidence as Found, Proposal, Source, VehicleTable};
-use lab::explain::chain::Confidence;
+use lab::explain::chain::{ChainReport, Confidence};
 use lab::report::{self, WIDTH};
 use physics::Quantity;
 use physics::model::Uncertain;
@@ -26,8 +26,9 @@ pub struct Report<'a> {
 impl Report<'_> {
     /// Writes it.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        let seconds = self.settled.chain.seconds;
-        writeln!(out, "{}: written, from {seconds:.0} s of driving", quoted(self.files.out))?;
+        let ChainReport { seconds, moving_seconds: moving, .. } = &self.settled.chain;
+        let out_file = quoted(self.files.out);
+        writeln!(out, "{out_file}: written, from {seconds:.0} s, {moving:.0} s of them moving")?;
         self.signals(out)?;
         self.gaps(out)?;
         self.doubts(out)?;

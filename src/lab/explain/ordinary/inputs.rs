@@ -374,7 +374,7 @@ fn mean(values: &[f64], points: usize) -> Vec<f64> {
 }
 
 /// Central differences, per second.
-fn slope(values: &[f64]) -> Vec<f64> {
+pub fn slope(values: &[f64]) -> Vec<f64> {
     let last = values.len() - 1;
     let of = |i: usize| {
         let (from, to) = (i.saturating_sub(1), (i + 1).min(last));

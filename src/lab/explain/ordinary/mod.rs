@@ -21,6 +21,7 @@ mod robust;
 mod run;
 mod scores;
 mod simulated;
+mod tires;
 
 pub use answer::{Asked, Number, Ordinary, could_tell};
 pub(super) use answer::{FittedCars, with_bend};
@@ -30,3 +31,4 @@ pub use inputs::speed_of;
 pub use remaining::Remaining;
 pub use scores::FreeTrace;
 pub use simulated::{Incomparable, Simulated};
+pub use tires::{AxleForce, AxleTires, TireCurve};

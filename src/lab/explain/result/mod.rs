@@ -5,6 +5,7 @@ mod finding;
 
 use std::collections::BTreeMap;
 
+use physics::model::Vehicle;
 use serde::Serialize;
 
 pub use drive::{Block, Driven, Trace};
@@ -142,6 +143,9 @@ pub struct Explanation {
     /// How the car was driven; for plots, not in the JSON.
     #[serde(skip)]
     pub driven: Vec<Driven>,
+    /// The car as configured, where the recordings are of one and the same.
+    #[serde(skip)]
+    pub vehicle: Option<Vehicle>,
     /// The ordinary car, where it could be fitted; what the JSON has of it stands above.
     #[serde(skip)]
     pub ordinary: Option<Ordinary>,
@@ -187,6 +191,7 @@ impl Explanation {
             begins_utc: BTreeMap::new(),
             traces: Vec::new(),
             driven: Vec::new(),
+            vehicle: None,
             ordinary: None,
             needs_ordinary: false,
             is_by_ordinary: false,
@@ -231,7 +236,8 @@ impl Explanation {
             // Those were of other forces.
             self.improvement_ci95.clear();
             self.findings.clone_from(&ordinary.beyond.findings);
-            if !ordinary.beyond.ranking.is_empty() {
+            // Scores of a drive that says too little rank its noise.
+            if verdict == Verdict::InsufficientExcitation || !ordinary.beyond.ranking.is_empty() {
                 self.ranking.clone_from(&ordinary.beyond.ranking);
             }
             let take = |to: &mut Parts<ByChannel>, from: &Parts<ByChannel>| {

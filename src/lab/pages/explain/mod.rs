@@ -17,6 +17,7 @@ mod sure;
 #[cfg(test)]
 mod tests;
 mod text;
+mod tires;
 mod tried;
 mod verified;
 pub(in crate::pages) mod words;

@@ -1,8 +1,9 @@
 //! The plots of the page: each channel as measured and as both models say it, where they differ and what was found there,
 //! courses of what varied, and where the models err.
 
-use super::{has_extension, words};
+use super::{has_extension, tires, words};
 use crate::explain::{CourseEstimate, Explanation, Finding, Where};
+use crate::pages::axles;
 use crate::pages::beside::{Axis, Beside, Channel, Drive, Model, Said, line};
 use crate::report::interactive::{Mark, Panel, Plots, Series, Source, Span};
 use crate::report::{Color, Page};
@@ -112,6 +113,13 @@ impl Drawn<'_> {
             }
         }
         self.sideslip().into_iter().for_each(|panel| plots.panel(panel));
+        if let Some(vehicle) = &self.explanation.vehicle {
+            let told = axles::gradient(&self.explanation.cornering_stiffness);
+            plots.figure(self.beside.handling(self.axis, vehicle, told));
+        }
+        for figure in tires::figures(self.explanation, |recording, t| self.on_axis(recording, t)) {
+            plots.figure(figure);
+        }
         for figure in self.explanation.history.iter().flat_map(super::history::figures) {
             plots.figure(figure);
         }
@@ -124,6 +132,12 @@ impl Drawn<'_> {
             [_] if place.recording.is_empty() => Some(0),
             drives => drives.iter().position(|drive| drive.name == place.recording),
         }
+    }
+
+    /// A moment of a recording on the page.
+    fn on_axis(&self, recording: &str, t: f64) -> Option<f64> {
+        let drive = self.beside.drives.iter().position(|drive| drive.name == recording)?;
+        Some(self.axis.at(drive, t))
     }
 
     /// When the plain model differs, and when each finding shows.

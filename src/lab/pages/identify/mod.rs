@@ -8,8 +8,9 @@ mod story;
 mod text;
 
 use self::story::{digits, number};
+use crate::explain::Estimate;
 use crate::identify::{Fits, Identified};
-use crate::pages::explain::words::sentence;
+use crate::pages::explain::words::{self, sentence};
 use crate::report::{Page, Shift};
 
 pub use json::{Report, report};
@@ -78,7 +79,7 @@ fn lead(story: &Story<'_>) -> String {
         .filter(|parameter| parameter.identifiable && !is_sensors(parameter))
         .map(phrase)
         .collect();
-    let open: Vec<&str> = found.parameters.iter().filter(|it| !it.is_clear).map(|it| it.name).collect();
+    let open: Vec<String> = found.parameters.iter().filter(|it| !it.is_clear).map(named).collect();
     let mut text = match story.records {
         [one] => format!("{:.0} s of {} tell", found.seconds, one.name),
         several => format!("{:.0} s of {} recordings tell", found.seconds, several.len()),
@@ -89,7 +90,7 @@ fn lead(story: &Story<'_>) -> String {
         format!(": {}.", told.join("; "))
     };
     if !open.is_empty() {
-        text += &format!(" They do not tell {}.", open.join(", "));
+        text += &format!(" They do not tell {}.", words::list(&open));
     }
     for parameter in found.parameters.iter().filter(|parameter| parameter.is_in_doubt()) {
         text += &format!(" In doubt: {}.", text::in_doubt(parameter));
@@ -104,16 +105,17 @@ fn phrase(parameter: &Identified) -> String {
     let unit = if parameter.unit == "1" { String::new() } else { format!(" {}", parameter.unit) };
     format!(
         "{} {}{unit} (95 %: {} to {})",
-        parameter
-            .name
-            .trim_end_matches("_kgm2")
-            .trim_end_matches("_kg")
-            .trim_end_matches("_m")
-            .replace('_', " "),
+        named(parameter),
         number(parameter.value, decimals),
         number(low, decimals),
         number(high, decimals)
     )
+}
+
+/// Its name in a sentence.
+fn named(parameter: &Identified) -> String {
+    let Identified { name, value, std, .. } = *parameter;
+    words::ordinary(name, Estimate { value, std }).name
 }
 
 fn is_sensors(parameter: &Identified) -> bool {

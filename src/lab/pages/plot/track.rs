@@ -1,6 +1,7 @@
 //! Where the car went, by dead reckoning.
 
 use super::scene::{Scene, most};
+use crate::pages::explain::words::number;
 use crate::pages::track::Track;
 use crate::report::interactive::Figure;
 use physics::Quantity;
@@ -26,8 +27,8 @@ impl Scene<'_> {
         figure.points.push(track.points(("lateral acceleration, m/s²", highest), MOST_POINTS));
         let corrected = match drift {
             Some(drift) => format!(
-                " The yaw rate's offset of {:.2} °/s that was learned is taken off.",
-                drift.to_degrees()
+                " The yaw rate's offset of {} °/s that was learned is taken off.",
+                number(drift.to_degrees(), 2)
             ),
             None => String::new(),
         };

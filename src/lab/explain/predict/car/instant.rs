@@ -7,7 +7,7 @@ use physics::model::body::Steer;
 use physics::model::effect::{Acting, Before, Felt, Readings, Recorded};
 use physics::model::force::{AddedMass, WheelMotion};
 use physics::model::tire::{Contact, Curve, Tire, ellipse};
-use physics::model::wheel;
+use physics::model::{Plant, wheel};
 
 /// Everything at one instant.
 #[derive(Clone, Copy, Debug)]
@@ -141,6 +141,12 @@ impl ExtendedCar {
         }
         let friction = if contact.friction_x.is_finite() { contact.friction_x } else { 1.0 };
         y * ellipse::left(on.ellipse_factor * x / friction)
+    }
+
+    /// Lateral force over load of an axle's tires (0 front, 1 rear) at their static load, at a slip angle, rad.
+    pub fn force_at_rest(&self, axle: usize, angle: f64) -> f64 {
+        let Plant { tire, nominal, .. } = &self.plant;
+        tire.across(&self.curve(tire), &nominal.contact[2 * axle], 0.0, angle)
     }
 
     /// The slip at which a tire at this slip angle transmits `x` along, its curve as bent as is known.

@@ -156,13 +156,15 @@ class Package(unittest.TestCase):
         answers = FOLDER / "identified.json", FOLDER / "explained.json"
         other = FOLDER / "held_out.log"
         gripd.simulate(scenario(30), other, seed=8)
-        code, _ = command("identify", "-c", CONFIG, self.log, "--starts", 1, "--holdout", other, "--json", answers[0])
+        # Parts and few numbers, for a search takes as long as what it looks at.
+        names = ["lateral_stiffness_front", "lateral_stiffness_rear"]
+        code, _ = command("identify", "-c", CONFIG, self.log, "--starts", 1, "--to", 25, "--holdout", other,
+                          "--parameters", ",".join(names), "--json", answers[0])
         self.assertEqual(code, 0)
-        identified = gripd.identify(CONFIG, self.log, starts=1, holdout=other)
+        identified = gripd.identify(CONFIG, self.log, starts=1, end=25, holdout=other, parameters=names)
         self.assertEqual(identified, json.loads(answers[0].read_text()))
         self.assertTrue(identified["parameters"])
         self.assertIn("yaw_rate", identified["fit"]["holdout"]["after"])
-        # A part, for a search takes as long as what it looks at.
         code, _ = command("explain", "-c", CONFIG, self.log, "--to", 25, "--json", answers[1])
         self.assertEqual(code, 0)
         explained = gripd.explain(CONFIG, [self.log], end=25)

@@ -4,7 +4,7 @@
 //!
 //! - [`map_a_car`]: from a DBC and a recorded drive to a configuration
 //! - [`read_the_frames`]: what is published, what it means, and when there is nothing
-//! - [`at_home`]: from Python, in VSS
+//! - [`at_home`]: from Python, in viewers, in VSS
 //! - [`recordings_and_formats`]: which recordings are read and written, and what each can hold
 //! - [`gateway`]: install it as a service, reload it, watch it
 //! - [`calibrate`]: from stiffness to friction by ABS brakings

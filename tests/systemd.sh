@@ -84,7 +84,9 @@ if [ -e $deb ]; then
     [ "$(systemctl is-enabled gripd)" = disabled ] || fail "it is enabled without being asked"
     gripd check -c /etc/gripd/gripd.toml > /dev/null || fail "the configuration of the package is wrong"
     for file in man/man1/gripd.1.gz man/man1/gripd-map.1.gz bash-completion/completions/gripd doc/gripd/guide/map-a-car.md \
-        doc/gripd/copyright gripd/gripd.dbc; do
+        doc/gripd/copyright gripd/gripd.dbc doc/gripd/examples/config/vss/friction.dbc \
+        doc/gripd/examples/config/vss/gripd.vspec doc/gripd/examples/config/vss/vss_dbc.json \
+        doc/gripd/examples/config/viewers/foxglove.json doc/gripd/examples/notebooks/map_a_car.ipynb; do
         [ -s /usr/share/$file ] || fail "the package has no $file"
     done
     for example in demo rav4 thesis; do

@@ -17,6 +17,7 @@ mod identify_cli;
 mod inputs;
 mod interactive;
 mod map;
+mod mcap;
 mod monitor;
 mod pages;
 mod parquet;

@@ -8,8 +8,10 @@ GRIPD is the program, PROJECT the repository; files go to FOLDER.
 import bisect
 import csv
 import gzip
+import importlib.util
 import inspect
 import json
+import os
 import re
 import signal
 import subprocess
@@ -152,16 +154,50 @@ class Package(unittest.TestCase):
 
     def test_answers_are_the_commands(self):
         answers = FOLDER / "identified.json", FOLDER / "explained.json"
-        code, _ = command("identify", "-c", CONFIG, self.log, "--starts", 1, "--json", answers[0])
+        other = FOLDER / "held_out.log"
+        gripd.simulate(scenario(30), other, seed=8)
+        # Parts and few numbers, for a search takes as long as what it looks at.
+        names = ["lateral_stiffness_front", "lateral_stiffness_rear"]
+        code, _ = command("identify", "-c", CONFIG, self.log, "--starts", 1, "--to", 25, "--holdout", other,
+                          "--parameters", ",".join(names), "--json", answers[0])
         self.assertEqual(code, 0)
-        identified = gripd.identify(CONFIG, self.log, starts=1)
+        identified = gripd.identify(CONFIG, self.log, starts=1, end=25, holdout=other, parameters=names)
         self.assertEqual(identified, json.loads(answers[0].read_text()))
         self.assertTrue(identified["parameters"])
-        code, _ = command("explain", "-c", CONFIG, self.log, "--json", answers[1])
+        self.assertIn("yaw_rate", identified["fit"]["holdout"]["after"])
+        code, _ = command("explain", "-c", CONFIG, self.log, "--to", 25, "--json", answers[1])
         self.assertEqual(code, 0)
-        explained = gripd.explain(CONFIG, [self.log])
+        explained = gripd.explain(CONFIG, [self.log], end=25)
         self.assertEqual(explained, json.loads(answers[1].read_text()))
         self.assertIn(explained["verdict"], ["missing_physics", "adequate", "unknown_physics", "insufficient_excitation"])
+
+    def test_notebooks_come_to_their_ends(self):
+        missing = [name for name in ("nbclient", "ipykernel", "matplotlib") if importlib.util.find_spec(name) is None]
+        if missing:
+            self.skipTest(f"no {' and '.join(missing)}")
+        import nbclient
+        import nbformat
+
+        os.environ["PATH"] = os.pathsep.join([str(Path(PROGRAM).parent), os.environ["PATH"]])
+        said = {}
+        for path in sorted((PROJECT / "src/python/notebooks").glob("*.ipynb")):
+            notebook = nbformat.read(path, as_version=4)
+            cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
+            self.assertFalse([cell.outputs for cell in cells if cell.outputs or cell.execution_count], path)
+            begun = time.monotonic()
+            nbclient.NotebookClient(notebook, resources={"metadata": {"path": str(path.parent)}}).execute()
+            nbformat.write(notebook, FOLDER / path.name)
+            print(f"{path.name}: {time.monotonic() - begun:.0f} s", file=sys.stderr)
+            outputs = [output for cell in cells for output in cell.outputs]
+            said[path.stem] = "".join(output.text for output in outputs if output.output_type == "stream")
+            drawn = [output for output in outputs if "image/png" in output.get("data", {})]
+            self.assertEqual(len(drawn), sum("plt.show()" in cell.source for cell in cells), path)
+        mapped, explained = said["map_a_car"], said["explain_a_drive"]
+        self.assertRegex(mapped, r"yaw_rate +sure +INERTIAL\.YawRate")
+        self.assertLess(float(re.search(r"speed is off by ([\d.]+) m/s", mapped)[1]), 0.1)
+        self.assertGreaterEqual(int(re.search(r"in (\d+) % of the valid time", mapped)[1]), 90)
+        self.assertIn("missing_physics", explained)
+        self.assertIn("named: crosswind", explained)
 
     def test_errors_say_what_the_commands_say(self):
         wrong = FOLDER / "wrong.toml"

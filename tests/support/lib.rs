@@ -33,7 +33,8 @@ use program::{project, target};
 /// The implementations to compare with, pinned.
 const REQUIREMENTS: [&str; 3] = ["cantools==45.1.0", "autosar-e2e==1.0.0", "py-expression-eval==0.3.14"];
 /// Those that write recordings and read tables.
-const PEERS: [&str; 3] = ["python-can==4.6.1", "asammdf==8.8.28", "polars==2.1.0"];
+const PEERS: [&str; 5] =
+    ["python-can==4.6.1", "asammdf==8.8.28", "polars==2.1.0", "mcap==1.6.0", "mcap-protobuf-support==0.6.0"];
 
 /// Those that decode.
 const DECODERS: [&str; 2] = ["cantools==45.1.0", "opendbc==0.3.1"];

@@ -6,8 +6,16 @@ use std::process::Command;
 
 use super::program::{executable, project, target};
 
-/// What builds it, and what takes its tables.
-const WITH: [&str; 4] = ["maturin==1.16.0", "pyarrow==26.0.1", "polars==2.1.0", "pandas==3.1.1"];
+/// What builds it, what takes its tables, and what runs its notebooks.
+const WITH: [&str; 7] = [
+    "maturin==1.16.0",
+    "pyarrow==26.0.1",
+    "polars==2.1.0",
+    "pandas==3.1.1",
+    "nbclient==0.11.0",
+    "ipykernel==7.4.0",
+    "matplotlib==3.11.2",
+];
 
 /// A Python that has the package as it is now; `None`, with a printed message, where the others cannot be had.
 pub fn python() -> Option<PathBuf> {

@@ -1,14 +1,17 @@
-//! `--estimates` and `--samples`: CSV, empty where not available, or Parquet or MF4 where the file's name ends so.
+//! `--estimates` and `--samples`: CSV, empty where not available, or Parquet, MF4 or MCAP where the file's name ends so.
 
 mod csv;
+mod mcap;
 mod mf4;
 mod parquet;
+mod protobuf;
 pub mod rows;
 
 use std::io::{self, Seek, Write};
 use std::path::Path;
 
 use self::csv::Csv;
+use self::mcap::Mcap;
 use self::mf4::Mf4;
 use self::parquet::Parquet;
 use self::rows::{Column, Rows};
@@ -23,15 +26,18 @@ pub enum TableFormat {
     Parquet,
     /// ASAM MF4: signals.
     Mf4,
+    /// MCAP: messages.
+    Mcap,
 }
 
 impl TableFormat {
     /// By the extension of a file's name; CSV where that says nothing.
     pub fn of(path: &Path) -> Result<Self, Failure> {
         let ends_in = |what: &&str| path.extension().is_some_and(|end| end.eq_ignore_ascii_case(what));
-        match ["parquet", "mf4", "gz", "zst"].iter().find(|what| ends_in(what)) {
+        match ["parquet", "mf4", "mcap", "gz", "zst"].iter().find(|what| ends_in(what)) {
             Some(&"parquet") => Ok(Self::Parquet),
             Some(&"mf4") => Ok(Self::Mf4),
+            Some(&"mcap") => Ok(Self::Mcap),
             Some(packed) => Err(Failure::usage(format_args!(
                 "{}: tables are not written as .{packed}; Parquet is packed (.parquet)",
                 path.display()
@@ -58,6 +64,7 @@ pub fn table<W: Write + Seek + Send + 'static>(
         TableFormat::Csv => Box::new(Csv::new(output, columns)?),
         TableFormat::Parquet => Box::new(Parquet::new(output, title, columns)?),
         TableFormat::Mf4 => Box::new(Mf4::new(output, title, columns)?),
+        TableFormat::Mcap => Box::new(Mcap::new(output, title, columns)?),
     })
 }
 

@@ -163,6 +163,7 @@ def identify(
     method: str | None = None,
     drive: str | None = None,
     starts: int | None = None,
+    holdout: Paths = (),
     start: Moment | None = None,
     end: Moment | None = None,
 ) -> dict[str, Any]:
@@ -175,6 +176,7 @@ def identify(
         method: ``"auto"``, ``"free_run"``, ``"segments"`` or ``"ordinary"``.
         drive: What the longitudinal forces come from: ``"torque"``, ``"wheel_speeds"``, ``"slips"`` or ``"speed"``.
         starts: Search from so many starts.
+        holdout: Fit nothing to these recordings of the same car; how well they are predicted is in ``["fit"]["holdout"]``.
         start: Only what is then or later.
         end: Only what is then or earlier.
 
@@ -188,7 +190,8 @@ def identify(
     """
     names = None if parameters is None else ",".join(parameters)
     options = {"parameters": names, "method": method, "drive": drive, "starts": starts, "from": start, "to": end}
-    return _found(_gripd.identify(_arguments(_paths(recordings), config=config, **options)))
+    arguments = _arguments(_paths(recordings), config=config, holdout=_paths(holdout), **options)
+    return _found(_gripd.identify(arguments))
 
 
 def explain(

@@ -155,21 +155,22 @@ fn frames_of_every_kind_survive_as_far_as_the_format_has_them() {
 }
 
 #[test]
-#[ignore = "long: fetches python-can, asammdf and polars"]
-fn tables_are_the_same_in_parquet_as_in_csv() {
+#[ignore = "long: fetches python-can, asammdf, polars and mcap"]
+fn tables_are_the_same_in_parquet_and_mcap_as_in_csv() {
     let Some(python) = testing::peers() else { return };
     let folder = tempfile::tempdir().unwrap();
     let frames: Vec<_> = drive(folder.path(), 60).into_iter().map(|frame| ("can0", frame)).collect();
     let log = folder.path().join("drive.log");
     write(&log, &frames);
-    for extension in ["csv", "parquet"] {
+    for extension in ["csv", "parquet", "mcap"] {
         let [estimates, samples] =
             ["estimates", "samples"].map(|name| folder.path().join(name).with_extension(extension));
         let mut replay = gripd();
         replay.args(["replay", "-q", "-c"]).arg(project("config/demo.toml")).arg(&log);
         succeed(replay.arg("--estimates").arg(estimates).arg("--samples").arg(samples));
     }
-    let tables = ["estimates.parquet", "samples.parquet"].map(|name| folder.path().join(name));
+    let tables = ["estimates.parquet", "samples.parquet", "estimates.mcap", "samples.mcap"];
+    let tables = tables.map(|name| folder.path().join(name));
     let told = succeed(Command::new(&python).arg(project("tests/peers/tables.py")).args(tables)).stdout;
     let told = String::from_utf8(told).unwrap();
     let version = env!("CARGO_PKG_VERSION");
@@ -177,6 +178,8 @@ fn tables_are_the_same_in_parquet_as_in_csv() {
     assert!(lines[0].starts_with("estimates 59") || lines[0].starts_with("estimates 60"), "{told}");
     assert!(lines[0].ends_with(&format!("{version} s Boolean Float64 Int64 String")), "{told}");
     assert!(lines[1].starts_with("samples ") && lines[1].ends_with(" Float64"), "{told}");
+    let row = |line: &str| line.split(' ').take(2).map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!((row(lines[2]), row(lines[3])), (row(lines[0]), row(lines[1])), "{told}");
 }
 
 /// A hundredth of a fleet, as the guide's example has it.

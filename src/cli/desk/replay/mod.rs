@@ -43,7 +43,7 @@ pub struct Replay {
     #[arg(long, requires = "out")]
     all: bool,
     /// Write the estimates, a row for each sample: as Parquet where the name ends in `.parquet`, as signals for MDF
-    /// viewers where it ends in `.mf4`, else as CSV.
+    /// viewers where it ends in `.mf4`, for Foxglove, PlotJuggler and Rerun where it ends in `.mcap`, else as CSV.
     #[arg(long, value_name = "TABLE")]
     estimates: Option<PathBuf>,
     /// Write the decoded signals as the estimators see them, likewise.

@@ -1,7 +1,6 @@
 //! Pages to look into, in a real browser: what all of them have to do, and those of `explain`, `identify` and `replay`.
 
 mod pages;
-mod pictures;
 
 use std::path::Path;
 

@@ -10,13 +10,13 @@ use testing::program::{gripd, project};
 use super::*;
 
 /// Demo drives on one road, whose driver steers more than the demo's.
-pub struct Garage(TempDir);
+struct Garage(TempDir);
 
 /// Bends at several speeds, beside the demo's own random ones.
 const STEERING: &str = "[[steering_wheel_angle]]\nkind = \"sine\"\namplitude = 0.5\nfrequency_hz = 0.23\n\n";
 
 impl Garage {
-    pub fn new(seconds: u32, effect: &str) -> Self {
+    fn new(seconds: u32, effect: &str) -> Self {
         let garage = Self(TempDir::new().unwrap());
         let demo = fs::read_to_string(project("config/scenarios/demo.toml")).unwrap();
         let (before, rest) = demo.split_once("[[road]]\nfrom_s = 45.0").unwrap();
@@ -28,7 +28,7 @@ impl Garage {
         garage
     }
 
-    pub fn path(&self, name: &str) -> PathBuf {
+    fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
@@ -40,7 +40,7 @@ impl Garage {
 
     /// The page of a command on the drive.
     #[track_caller]
-    pub fn page(&self, arguments: &[&str]) -> String {
+    fn page(&self, arguments: &[&str]) -> String {
         let config = project("config/demo.toml");
         let (command, options) = arguments.split_first().unwrap();
         let fixed = [command, "-c", config.to_str().unwrap(), "drive.log", "--html", "page.html"];
@@ -106,11 +106,9 @@ fn explain_shows_both_models_their_errors_and_what_was_found() {
         assert!(panels.iter().any(|it| it == title), "{title}: {panels:?}");
     }
     let figures = titles(&data, "figures");
-    assert_eq!(
-        figures[..3],
-        ["Handling curve", "Front axle: force over slip angle", "Rear axle: force over slip angle"]
-    );
-    assert!(figures.iter().any(|it| it == "Track"));
+    for title in ["Handling curve", "Track"] {
+        assert!(figures.iter().any(|it| it == title), "{title}: {figures:?}");
+    }
     looked_at(&garage, 6);
 }
 

@@ -168,7 +168,8 @@ impl<'a> FittedCars<'a> {
         let drives = &all.drives;
         let model = as_configured(own, effects);
         let plain = Model { vehicle, values: Values::of(vehicle), ..model.clone() };
-        begin_counting(drives);
+        // The ordinary car twice, with and without what the data may refuse.
+        begin_counting(drives, 3);
         let (found, plain) = rayon::join(
             || fit_ordinary(&model, own, drives),
             || fit(&plain, on_time(free(&plain, vehicle, drives)), drives),

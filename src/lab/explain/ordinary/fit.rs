@@ -4,7 +4,6 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::choice::HALVES_FITTED;
 use super::inputs::{BLOCK_POINTS, FreeDrive, STEP_S};
 use super::numbers::{Free, Number, placed};
 use super::robust::{deviation, loss, memory, weight};
@@ -65,15 +64,7 @@ const STARTS: [(f64, f64, f64); 5] =
 #[derive(Clone, Copy, Debug)]
 pub struct Scale {
     noise: [f64; 2],
-    /// Points that say as much as one.
-    pub memory: [f64; 2],
-}
-
-impl FreeFit<'_> {
-    /// What its residuals are divided by.
-    pub fn scale(&self) -> Scale {
-        Scale { noise: self.noise, memory: self.time_constants_s.map(Scale::memory_of) }
-    }
+    memory: [f64; 2],
 }
 
 impl Scale {
@@ -141,21 +132,6 @@ pub fn fit<'a>(model: &Model<'a>, free: Vec<Free>, drives: &[FreeDrive]) -> Free
     FreeFit { starts, ..problem.refined(best, first) }
 }
 
-/// Fits a simpler model from where another one has come to.
-pub fn fit_near<'a>(
-    near: &FreeFit<'_>,
-    model: &Model<'a>,
-    free: Vec<Free>,
-    drives: &[FreeDrive],
-) -> FreeFit<'a> {
-    let start = |free: &Free| {
-        let same = |other: &Free| (other.number, other.of) == (free.number, free.of);
-        near.free.iter().position(same).map_or(free.prior.0, |place| near.at[place])
-    };
-    let problem = Problem { model, free: &free, drives };
-    problem.refined(free.iter().map(start).collect(), near.scale())
-}
-
 fn points(drives: &[FreeDrive]) -> usize {
     drives.iter().map(FreeDrive::points).sum()
 }
@@ -169,8 +145,8 @@ const fn counted(steps: usize) -> usize {
     if steps > STEPS[0] { 5 } else { steps }
 }
 
-/// What the ordinary car and the car as configured count at these drives.
-pub fn begin_counting(drives: &[FreeDrive]) {
+/// What so many fits to these drives count.
+pub fn begin_counting(drives: &[FreeDrive], fits: usize) {
     let of_all = points(drives);
     let of_pilot =
         drives.get(liveliest(drives)).map_or(0, FreeDrive::points).min((PILOT_S / STEP_S) as usize);
@@ -178,8 +154,7 @@ pub fn begin_counting(drives: &[FreeDrive]) {
     let from_starts = STARTS.len() * short + 2 * long;
     let rounds = ROUNDS + usize::from(of_pilot < of_all);
     if let [first, ..] = drives {
-        let of_fits = 3 * (from_starts * of_pilot + rounds * long * of_all);
-        first.work.begin(of_fits + (ROUNDS * long + HALVES_FITTED * short) * of_all);
+        first.work.begin(fits * (from_starts * of_pilot + rounds * long * of_all));
     }
 }
 
@@ -263,13 +238,7 @@ impl<'p, 'a> Problem<'p, 'a> {
         self.free.iter().map(of).collect()
     }
 
-    /// Where a fit to other drives comes to here, its residuals' size being known.
-    pub fn fitted_from(&self, fit: &FreeFit<'_>) -> Vec<f64> {
-        self.search(fit.at.clone(), &fit.scale(), STEPS[0]).1
-    }
-
-    /// What the model says of each drive.
-    pub fn predict(&self, at: &[f64]) -> Vec<Predicted> {
+    fn predict(&self, at: &[f64]) -> Vec<Predicted> {
         (0..self.drives.len()).into_par_iter().map(|drive| self.predict_one(at, drive)).collect()
     }
 
@@ -339,7 +308,7 @@ impl<'p, 'a> Problem<'p, 'a> {
     }
 
     /// What is thought of the numbers, −2 ln.
-    fn prior_cost(&self, at: &[f64]) -> f64 {
+    pub fn prior_cost(&self, at: &[f64]) -> f64 {
         let off = |(free, at): (&Free, &f64)| ((at - free.prior.0) / free.prior.1).powi(2);
         self.free.iter().zip(at).map(off).sum()
     }

@@ -135,19 +135,6 @@ impl FreeDrive {
         })
     }
 
-    /// So many blocks are fitted to.
-    pub fn fitted_blocks(&self) -> usize {
-        self.held.chunks(BLOCK_POINTS).filter(|block| block.contains(&false)).count()
-    }
-
-    /// The same with every other one of the blocks that are fitted to.
-    pub fn half(&self, which: usize) -> Self {
-        let mut half = self.clone();
-        let fitted = half.held.chunks_mut(BLOCK_POINTS).filter(|block| block.contains(&false));
-        fitted.skip(1 - which).step_by(2).for_each(|block| block.fill(true));
-        half
-    }
-
     /// Those `most_s` seconds of it in which it turns most.
     pub fn liveliest(&self, most_s: f64) -> Self {
         let (from, points) = liveliest_of(&self.yaw_rate, (most_s / STEP_S) as usize);

@@ -72,7 +72,7 @@ only_service = sys.argv[1:] == ["--gateway"]
 if sys.argv[1:] and not only_service:
     sys.exit(__doc__)
 LOCKED = re.compile(r'name = "(.+)"\nversion = "(.+)"\nsource = .+\nchecksum = "(.+)"')
-CHECKSUMS = {(name, version): sum for name, version, sum in LOCKED.findall(pathlib.Path("Cargo.lock").read_text())}
+CHECKSUMS = {(name, version): checksum for name, version, checksum in LOCKED.findall(pathlib.Path("Cargo.lock").read_text())}
 asked = ["cargo", "metadata", "--locked", "--format-version", "1", "--filter-platform", "x86_64-unknown-linux-gnu"]
 metadata = json.loads(subprocess.run(asked, check=True, capture_output=True).stdout)
 packages = {package["id"]: package for package in metadata["packages"]}

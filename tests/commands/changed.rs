@@ -179,7 +179,8 @@ fn the_applied_file_says_what_the_answer_says() {
     let own =
         "# From the bench.\n[[effect]]\nkind = \"radius_growth\" # little\nrelative_per_mps_squared = 1e-8\n";
     std::fs::write(folder.path().join("wrong.toml"), format!("{demo}\n{own}")).unwrap();
-    let fixed = ["-q", "explain", "-c", "wrong.toml", "drive.log", "--json", "answer.json", "--apply"];
+    let fixed =
+        ["-q", "explain", "-c", "wrong.toml", "drive.log", "--to", "25", "--json", "answer.json", "--apply"];
     let text = run(folder.path(), &[&fixed[..], &["new.toml"]].concat()).stdout;
     let text = String::from_utf8(text).unwrap();
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();

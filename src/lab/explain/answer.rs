@@ -7,14 +7,16 @@ use super::case::Answer;
 use super::conclusion::Conclusion;
 use super::course::give_means_to_zeros;
 use super::doubt;
-use super::finding::{finding, measured_wrong, ranking};
+use super::finding::{finding, measured_wrong, ranking, told_apart};
 use super::fit::Fit;
 use super::locate::{EQUATIONS, Gains, gains, innovations, regimes};
 use super::model::{Free, Place};
 use super::predict::sums::{Comparison, Innovation};
 use super::predict::{GriddedDrive, grid::COMPARED};
 use super::proof::{self, Comparisons};
-use super::result::{Block, Estimate, Explanation, Finding, Missing, Models, Parts, Trace, Verdict, Where};
+use super::result::{
+    Block, Estimate, Explanation, Finding, Missing, Models, Parts, ToDrive, Trace, Verdict, Where,
+};
 use super::split::Part;
 use super::used::Used;
 
@@ -203,12 +205,8 @@ impl<'a> Conclusion<'_, 'a> {
         fit.free.iter().zip(self.data.variances(fit)).filter(is_told).filter_map(of).collect()
     }
 
-    fn to_drive(&self, findings: &[Finding]) -> Vec<String> {
-        let mut all: Vec<String> = findings
-            .iter()
-            .filter(|finding| !finding.indistinguishable_from.is_empty())
-            .map(|finding| finding.to_tell_apart.clone())
-            .collect();
+    fn to_drive(&self, findings: &[Finding]) -> Vec<ToDrive> {
+        let mut all = told_apart(findings);
         if self.verdict == Verdict::InsufficientExcitation {
             all.push(
                 "curves to both sides at several speeds, accelerating and braking: hardly anything turned"

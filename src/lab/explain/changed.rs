@@ -1,6 +1,7 @@
 //! What has changed: what a recording has that healthy drives of the same car have not.
 
 use super::case::{Answer, Case};
+use super::finding::told_apart;
 use super::history::History;
 use super::model::Model;
 use super::ordinary::Ordinary;
@@ -51,9 +52,7 @@ impl<'a> Case<'a> {
                 }
             }
         }
-        let undecided =
-            explanation.findings.iter().filter(|finding| !finding.indistinguishable_from.is_empty());
-        explanation.to_drive = undecided.map(|finding| finding.to_tell_apart.clone()).collect();
+        explanation.to_drive = told_apart(&explanation.findings);
         match verdict {
             Verdict::UnknownPhysics => explanation.to_drive.push(ANOTHER_CAR.into()),
             Verdict::InsufficientExcitation => explanation.to_drive.push(TOO_FEW.into()),

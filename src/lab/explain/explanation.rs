@@ -151,10 +151,11 @@ fn too_little(usable: f64, drives: &[GriddedDrive]) -> Explanation {
     explanation.seconds = usable + 0.0;
     explanation.used = drives.iter().map(Used::of).collect();
     let there = if usable > 0.0 { format!("only {usable:.0} s") } else { "nothing".to_owned() };
-    explanation.to_drive.push(format!(
+    let advice = format!(
         "{there} of driving above 3 m/s with all inputs could be used; drive for two minutes with curves to both sides, \
          accelerating and braking"
-    ));
+    );
+    explanation.to_drive.push(advice.into());
     explanation
 }
 

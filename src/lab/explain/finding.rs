@@ -10,7 +10,7 @@ use super::fit::Fit;
 use super::model::Place;
 use super::naming::{Refitted, onset_std};
 use super::predict::GriddedDrive;
-use super::result::{Estimate, Finding, Nature, Ranked, Where};
+use super::result::{Estimate, Finding, Nature, Ranked, ToDrive, Where};
 use super::select::{Round, Selection};
 use physics::Quantity;
 use physics::model::effect::{Kind, Spec, named};
@@ -67,6 +67,12 @@ pub fn finding(
         evidence: taken.evidence,
         ..of_its_kind
     }
+}
+
+/// Manoeuvres, in words, that would tell what findings could be something else as well.
+pub fn told_apart(findings: &[Finding]) -> Vec<ToDrive> {
+    let open = findings.iter().filter(|finding| !finding.indistinguishable_from.is_empty());
+    open.map(|finding| finding.to_tell_apart.clone().into()).collect()
 }
 
 /// What the audit of the measurement is certain of, as findings; what is there already is left out.

@@ -1,6 +1,7 @@
 //! What somebody's simulation of a drive leaves out of its recording.
 
 use super::case::{Answer, Case};
+use super::finding::told_apart;
 use super::model::Model;
 use super::ordinary::{Incomparable, Ordinary, Remaining};
 use super::predict::Recording;
@@ -36,9 +37,7 @@ impl<'a> Case<'a> {
         explanation.seconds = ordinary.seconds;
         explanation.simulation = Some(simulated);
         explanation.take_ordinary(&ordinary, Some(verdict));
-        let undecided =
-            explanation.findings.iter().filter(|finding| !finding.indistinguishable_from.is_empty());
-        explanation.to_drive = undecided.map(|finding| finding.to_tell_apart.clone()).collect();
+        explanation.to_drive = told_apart(&explanation.findings);
         Ok(Answer { explanation, model: Model::plain(self.vehicle, false).with_configured(self.effects) })
     }
 }

@@ -41,6 +41,7 @@ mod locate;
 mod long_recording;
 mod model;
 mod naming;
+mod next_drive;
 mod on_time;
 pub mod ordinary;
 mod patches;
@@ -66,8 +67,8 @@ pub use model::{Chosen, Model};
 pub use ordinary::{Incomparable, Simulated, speed_of};
 pub use predict::Recording;
 pub use result::{
-    Block, ByChannel, CourseEstimate, Disturbance, Driven, Estimate, Explanation, Finding, FoundLaw, Missing,
-    Models, Nature, Parts, Ranked, Term, Trace, Verdict, Where,
+    Block, ByChannel, Chance, CourseEstimate, Disturbance, Driven, Estimate, Explanation, Finding, FoundLaw,
+    Missing, Models, Nature, Parts, Ranked, Term, ToDrive, Trace, Verdict, Where,
 };
 pub use sensitivity::{Detectable, Isolability, Rival, Sensitivity};
 pub use used::{Unused, Used};

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::case::Case;
 use super::ordinary::{Power, Powers, could_tell};
+use super::result::{Chance, ToDrive};
 use super::verify::Verified;
 
 /// How large each effect must be to be seen: `--sensitivity`.
@@ -59,6 +60,20 @@ pub struct Isolability {
     pub detectable: Vec<bool>,
     /// How probably one of a row, at its ordinary size, has more evidence than one of a column.
     pub separable: Vec<Vec<f64>>,
+    /// What to drive next, so that more of them are.
+    pub to_drive: Vec<ToDrive>,
+}
+
+/// How probably an effect of its ordinary size is called by its name, in the mean over all; none where there is none.
+fn mean_chance(powers: &Powers) -> Option<f64> {
+    let count = powers.all.len();
+    let sum: f64 = powers.all.iter().map(|power| power.chance(power.ordinary)).sum();
+    (count > 0).then(|| sum / count as f64)
+}
+
+fn by_their_names(chance: Chance) -> String {
+    let [now, then] = [chance.now, chance.then].map(|chance| 100.0 * chance);
+    format!("{now:.0} → {then:.0} % of these effects would be called by their names at their ordinary size")
 }
 
 /// Beyond so many times the ordinary size the first-order answer means nothing, and no car has it. Numerical.
@@ -75,16 +90,19 @@ impl Case<'_> {
 
     /// What can be seen and told apart at ordinary sizes. None as above.
     pub fn isolability(&self) -> Option<Isolability> {
-        let Powers { all, separable } = self.powers()?;
+        let (Powers { all, separable }, to_drive) =
+            self.proposals(self.library, &|powers| mean_chance(powers), &by_their_names)?;
         Some(Isolability {
             effects: all.iter().map(full_name).collect(),
             detectable: all.iter().map(|power| power.noticed <= power.ordinary).collect(),
             separable,
+            to_drive,
         })
     }
 
     fn powers(&self) -> Option<Powers> {
-        could_tell(self.vehicle, self.effects, self.recordings, self.asked(&|_| true))
+        let told = could_tell(self.vehicle, self.effects, self.recordings, &[], self.asked(&|_| true));
+        told.map(|(now, _)| now)
     }
 }
 

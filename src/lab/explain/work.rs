@@ -49,6 +49,7 @@ pub(super) const DRIVES: &str = "the car of all drives";
 pub(super) const CHANGES: &str = "what has changed";
 pub(super) const SIMULATION: &str = "a car that drives like the simulation";
 pub(super) const LEFT_OUT: &str = "what the simulation leaves out";
+pub(super) const NEXT_DRIVE: &str = "what to drive next";
 
 const fn stage(name: &'static str, takes: f64, after: f64) -> Stage {
     Stage { name, takes, after }
@@ -71,6 +72,7 @@ pub const STAGES: &[Stage] = &[
     stage(CHANGES, 1.5, 0.0),
     stage(SIMULATION, 1.0, 1.5),
     stage(LEFT_OUT, 1.5, 0.0),
+    stage(NEXT_DRIVE, 0.3, 0.0),
 ];
 
 /// Of a fit of the ordinary car alone.

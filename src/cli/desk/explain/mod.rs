@@ -18,7 +18,7 @@ use super::output::{Told, check_outputs, write_json, write_text};
 use super::part::Part;
 use super::progress::Progress;
 use super::{Failure, configuration};
-use lab::explain::{Answer, Case, Confirmed, Finding, Order, Recording, STAGES, Work};
+use lab::explain::{Answer, Case, Confirmed, Finding, Order, Recording, STAGES, ToDrive, Work};
 use lab::pages::explain as page;
 use physics::model::effect::{KINDS, named};
 
@@ -133,8 +133,9 @@ impl Explain {
         // What cannot be read is told before minutes of searching.
         let beside = self.beside(&config, &read)?;
         let progress = Progress::of_stages(STAGES, work);
-        let answer = self.answer(&case, &beside, &|stage, share| progress.at(stage, share))?;
+        let mut answer = self.answer(&case, &beside, &|stage, share| progress.at(stage, share))?;
         progress.finish();
+        self.write_manoeuvres(&mut answer.explanation.to_drive)?;
         let explanation = &answer.explanation;
         if self.prints_text() {
             let mut stdout = std::io::stdout().lock();
@@ -151,6 +152,20 @@ impl Explain {
             write_text(path, &apply::toml(&self.config, path, &answer, self.force)?)?;
         }
         beside.others.whole().and_then(|()| read.whole())
+    }
+
+    /// Writes what to drive next as scenarios, beside the answer: of `answer.json` into `answer.slalom.toml`.
+    fn write_manoeuvres(&self, to_drive: &mut [ToDrive]) -> Result<(), Failure> {
+        let is_file = |path: &&PathBuf| path.as_path() != Path::new("-");
+        let Some(answer) = self.json.iter().chain(&self.html).find(is_file) else { return Ok(()) };
+        for it in to_drive {
+            let Some((name, scenario)) = &it.manoeuvre else { continue };
+            let path = answer.with_extension(format!("{name}.toml"));
+            let text = toml::to_string(scenario).map_err(Failure::work)?;
+            write_text(&path, &format!("# {}.\n{text}", it.words))?;
+            it.scenario = Some(path.display().to_string());
+        }
+        Ok(())
     }
 
     /// The explanation as `--json` has it, written nowhere.
@@ -242,6 +257,8 @@ impl Explain {
         }
         explanation.confirm = confirmed(case, &explanation.findings, &beside.others.recordings)?;
         explanation.tell_dates(case.recordings);
+        let next = case.next_drives(explanation, watch);
+        explanation.to_drive.splice(0..0, next);
         Ok(answer)
     }
 
@@ -292,7 +309,8 @@ impl Explain {
         let case = drives.case;
         let untold = || Failure::work(NO_CAR);
         if self.isolability {
-            let answer = case.isolability().ok_or_else(untold)?;
+            let mut answer = case.isolability().ok_or_else(untold)?;
+            self.write_manoeuvres(&mut answer.to_drive)?;
             return self.put(&answer, &page::sensitivity::pairs(&answer));
         }
         let mut answer = case.sensitivity().ok_or_else(untold)?;

@@ -7,7 +7,7 @@ use physics::model::effect::{EffectConfig, Kind};
 use physics::model::{TireKind, Uncertain, Vehicle};
 
 use super::axles;
-use super::beyond::{Beyond, Powers, Question, beyond, powers, rows};
+use super::beyond::{Beyond, Powers, Question, beyond, powers_with, rows};
 use super::choice::fit_ordinary;
 use super::fit::{FreeFit, begin_counting, fit};
 use super::inputs::{FreeDrive, Held, STEP_S};
@@ -331,14 +331,16 @@ impl Fitted<'_> {
     }
 }
 
-/// What the recordings could tell of each effect, and of each number of the car beside references. None where no recording
-/// can be used, or where the ordinary car does not predict them.
+/// What the recordings could tell of each effect, and of each number of the car beside references; and what they would with
+/// each of these drives more, which are planned only. None where no recording can be used, or where the ordinary car does
+/// not predict them.
 pub fn could_tell(
     vehicle: &Vehicle,
     effects: &[EffectConfig],
     recordings: &[Recording],
+    planned: &[Recording],
     asked: Asked<'_>,
-) -> Option<Powers> {
+) -> Option<(Powers, Vec<Option<Powers>>)> {
     let own = with_bend(vehicle);
     let Drives { drives, references, .. } = Drives::of(&own, recordings, asked)?;
     let found = fit_ordinary(&as_configured(&own, effects), &own, &drives);
@@ -356,7 +358,9 @@ pub fn could_tell(
         repeats: &|_| false,
         seed: asked.seed,
     };
-    Some(powers(&found, &own, &drives, question))
+    let planned =
+        planned.iter().map(|recording| FreeDrive::new(recording, &own, Held::EveryThird, MOST_S).ok());
+    Some(powers_with(&found, &own, &drives, question, planned.collect()))
 }
 
 /// Recordings that can be used.

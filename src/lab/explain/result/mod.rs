@@ -2,6 +2,7 @@
 
 mod drive;
 mod finding;
+mod to_drive;
 
 use std::collections::BTreeMap;
 
@@ -10,6 +11,8 @@ use serde::Serialize;
 
 pub use drive::{Block, Driven, Trace};
 pub use finding::{CourseEstimate, Estimate, Finding, FoundLaw, Nature, Ranked, Term, Where};
+
+pub use to_drive::{Chance, ToDrive};
 
 use super::chain::{AuditFinding, ChainReport, Confidence};
 use super::confirm::Confirmed;
@@ -107,8 +110,8 @@ pub struct Explanation {
     /// The mismatch as a whole.
     #[serde(rename = "where")]
     pub place: Where,
-    /// What to drive, in words, where that would help.
-    pub to_drive: Vec<String>,
+    /// What to drive next, where that would help.
+    pub to_drive: Vec<ToDrive>,
     /// How much each equation misses: diffusion, per √s, with twice the log-likelihood ratio against none.
     pub equations: Models<Vec<Missing>>,
     /// What the measurement chain's audit found, in words.

@@ -69,7 +69,7 @@ pub fn to_drive(page: &mut Page, explanation: &Explanation) {
     }
     page.raw("<ul class=\"drive\">");
     for line in &explanation.to_drive {
-        page.raw(&format!("<li>{}</li>", escape(&stopped(line))));
+        page.raw(&format!("<li>{}</li>", escape(&words::to_drive(line))));
     }
     page.raw("</ul>");
 }

@@ -1,6 +1,6 @@
 //! What a drive could have told, as people read it.
 
-use super::text::{table, wrapped};
+use super::text::{table, to_drive, wrapped};
 use super::words::{self, number};
 use crate::explain::{Detectable, Isolability, Rival, Sensitivity};
 use crate::report::{Page, escape};
@@ -124,9 +124,15 @@ pub fn pairs(isolability: &Isolability) -> String {
     hard.sort_by(|a, b| a.0.total_cmp(&b.0));
     if hard.is_empty() {
         text += "\nEach of these is told from every other.\n";
-        return text;
+    } else {
+        hard_pairs(&mut text, &hard, &named);
     }
-    text += "\nHard to tell apart (chance that the right one of the two has more evidence)\n";
+    to_drive(&mut text, &isolability.to_drive);
+    text
+}
+
+fn hard_pairs(text: &mut String, hard: &[(f64, usize, usize)], named: &impl Fn(usize) -> String) {
+    *text += "\nHard to tell apart (chance that the right one of the two has more evidence)\n";
     let row = |(chance, i, j): &(f64, usize, usize)| {
         [
             "  ".to_owned() + &named(*i),
@@ -137,9 +143,8 @@ pub fn pairs(isolability: &Isolability) -> String {
         ]
     };
     let rows: Vec<[String; 5]> = hard.iter().take(MOST_PAIRS).map(row).collect();
-    table(&mut text, &[const { String::new() }; 5], &rows);
+    table(text, &[const { String::new() }; 5], &rows);
     if hard.len() > MOST_PAIRS {
-        text += &format!("  and {} more\n", hard.len() - MOST_PAIRS);
+        *text += &format!("  and {} more\n", hard.len() - MOST_PAIRS);
     }
-    text
 }

@@ -6,7 +6,7 @@ use super::caveats;
 use super::gain;
 use super::tried::Tried;
 use super::words::{self, number, sentence, signed, stopped};
-use crate::explain::{ByChannel, Explanation, Finding, Ranked, Where};
+use crate::explain::{ByChannel, Explanation, Finding, Ranked, ToDrive, Where};
 use crate::report;
 
 /// So many candidates of the ranking are named.
@@ -63,12 +63,7 @@ fn text(explanation: &Explanation) -> String {
     }
     moved(&mut text, explanation);
     in_doubt(&mut text, explanation);
-    if !explanation.to_drive.is_empty() {
-        text += "\nTo drive next\n";
-        for line in &explanation.to_drive {
-            wrapped(&mut text, "  - ", &stopped(line));
-        }
-    }
+    to_drive(&mut text, &explanation.to_drive);
     if !explanation.measurement_chain.is_empty() {
         text += "\nMeasurement chain\n";
         for line in &explanation.measurement_chain {
@@ -77,6 +72,16 @@ fn text(explanation: &Explanation) -> String {
     }
     ranking(&mut text, explanation);
     text
+}
+
+/// What to drive, if there is anything.
+pub fn to_drive(text: &mut String, all: &[ToDrive]) {
+    if !all.is_empty() {
+        *text += "\nTo drive next\n";
+    }
+    for it in all {
+        wrapped(text, "  - ", &words::to_drive(it));
+    }
 }
 
 fn one(text: &mut String, explanation: &Explanation, finding: &Finding) {

@@ -1,6 +1,6 @@
 //! Names and units as a chassis engineer says them.
 
-use crate::explain::{Confirmed, Estimate, Explanation, Finding, Nature, Simulated, Verdict, Where};
+use crate::explain::{Confirmed, Estimate, Explanation, Finding, Nature, Simulated, ToDrive, Verdict, Where};
 use crate::identify::Parameter;
 use physics::model::effect::{self, Kind, Spec};
 use physics::time::stretch;
@@ -29,6 +29,12 @@ pub fn sentence(text: &str) -> String {
 pub fn stopped(text: &str) -> String {
     let text = sentence(text.trim());
     if text.is_empty() || text.ends_with(['.', '!', '?']) { text } else { text + "." }
+}
+
+/// What to drive, and where that stands as a scenario.
+pub fn to_drive(it: &ToDrive) -> String {
+    let scenario = it.scenario.as_ref().map(|path| format!(" As a scenario for `gripd simulate`: {path}."));
+    stopped(&it.words) + &scenario.unwrap_or_default()
 }
 
 /// When, by both clocks, the first few stretches.

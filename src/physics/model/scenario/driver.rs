@@ -51,6 +51,19 @@ fn default_lag() -> f64 {
 }
 
 impl DriverConfig {
+    /// An ordinary driver who holds this speed.
+    pub fn holding(speed_mps: Vec<Piece>) -> Self {
+        Self {
+            speed_mps,
+            gain_per_s: default_gain(),
+            integral_time_s: default_integral_time(),
+            acceleration_max_mps2: default_acceleration(),
+            deceleration_max_mps2: default_deceleration(),
+            engine_brake_mps2: default_engine_brake(),
+            lag_s: default_lag(),
+        }
+    }
+
     pub(super) fn validate(&self, problems: &mut Vec<Problem>) {
         if self.speed_mps.is_empty() {
             problems.push(Problem::new("driver.speed_mps", 0, "needs one piece or more"));

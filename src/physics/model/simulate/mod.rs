@@ -236,13 +236,14 @@ impl Simulation {
         let t = next.seconds();
         let controls = self.command(t);
         let before = self.state;
-        self.state = match &mut self.effects {
+        let after = match &mut self.effects {
             None => integrate::advance(&self.plant, &before, &self.controls, &controls, &self.conditions, h),
             Some(effects) => {
                 let plain = Plain { plant: &self.plant, contact: &self.on_road };
                 effects.advance(&plain, start, h, &before, [&self.controls, &controls])
             }
         };
+        self.state = after.settled();
         if let Some(lead) = &self.lead {
             self.state = lead.at(t);
         }

@@ -16,6 +16,7 @@
 mod climb;
 mod colour;
 mod history;
+mod planned;
 mod power;
 mod references;
 mod refit;
@@ -41,7 +42,7 @@ use round::Round;
 use trial::Trial;
 
 pub use history::{History, OverDrives, Since};
-pub use power::{Bar, Power, Powers, powers};
+pub use power::{Bar, Power, Powers, powers_with};
 pub use rows::rows;
 
 /// What was found, and everything that was tried.

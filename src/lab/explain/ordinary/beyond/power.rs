@@ -11,6 +11,7 @@ use super::super::fit::FreeFit;
 use super::super::inputs::FreeDrive;
 use super::super::numbers::{Free, placed};
 use super::climb::State;
+use super::planned::with_planned;
 use super::round::LEAST_HELD_GAIN;
 use super::rows::{Rows, normal, weights};
 use super::trial::{Trial, trials};
@@ -113,36 +114,31 @@ struct Trace<'t> {
     held: f64,
 }
 
-/// What these drives could tell of a fitted car.
-pub fn powers(
+/// What these drives could tell of a fitted car, and what they would with each of these drives more, which nobody has
+/// driven yet. Of those only how they are driven counts; none for one that the car would not get through.
+pub fn powers_with(
     found: &FreeFit<'_>,
     vehicle: &Vehicle,
     drives: &[FreeDrive],
     question: Question<'_>,
-) -> Powers {
+    planned: Vec<Option<FreeDrive>>,
+) -> (Powers, Vec<Option<Powers>>) {
     let Question { kinds, references, plain, .. } = question;
     let all = trials(found, drives, kinds, question.scope());
     let search =
         Search { drives, vehicle, tried: super::tried(&all, &[]), plain, references, is_simulated: false };
     let state = search.start(found);
+    let then = planned.into_par_iter().map(|planned| {
+        let (found, drives) = with_planned(found, (&state, vehicle), drives, planned?)?;
+        Some(powers(&found, vehicle, &drives, question))
+    });
+    let then = then.collect();
     let middle = 0.5 * drives.iter().map(|drive| drive.time(drive.points())).fold(0.0, f64::max);
-    let traces = search.traces(&state, &typical(&all, middle));
-    let count = traces.len();
-    let between = |i: usize, j: usize| {
-        let (a, b) = (&traces[i].left, &traces[j].left);
-        (a.dot(b) / (a.norm() * b.norm()).max(LEAST_LEFT)).clamp(-1.0, 1.0)
-    };
-    let correlations: Vec<Vec<f64>> =
-        (0..count).map(|i| (0..count).map(|j| if i == j { 1.0 } else { between(i, j) }).collect()).collect();
-    let separable = (0..count)
-        .map(|i| {
-            let told =
-                |rho: &f64| normal_cdf(0.5 * traces[i].left.norm() * (1.0 - rho * rho).max(0.0).sqrt());
-            correlations[i].iter().map(told).collect()
-        })
-        .collect();
-    let all = (0..count).map(|i| search.power(&traces, i, &correlations[i], &state)).collect();
-    Powers { all, separable }
+    (search.powers(&state, &typical(&all, middle)), then)
+}
+
+fn powers(found: &FreeFit<'_>, vehicle: &Vehicle, drives: &[FreeDrive], question: Question<'_>) -> Powers {
+    powers_with(found, vehicle, drives, question, Vec::new()).0
 }
 
 /// One trial of each name: always there, or from the middle of the drive on.
@@ -165,6 +161,27 @@ fn typical(all: &[Trial], middle: f64) -> Vec<&Trial> {
 }
 
 impl Search<'_> {
+    fn powers(&self, state: &State<'_>, chosen: &[&Trial]) -> Powers {
+        let traces = self.traces(state, chosen);
+        let count = traces.len();
+        let between = |i: usize, j: usize| {
+            let (a, b) = (&traces[i].left, &traces[j].left);
+            (a.dot(b) / (a.norm() * b.norm()).max(LEAST_LEFT)).clamp(-1.0, 1.0)
+        };
+        let row =
+            |i: usize| (0..count).map(|j| if i == j { 1.0 } else { between(i, j) }).collect::<Vec<f64>>();
+        let correlations: Vec<Vec<f64>> = (0..count).map(row).collect();
+        let separable = (0..count)
+            .map(|i| {
+                let told =
+                    |rho: &f64| normal_cdf(0.5 * traces[i].left.norm() * (1.0 - rho * rho).max(0.0).sqrt());
+                correlations[i].iter().map(told).collect()
+            })
+            .collect();
+        let all = (0..count).map(|i| self.power(&traces, i, &correlations[i], state)).collect();
+        Powers { all, separable }
+    }
+
     fn traces<'t>(&self, state: &State<'_>, chosen: &[&'t Trial]) -> Vec<Trace<'t>> {
         let colour = &state.colour;
         let rows = self.rows(colour, &state.errors);

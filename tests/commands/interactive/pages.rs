@@ -80,7 +80,7 @@ fn looked_at(garage: &Garage, panels: usize) {
 #[ignore = "long: explains a drive, in a browser"]
 fn explain_shows_both_models_their_errors_and_what_was_found() {
     let late = "[[effect]]\nkind = \"sensor_delay\"\nchannel = \"yaw_rate\"\ndelay_s = 0.08\n";
-    let garage = Garage::new(90, late);
+    let garage = Garage::new(60, late);
     let page = garage.page(&["explain"]);
     let data = data(&page);
     let panels = titles(&data, "panels");

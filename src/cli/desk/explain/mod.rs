@@ -161,6 +161,9 @@ impl Explain {
         for it in to_drive {
             let Some((name, scenario)) = &it.manoeuvre else { continue };
             let path = answer.with_extension(format!("{name}.toml"));
+            if path == self.config {
+                continue;
+            }
             let text = toml::to_string(scenario).map_err(Failure::work)?;
             write_text(&path, &format!("# {}.\n{text}", it.words))?;
             it.scenario = Some(path.display().to_string());

@@ -118,6 +118,8 @@ pub struct FoundLaw {
     pub expression: String,
     /// The same one by one.
     pub terms: Vec<Term>,
+    /// What in a car could make it, in words, the likelier first.
+    pub mechanisms: Vec<&'static str>,
 }
 
 /// A coefficient and what it is of.
@@ -139,6 +141,7 @@ impl FoundLaw {
             place: law.place.name().into(),
             expression: format!("{:.3e}*{feature}", coefficient.value),
             terms: vec![Term { feature, coefficient, unit: law.usual().0.into() }],
+            mechanisms: law.mechanisms(),
         }
     }
 }

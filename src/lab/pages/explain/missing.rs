@@ -76,6 +76,10 @@ fn card(page: &mut Page, explanation: &Explanation, finding: &Finding) {
     if !finding.to_tell_apart.is_empty() {
         page.raw(&entry("What would settle it", &stopped(&finding.to_tell_apart)));
     }
+    let mechanisms = finding.law.as_ref().map(|law| law.mechanisms.join("; ")).unwrap_or_default();
+    if !mechanisms.is_empty() {
+        page.raw(&entry("What may be behind it", &stopped(&mechanisms)));
+    }
     if is_one_of_many {
         place::about(page, &finding.place);
         if !finding.place.intervals.is_empty() {

@@ -109,6 +109,9 @@ fn one(text: &mut String, explanation: &Explanation, finding: &Finding) {
     if !finding.to_tell_apart.is_empty() && (!alike.is_empty() || has_others) {
         wrapped(text, "  to tell: ", &finding.to_tell_apart);
     }
+    for mechanism in finding.law.iter().flat_map(|law| &law.mechanisms) {
+        wrapped(text, "  may come of: ", mechanism);
+    }
     place(text, &finding.place, "  ");
     if let Some(at) = &finding.at_utc {
         wrapped(text, "  since: ", at);

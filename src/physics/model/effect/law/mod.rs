@@ -13,6 +13,7 @@
 //! law that is not is possible, for cars that pull to one side, but only where the feature has no side ([`Law::all`]).
 
 mod feature;
+mod mechanism;
 mod place;
 
 use std::collections::BTreeMap;

@@ -139,11 +139,14 @@ fn detectable(power: Power) -> Detectable {
 mod tests {
     use super::super::bench::{case, recorded};
     use super::*;
+    use physics::model::effect::named;
 
     fn of(effects: &str) -> (Sensitivity, Isolability) {
         let (vehicle, recording) = recorded(effects);
         let recordings = [recording];
-        let case = case(&vehicle, &recordings);
+        let library =
+            ["sensor_bias", "sensor_delay", "steering_ratio", "roll_steer"].map(|kind| named(kind).unwrap());
+        let case = Case { library: &library, ..case(&vehicle, &recordings) };
         (case.sensitivity().unwrap(), case.isolability().unwrap())
     }
 
@@ -163,5 +166,7 @@ mod tests {
             assert!((row[i] - 0.5).abs() < 1e-6, "nothing is told from itself");
             assert!(row.iter().all(|chance| (0.5..=1.0).contains(chance)), "{row:?}");
         }
+        let proposed = isolability.to_drive.iter().filter_map(|it| it.probability_to_tell);
+        assert!(proposed.into_iter().all(|chance| chance.then > chance.now), "{:?}", isolability.to_drive);
     }
 }

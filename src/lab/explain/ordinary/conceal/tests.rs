@@ -135,6 +135,7 @@ fn an_onset_leaves_what_was_before_it() {
 }
 
 #[test]
+#[ignore = "long: a car fitted, and more"]
 fn what_cannot_be_is_refused_with_its_reason() {
     let (vehicle, plain) = recorded("");
     let refused = |text: &str| concealed(&vehicle, &plain, &effects(text)).err().unwrap().to_string();

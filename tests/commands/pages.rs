@@ -58,11 +58,13 @@ fn every_link_leads_somewhere() {
         for link in prose(&text).into_iter().flat_map(links).filter(|link| !link.contains("://")) {
             let (file, place) = link.split_once('#').unwrap_or((link, ""));
             let target = if file.is_empty() { page.clone() } else { page.parent().unwrap().join(file) };
-            let Ok(there) = fs::read_to_string(&target) else {
+            if !target.exists() {
                 problems.push(format!("{}: {link}: there is no such file", page.display()));
                 continue;
-            };
-            if !place.is_empty() && !anchors(&there).iter().any(|known| known == place) {
+            }
+            // Pictures are no text, and have no headings.
+            let there = || anchors(&fs::read_to_string(&target).unwrap_or_default());
+            if !place.is_empty() && !there().iter().any(|known| known == place) {
                 problems.push(format!("{}: {link}: there is no such heading", page.display()));
             }
         }

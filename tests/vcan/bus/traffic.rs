@@ -28,7 +28,7 @@ impl Candump {
         };
         // The kernel begins to stamp frames a moment after the first socket has asked for it, in a work queue; until then each
         // socket stamps what it reads.
-        sleep(Duration::from_millis(300)).await;
+        sleep(Duration::from_secs(1)).await;
         Self(child, output)
     }
 

@@ -72,8 +72,7 @@ fn mean_chance(powers: &Powers) -> Option<f64> {
 }
 
 fn by_their_names(chance: Chance) -> String {
-    let [now, then] = [chance.now, chance.then].map(|chance| 100.0 * chance);
-    format!("{now:.0} → {then:.0} % of these effects would be called by their names at their ordinary size")
+    format!("{chance} of these effects would be called by their names at their ordinary size")
 }
 
 /// Beyond so many times the ordinary size the first-order answer means nothing, and no car has it. Numerical.

@@ -6,7 +6,7 @@ use physics::model::Uncertain;
 use physics::model::effect::{Course, EffectConfig, Scale, Spec, named};
 use serde::{Deserialize, Serialize};
 
-use super::result::Finding;
+use super::result::{Finding, full_name};
 use super::sensitivity::{Detectable, Sensitivity};
 
 /// What was predicted beside what was found.
@@ -123,10 +123,7 @@ impl Sensitivity {
 impl Detectable {
     /// With its channel.
     pub fn full_name(&self) -> String {
-        match &self.channel {
-            Some(channel) => format!("{}:{channel}", self.effect),
-            None => self.effect.clone(),
-        }
+        full_name(&self.effect, self.channel.as_deref())
     }
 }
 
@@ -243,10 +240,7 @@ impl Outcome {
             found.iter().filter(|one| control.iter().all(|known| !one.is(known))).collect();
         self.noticed = !new.is_empty();
         self.named = new.iter().any(|one| one.effect == self.effect && one.channel == self.channel);
-        let name = |one: &&Known| match &one.channel {
-            Some(channel) => format!("{}:{channel}", one.effect),
-            None => one.effect.clone(),
-        };
+        let name = |one: &&Known| full_name(&one.effect, one.channel.as_deref());
         self.found = new.iter().map(name).collect();
         self
     }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::case::Case;
 use super::ordinary::{Asked, Power, Powers, could_tell};
 use super::predict::Recording;
-use super::result::{Chance, Explanation, Finding, ToDrive};
+use super::result::{Chance, Explanation, Finding, ToDrive, full_name};
 use super::work;
 use manoeuvres::{Manoeuvre, manoeuvres};
 use physics::model::effect::Kind;
@@ -40,10 +40,7 @@ impl Case<'_> {
             open.iter().any(|it| is(&it.effect) || it.indistinguishable_from.iter().any(|other| is(other)))
         };
         let library: Vec<&'static Kind> = self.library.iter().filter(is_possible).copied().collect();
-        let said = |chance: Chance| {
-            let [now, then] = [chance.now, chance.then].map(|chance| 100.0 * chance);
-            format!("{now:.0} → {then:.0} % chance to tell {}", told_apart(&open))
-        };
+        let said = |chance: Chance| format!("{chance} chance to tell {}", told_apart(&open));
         let proposed = self.proposals(&library, &|powers| chance(powers, &open), &said);
         proposed.map_or(Vec::new(), |(_, proposed)| proposed)
     }
@@ -87,7 +84,7 @@ fn chance(powers: &Powers, findings: &[&Finding]) -> Option<f64> {
 }
 
 fn of_one(powers: &Powers, finding: &Finding) -> Option<f64> {
-    let name = full_name(finding);
+    let name = full_name(&finding.effect, finding.channel.as_deref());
     let own = powers.all.iter().filter(|it| it.name == name || it.name.split('.').next() == Some(&*name));
     let size =
         |it: &Power| finding.parameters.get(&it.number).map(|estimate| (estimate.value - it.neutral).abs());
@@ -100,16 +97,10 @@ fn of_one(powers: &Powers, finding: &Finding) -> Option<f64> {
 fn told_apart(open: &[&Finding]) -> String {
     let one = |finding: &&Finding| {
         let others: Vec<String> = finding.indistinguishable_from.iter().map(|name| said(name)).collect();
-        format!("{} from {}", said(&full_name(finding)), others.join(" and "))
+        let name = full_name(&finding.effect, finding.channel.as_deref());
+        format!("{} from {}", said(&name), others.join(" and "))
     };
     open.iter().map(one).collect::<Vec<_>>().join("; ")
-}
-
-fn full_name(finding: &Finding) -> String {
-    match &finding.channel {
-        Some(channel) => format!("{}:{channel}", finding.effect),
-        None => finding.effect.clone(),
-    }
 }
 
 /// `sensor_delay:yaw_rate` in words.

@@ -109,6 +109,14 @@ pub struct Finding {
     pub law: Option<FoundLaw>,
 }
 
+/// An effect with the quantity it is of, as the rankings and `--verify` name it.
+pub fn full_name(effect: &str, channel: Option<&str>) -> String {
+    match channel {
+        Some(channel) => format!("{effect}:{channel}"),
+        None => effect.to_owned(),
+    }
+}
+
 /// What a law says, with its numbers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FoundLaw {

@@ -10,7 +10,7 @@ use physics::model::Vehicle;
 use serde::Serialize;
 
 pub use drive::{Block, Driven, Trace};
-pub use finding::{CourseEstimate, Estimate, Finding, FoundLaw, Nature, Ranked, Term, Where};
+pub use finding::{CourseEstimate, Estimate, Finding, FoundLaw, Nature, Ranked, Term, Where, full_name};
 
 pub use to_drive::{Chance, ToDrive};
 

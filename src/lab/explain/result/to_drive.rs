@@ -1,5 +1,7 @@
 //! What to drive next.
 
+use std::fmt;
+
 use physics::model::Scenario;
 use serde::Serialize;
 
@@ -24,6 +26,12 @@ pub struct Chance {
     pub now: f64,
     /// With one more drive.
     pub then: f64,
+}
+
+impl fmt::Display for Chance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.0} → {:.0} %", 100.0 * self.now, 100.0 * self.then)
+    }
 }
 
 impl From<String> for ToDrive {

@@ -200,7 +200,7 @@ fn is_worse(drives: &[FreeDrive], before: &[Predicted], after: &[Predicted]) -> 
 }
 
 /// Squared errors that a true finding may cost: where it shows in the wheels only, the motion is fitted a little less. Tuned
-/// by the concealed recordings (`concealed_by_gripd`) and the AV-21, where a false patch of another surface costs half.
+/// by nine of the concealed recordings (`concealed_by_gripd`) and the AV-21, where a false patch of another surface costs half.
 const MOST_LOST: f64 = 1.1;
 
 impl Question<'_> {

@@ -75,7 +75,39 @@ pub(super) fn beside_what_cannot_be(parameters: &mut [Identified]) {
     }
 }
 
+/// Stiffnesses that another car, which has more, tells otherwise.
+fn beside_another(parameters: &mut [Identified], car: &CorneringStiffness) {
+    let axles = [(Parameter::LateralFront, &car.front), (Parameter::LateralRear, &car.rear)];
+    for (parameter, axle) in axles {
+        let Some(axle) = axle.as_ref().filter(|axle| axle.told) else { continue };
+        let own = parameters.iter_mut().find(|it| it.name == parameter.name() && it.identifiable);
+        let Some(own) = own else { continue };
+        if (own.value - axle.value).abs() > AGREE * own.std.hypot(axle.std) {
+            own.identifiable = false;
+            own.reason = format!(
+                "with relaxation, compliance and roll, as every car has them, it is {:.1} ± {:.1} (--method ordinary)",
+                axle.value, axle.std
+            );
+        }
+    }
+}
+
+/// Two tools agree within so many deviations of their difference. Statistical: 95 % of the time, if both are right.
+const AGREE: f64 = 2.0;
+
 impl Identification {
+    /// Does any axle's stiffness stand as told by the recordings?
+    pub fn tells_stiffness(&self) -> bool {
+        let stiffness = self.cornering_stiffness();
+        [stiffness.front, stiffness.rear].into_iter().flatten().any(|axle| axle.told)
+    }
+
+    /// Takes back what contradicts a car with relaxation, compliance and roll that predicts the same recordings: without
+    /// these the stiffness stands for them, too.
+    pub fn beside_ordinary(&mut self, car: &CorneringStiffness) {
+        beside_another(&mut self.parameters, car);
+    }
+
     /// Of the car that was identified, as far as the axles were free.
     pub fn cornering_stiffness(&self) -> CorneringStiffness {
         let of = |name: &str| {
@@ -94,9 +126,9 @@ impl Identification {
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_car_that_cannot_be_has_no_stiffness() {
-        let of = |name: &'static str, is_clear: bool, deviations: Option<f64>| Identified {
+    /// A number of 1.0 ± 0.1, so many deviations from the table's.
+    fn of(name: &'static str, is_clear: bool, deviations: Option<f64>) -> Identified {
+        Identified {
             name,
             unit: "1",
             value: 1.0,
@@ -111,7 +143,27 @@ mod tests {
             }),
             prior: (1.0, 0.1),
             profile: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn what_a_car_with_more_tells_otherwise_is_not_told() {
+        let told = |value: f64, std: f64| {
+            let mut all =
+                [of("lateral_stiffness_front", true, None), of("lateral_stiffness_rear", true, None)];
+            let rear = Some(AxleStiffness::of((value, std), None));
+            beside_another(&mut all, &CorneringStiffness { front: None, rear });
+            assert!(all[0].identifiable, "of the front axle nothing was said");
+            (all[1].identifiable, all[1].reason.clone())
         };
+        assert!(told(1.2, 0.1).0);
+        let (is_told, why) = told(0.6, 0.05);
+        assert!(!is_told && why.contains("0.6 ± 0.1"), "{why}");
+        assert!(told(0.6, 0.2).0, "not told itself, it takes nothing back");
+    }
+
+    #[test]
+    fn a_car_that_cannot_be_has_no_stiffness() {
         let told = |ratio: Identified| {
             let mut all = [of("lateral_stiffness_front", true, None), ratio];
             beside_what_cannot_be(&mut all);

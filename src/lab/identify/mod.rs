@@ -53,4 +53,4 @@ pub use parameter::{Parameter, Values};
 pub(crate) use plant::plant;
 pub use record::{Record, Row};
 pub use result::{Identification, Identified, Path};
-pub use stages::{STAGES, Stage};
+pub use stages::{BESIDE, STAGES, Stage};

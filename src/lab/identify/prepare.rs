@@ -3,7 +3,7 @@
 use super::car::PlainCar;
 use super::longitudinal_input::LongitudinalInput;
 use super::motion::Input;
-use super::parameter::Values;
+use super::parameter::{Parameter, Values};
 use super::record::Record;
 use super::segment::{Segment, measured};
 use physics::Quantity;
@@ -46,7 +46,8 @@ fn cut(
     let steps = to - from - 1;
     let wanted = (segment_s / record.period_s).round().max(1.0);
     let pieces = ((steps as f64 / wanted).round() as usize).max(1);
-    let radius = vehicle.wheel_radius_m.value;
+    // That of the car that is to drive, which need not be the table's: with another one a free run would begin too fast.
+    let radius = values.get(Parameter::WheelRadius);
     let car = PlainCar::plain(vehicle, drive, values);
     for piece in 0..pieces {
         let begin = from + steps * piece / pieces;

@@ -13,7 +13,7 @@ use crate::pages::beside::{Beside, Channel, Drive, Model, Said};
 use crate::pages::clocks;
 use crate::pages::explain::words;
 use crate::pages::file_name as file;
-use crate::report::{Color, Page};
+use crate::report::{Color, Page, wrapped};
 use physics::model::Vehicle;
 
 /// What it predicts and what it leaves, a line each.
@@ -55,15 +55,12 @@ pub fn lines(ordinary: &Ordinary) -> Vec<String> {
 /// As a person reads it.
 pub fn text(ordinary: &Ordinary) -> String {
     let mut text = String::from("The ordinary car\n");
-    for line in lines(ordinary) {
-        let _ = writeln!(text, "  - {line}");
+    for line in lines(ordinary).into_iter().chain(clocks::lines(&ordinary.begins_utc)) {
+        text += &wrapped("  - ", 4, &line);
     }
-    for line in clocks::lines(&ordinary.begins_utc) {
-        let _ = writeln!(text, "  - {line}");
-    }
-    let _ = writeln!(text, "  - {}", axles::WHAT);
+    text += &format!("\n{}", wrapped("", 0, axles::WHAT));
     for line in axles::lines(&ordinary.cornering_stiffness) {
-        let _ = writeln!(text, "      {line}");
+        text += &wrapped("  - ", 4, &line);
     }
     let _ = writeln!(text, "\n{:44} {:>12} {:>10}   {:>22}", "", "value", "std", "before");
     for number in &ordinary.numbers {

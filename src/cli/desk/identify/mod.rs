@@ -19,7 +19,8 @@ use super::{Failure, configuration};
 use lab::explain::ordinary::{Asked, Ordinary};
 use lab::explain::{FIT_STAGES, Work};
 use lab::identify::{
-    Identification, Identifier, IdentifyConfig, IdentifyError, LongitudinalInput, Method, Record, STAGES,
+    BESIDE, Identification, Identifier, IdentifyConfig, IdentifyError, LongitudinalInput, Method, Record,
+    STAGES,
 };
 use lab::pages;
 use lab::pages::identify::{self as page, Story};
@@ -79,8 +80,10 @@ impl Identify {
             return self.ordinary(&config);
         }
         let (read, held_out) = self.records(&config)?;
+        let again = self.drives_again(&config)?;
         let progress = Progress::of_stages(STAGES, Work::default());
-        let found = found(&config, &used, &read, &|stage, share| progress.at(stage, share));
+        let watch = |stage: &str, share: f64| progress.at(stage, share);
+        let found = self.found(&config, &used, (&read, again.as_ref()), &watch);
         progress.finish();
         let found = found?;
         let story = story(&config, &used, (&read, &held_out), &found);
@@ -113,7 +116,8 @@ impl Identify {
             return Told::new(&pages::ordinary::report(&ordinary), whole(&read.broken));
         }
         let (read, held_out) = self.records(&config)?;
-        let found = found(&config, &used, &read, watch)?;
+        let again = self.drives_again(&config)?;
+        let found = self.found(&config, &used, (&read, again.as_ref()), watch)?;
         Told::new(&page::report(&story(&config, &used, (&read, &held_out), &found)), whole(&read.broken))
     }
 
@@ -159,6 +163,32 @@ impl Identify {
         Ok(read)
     }
 
+    /// The recordings as `explain` has them; none of the standard input, which is not there twice.
+    fn drives_again(&self, config: &bus::Config) -> Result<Option<explain::Read>, Failure> {
+        let is_there = self.logs.iter().chain(&self.holdout).all(|log| log != Path::new("-"));
+        is_there.then(|| self.drives(config, &Work::default())).transpose()
+    }
+
+    /// The car by segments or free runs, beside the ordinary one: what they tell of the axles is one quantity.
+    fn found(
+        &self,
+        config: &bus::Config,
+        used: &IdentifyConfig,
+        (read, again): (&recordings::Read, Option<&explain::Read>),
+        watch: Watch<'_>,
+    ) -> Result<Identification, Failure> {
+        let mut found = Identifier::new(&read.records, &config.vehicle, used)
+            .and_then(|identifier| identifier.run(watch))
+            .map_err(|error| failure(&error, &read.broken))?;
+        if let Some(again) = again.filter(|_| found.tells_stiffness()) {
+            let ordinary = self.fitted(config, again, &|_, share| watch(BESIDE, share));
+            if let Some(car) = ordinary.ok().filter(Ordinary::is_the_car) {
+                found.beside_ordinary(&car.cornering_stiffness);
+            }
+        }
+        Ok(found)
+    }
+
     fn fitted(
         &self,
         config: &bus::Config,
@@ -190,17 +220,6 @@ impl Identify {
         used.validate().map_err(Failure::usage)?;
         Ok(used)
     }
-}
-
-fn found(
-    config: &bus::Config,
-    used: &IdentifyConfig,
-    read: &recordings::Read,
-    watch: Watch<'_>,
-) -> Result<Identification, Failure> {
-    Identifier::new(&read.records, &config.vehicle, used)
-        .and_then(|identifier| identifier.run(watch))
-        .map_err(|error| failure(&error, &read.broken))
 }
 
 fn story<'s>(

@@ -368,7 +368,7 @@ struct Drives {
     drives: Vec<FreeDrive>,
     /// So many of them, the first ones, are references.
     references: usize,
-    /// Recordings that cannot, and why.
+    /// Recordings and parts of them that cannot, and why.
     left_out: Vec<String>,
 }
 
@@ -388,6 +388,12 @@ impl Drives {
             };
             match FreeDrive::new(recording, own, held, most_s) {
                 Ok(drive) => {
+                    all.left_out.extend(drive.frozen.iter().map(|[from, to]| {
+                        format!(
+                            "{}, {from:.1} to {to:.1} s: the steering angle stays the same, though the car turns otherwise",
+                            recording.name
+                        )
+                    }));
                     all.references += usize::from(is_reference);
                     all.drives.push(drive);
                 }

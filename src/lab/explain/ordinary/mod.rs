@@ -14,6 +14,7 @@ mod beyond;
 mod choice;
 pub mod conceal;
 mod fit;
+mod frozen;
 mod inputs;
 mod numbers;
 mod remaining;

@@ -43,9 +43,10 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
         to_drive(page, explanation);
     }
     page.facts(&facts_of(explanation));
-    if let [_, others @ ..] = explanation.findings.as_slice()
-        && !others.is_empty()
-    {
+    // The first one stands above, where it decides.
+    let above = usize::from(explanation.verdict != Verdict::Adequate);
+    let others = explanation.findings.get(above..).unwrap_or_default();
+    if !others.is_empty() {
         page.raw("<ul class=\"also\">");
         for finding in others {
             page.raw(&format!("<li>{}</li>", escape(&also(finding))));
@@ -245,13 +246,22 @@ fn facts_of(explanation: &Explanation) -> Vec<Fact> {
         let fits = explanation.fit.baseline.holdout.iter().filter(|(_, fit)| fit.is_finite());
         let fits =
             fits.filter(|(name, _)| matches!(name.as_str(), "yaw_rate" | "lateral_acceleration" | "speed"));
-        facts.extend(fits.map(|(name, fit)| Fact {
-            name: format!("Held-out fit, {}", words::channel(name)),
-            value: format!("{} %", number(*fit, 1)),
-            note: match gain::error(explanation, name) {
-                Some(error) => format!("error {error}; plain model, parameters refitted"),
-                None => "plain model, parameters refitted".into(),
-            },
+        facts.extend(fits.map(|(name, fit)| {
+            let both = explanation.fit.extended.holdout.get(name).filter(|extended| *extended != fit);
+            let error =
+                gain::error(explanation, name).map_or(String::new(), |error| format!("error {error}; "));
+            let (value, of) = match both {
+                Some(extended) => (
+                    format!("{} → {} %", number(*fit, 1), number(*extended, 1)),
+                    plots::names(explanation).join(" → "),
+                ),
+                None => (format!("{} %", number(*fit, 1)), "plain model, parameters refitted".into()),
+            };
+            Fact {
+                name: format!("Held-out fit, {}", words::channel(name)),
+                value,
+                note: format!("{error}{of}"),
+            }
         }));
     }
     facts

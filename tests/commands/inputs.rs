@@ -17,7 +17,7 @@ impl Car {
             *dbc = folder.join(dbc.as_str().unwrap()).to_str().unwrap().into();
         }
         let quick =
-            "starts = 1\nprofile = false\nparameters = [\"lateral_stiffness_front\", \"yaw_rate_offset\"]";
+            "starts = 1\nprofile = false\nparameters = [\"steering_ratio\", \"yaw_rate_offset\"]";
         table.insert("identify".into(), quick.parse::<toml::Table>().unwrap().into());
         Self(table)
     }

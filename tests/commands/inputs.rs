@@ -16,8 +16,7 @@ impl Car {
         for dbc in table["dbc"]["input"].as_array_mut().unwrap() {
             *dbc = folder.join(dbc.as_str().unwrap()).to_str().unwrap().into();
         }
-        let quick =
-            "starts = 1\nprofile = false\nparameters = [\"steering_ratio\", \"yaw_rate_offset\"]";
+        let quick = "starts = 1\nprofile = false\nparameters = [\"steering_ratio\", \"yaw_rate_offset\"]";
         table.insert("identify".into(), quick.parse::<toml::Table>().unwrap().into());
         Self(table)
     }

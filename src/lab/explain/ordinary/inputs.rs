@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use physics::model::{DrivenAxle, Vehicle};
+use physics::model::{DrivenAxle, GRAVITY, Vehicle};
 use physics::{Quantity, Wheel};
 
 use super::frozen::frozen;
@@ -31,6 +31,9 @@ const MEAN_POINTS: usize = 20;
 
 /// The acceleration is the slope of the speed's mean over so many points. Numerical: 0.1 s.
 const SLOPE_POINTS: usize = 11;
+
+/// More of the friction is used in this share of the time only. Statistical: of a lap a second.
+const USED_QUANTILE: f64 = 0.97;
 
 /// At a gap of more seconds nothing is known between two readings. Numerical: some messages of a slow bus.
 const GAP_S: f64 = 0.5;
@@ -198,6 +201,22 @@ impl FreeDrive {
         blocks
     }
 
+    /// The friction that was used in what is fitted to, but for the few hardest moments: by speed × yaw rate or the
+    /// accelerometer, whichever says less (a bank is in the one, roll in the other), and the change of speed.
+    pub fn used_friction(&self) -> Option<f64> {
+        let yaw_rate = mean(&self.yaw_rate, MEAN_POINTS);
+        let used = |i: usize| {
+            let across = (at(&self.speed, self.time(i)) * yaw_rate[i]).abs();
+            let felt = self.lateral.as_ref().map_or(f64::INFINITY, |lateral| lateral[i].abs());
+            across.min(felt).hypot(at(&self.acceleration, self.time(i))) / GRAVITY
+        };
+        let counts = |i: &usize| self.counts[*i] && !self.held[*i];
+        let mut all: Vec<f64> =
+            (0..self.points()).filter(counts).map(used).filter(|used| used.is_finite()).collect();
+        all.sort_by(f64::total_cmp);
+        all.get((USED_QUANTILE * all.len() as f64) as usize).copied()
+    }
+
     /// Speed, m/s, and acceleration, m/s², at a time, from a record that is so late and so much too small.
     pub fn driven(&self, t: f64, delay: f64, scale: f64) -> (f64, f64) {
         let t = t + delay;
@@ -309,10 +328,24 @@ fn speed(recording: &Recording, vehicle: &Vehicle, points: usize) -> Option<Vec<
         turning.into_iter().zip(&yaw).map(of).collect()
     });
     let rolling: Vec<Vec<f64>> = rolling.collect();
-    // Wheels that nothing drives are never too fast.
-    let slip_mps = if is_driven { f64::INFINITY } else { BRAKED_MPS };
-    let speed = (0..points).map(|i| fastest(rolling.iter().map(|wheel| wheel[i]), slip_mps));
-    Some(filled(speed.collect()))
+    let mean: Vec<f64> = (0..points)
+        .map(|i| rolling.iter().map(|wheel| wheel[i]).sum::<f64>() / rolling.len() as f64)
+        .collect();
+    if is_driven {
+        return Some(filled(mean));
+    }
+    // Wheels that nothing drives are never too fast; those of a smaller radius always turn faster, and say the same.
+    let sizes: Vec<f64> = rolling.iter().map(|wheel| usual_ratio(wheel, &mean)).collect();
+    let alike = |i: usize| rolling.iter().zip(&sizes).map(move |(wheel, size)| wheel[i] / size);
+    Some(filled((0..points).map(|i| fastest(alike(i), BRAKED_MPS)).collect()))
+}
+
+/// The median ratio of two speeds of a moving car; 1 of one that does not move.
+fn usual_ratio(speed: &[f64], of: &[f64]) -> f64 {
+    let moving = speed.iter().zip(of).filter(|(speed, of)| **of > COMPARED_MPS && speed.is_finite());
+    let mut ratios: Vec<f64> = moving.map(|(speed, of)| speed / of).collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios.get(ratios.len() / 2).copied().unwrap_or(1.0)
 }
 
 /// Undriven wheels that are slower than another one by more hardly count: they slip where they are braked. Tuned by `free_runs`,
@@ -406,10 +439,27 @@ mod tests {
 
     #[test]
     fn a_wheel_that_locks_does_not_brake_the_car() {
-        let of = |speeds: [f64; 2], step: f64| fastest(speeds.into_iter(), step);
-        assert!((of([20.0, 20.1], BRAKED_MPS) - 20.05).abs() < 0.01, "wheels that roll: their mean");
-        assert!(of([20.0, 2.0], BRAKED_MPS) > 19.99);
-        assert_eq!(of([20.0, 10.0], f64::INFINITY), 15.0, "driven wheels spin, too");
-        assert!(of([f64::NAN, 10.0], BRAKED_MPS).is_nan());
+        let of = |speeds: [f64; 2]| fastest(speeds.into_iter(), BRAKED_MPS);
+        assert!((of([20.0, 20.1]) - 20.05).abs() < 0.01, "wheels that roll: their mean");
+        assert!(of([20.0, 2.0]) > 19.99);
+        assert!(of([f64::NAN, 10.0]).is_nan());
+    }
+
+    #[test]
+    fn a_smaller_wheel_is_always_faster_but_where_it_locks() {
+        let mean: Vec<f64> = (0..50).map(|i| 5.0 + f64::from(i)).collect();
+        let mut smaller: Vec<f64> = mean.iter().map(|mean| 1.02 * mean).collect();
+        smaller[40..45].fill(0.0);
+        assert!((usual_ratio(&smaller, &mean) - 1.02).abs() < 1e-9);
+        assert_eq!(usual_ratio(&[0.0], &[0.0]), 1.0);
+    }
+
+    #[test]
+    fn what_is_held_out_does_not_say_what_was_used() {
+        let (vehicle, recording) = crate::explain::bench::recorded("");
+        let used = |held| FreeDrive::new(&recording, &vehicle, held, 600.0).unwrap().used_friction();
+        let all = used(Held::Nothing).unwrap();
+        assert!(0.2 < all && all < vehicle.friction.value, "{all}");
+        assert_eq!(used(Held::Everything), None);
     }
 }

@@ -32,7 +32,7 @@ impl Beside {
     pub fn map(&self, axis: &Axis, channel: &str, model: usize) -> Figure {
         let (factor, unit) = self.shown(channel);
         let name = words::channel(channel);
-        let title = format!("{}: error of the {}", sentence(&name), self.name(model));
+        let title = format!("{}: error, {}", sentence(&name), self.name(model));
         let (across, words) = self.across(axis);
         let mut figure = Figure::new(&title, "speed, km/h", words);
         let [speed, _] = self.driven_columns(axis);
@@ -75,7 +75,7 @@ impl Beside {
         let error: Vec<f32> =
             self.error(axis, channel, model).iter().map(|it| (f64::from(*it) * factor) as f32).collect();
         let most = factor * self.most(axis, channel);
-        let shade = format!("error of the {}, {unit}", self.name(model));
+        let shade = format!("error, {}, {unit}", self.name(model));
         for (place, drive) in self.drives.iter().enumerate().take(MOST_TRACKS) {
             let rows = axis.rows(place);
             let track = Track {

@@ -6,14 +6,14 @@ use crate::report::interactive::{Figure, Numbers, Points, Ring, Shape, Source};
 use physics::model::GRAVITY;
 
 /// Accelerations are means over so long, s: without the shaking of the road.
-const MEAN_S: f64 = 0.1;
+pub(super) const MEAN_S: f64 = 0.1;
 /// More points than these say nothing more.
 const MOST_POINTS: usize = 4000;
 /// Of that many surfaces the friction is drawn.
 const MOST_RINGS: usize = 3;
 
 /// Means over a tenth of a second: when, across, along.
-type Use = (f64, f64, f64);
+pub(super) type Use = (f64, f64, f64);
 
 impl Scene<'_> {
     /// The figure.
@@ -53,7 +53,8 @@ impl Scene<'_> {
         figure
     }
 
-    fn means(&self, across: &[f32], along: &[f32]) -> Vec<Use> {
+    /// Means of both accelerations.
+    pub(super) fn means(&self, across: &[f32], along: &[f32]) -> Vec<Use> {
         let mut means = Vec::new();
         let mut sum = (0.0, 0.0, 0.0, 0_u32);
         for ((time, across), along) in self.drive.times.iter().zip(across).zip(along) {

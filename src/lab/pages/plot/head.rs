@@ -1,5 +1,6 @@
 //! The words of the page: what drive it is, and at its end how to read it; and its time axis.
 
+use super::friction::MEAN_S;
 use super::scene::{Scene, most};
 use crate::pages::file_name;
 use crate::report::Fact;
@@ -50,13 +51,13 @@ impl Scene<'_> {
             ),
         ];
         let (across, is_sensor) = self.lateral_acceleration();
-        if let Some(hardest) = most(across.iter().map(|it| it.abs())) {
+        let means = self.means(&across, &across);
+        if let Some(hardest) = means.iter().map(|it| it.1.abs()).reduce(f64::max) {
             let by = if is_sensor { "accelerometer" } else { "speed × yaw rate" };
-            let g = f64::from(hardest) / GRAVITY;
             facts.push(fact(
                 "Most lateral acceleration",
                 format!("{hardest:.1} m/s²"),
-                format!("{g:.2} g, {by}"),
+                format!("{:.2} g over {MEAN_S} s, {by}", hardest / GRAVITY),
             ));
         }
         let count = drive.flags.len().max(1) as f64;

@@ -58,22 +58,28 @@ impl<'a> Case<'a> {
         let cars = FittedCars::of(cars, self.effects, &recordings, self.asked(&|_| false));
         let ordinary_if =
             |searches: &dyn Fn(&Ordinary) -> bool| Some(cars.as_ref()?.say(self.asked(searches)));
+        // A filter that takes noise for white learns nothing of physics where the car shakes, and little where nobody tells
+        // the forces along it.
+        let comes_first = |ordinary: &Ordinary| !knows_torque || ordinary.shakes();
         let mut ordinary = ordinary_if(&|ordinary| {
-            let shakes = ordinary.shakes();
-            if shakes {
-                progress(work::SHAKING, 0.0);
+            if comes_first(ordinary) {
+                progress(work::FIRST, 0.0);
             }
-            shakes
+            comes_first(ordinary)
         });
-        // A filter that takes noise for white learns nothing of physics there.
-        let shakes = ordinary.as_ref().is_some_and(Ordinary::shakes);
-        progress(if shakes { work::BESIDE } else { work::PLAIN }, 0.0);
+        let turns = drives.iter().any(turns);
+        let decides = |ordinary: &Ordinary| {
+            let leaves_it_open = || ordinary.verdict(turns) == Verdict::UnknownPhysics;
+            ordinary.shakes() || !knows_torque && !leaves_it_open()
+        };
+        let is_decided = ordinary.as_ref().is_some_and(decides);
+        progress(if is_decided { work::BESIDE } else { work::PLAIN }, 0.0);
         let free = plain.ordinary(has);
         let suggested = signs_and_swaps::suggested(self.chain);
         let library = |model: &Model<'_>, onsets: &[f64]| library(self.library, model, has, onsets);
         let excerpt = Excerpt::of(&data);
         let selection = match excerpt.clone() {
-            _ if shakes => {
+            _ if is_decided => {
                 Selection::nothing(data.fit(&plain, &free, &noise, PLAIN_ROUNDS), data.split.clone())
             }
             Some(excerpt) => {
@@ -92,7 +98,7 @@ impl<'a> Case<'a> {
         let sound = selection.chosen.iter().rfind(|taken| taken.candidate.kind.is_all_or_nothing());
         let sound = sound.map_or(&selection.baseline, |taken| &taken.fit);
         let corrected = match excerpt {
-            _ if shakes => selection.baseline.clone(),
+            _ if is_decided => selection.baseline.clone(),
             Some(excerpt) => {
                 let some = excerpt.drives(&drives);
                 let first = correct(&data.over(&some), sound, CORRECTION_ROUNDS);
@@ -103,20 +109,19 @@ impl<'a> Case<'a> {
         tracing::debug!(noise = ?selection.baseline.noise, "of the plain model");
         tracing::debug!(noise = ?selection.extended.noise, "of the extended model");
         let gains = Gains::of(&data, &selection, &corrected);
-        let turns = drives.iter().any(turns);
-        let by_torque = if shakes { Verdict::UnknownPhysics } else { gains.verdict(turns) };
-        if by_torque == Verdict::UnknownPhysics && !shakes {
+        let by_filter = if is_decided { Verdict::UnknownPhysics } else { gains.verdict(turns) };
+        if by_filter == Verdict::UnknownPhysics && !ordinary.as_ref().is_some_and(comes_first) {
             progress(work::BEYOND, 0.0);
             ordinary = ordinary_if(&|_| true);
         }
         // What the plain model and its effects leave is asked of the ordinary car.
-        let decided = ordinary.as_ref().filter(|_| by_torque == Verdict::UnknownPhysics);
+        let decided = ordinary.as_ref().filter(|_| by_filter == Verdict::UnknownPhysics);
         let decided = decided.map(|ordinary| ordinary.verdict(turns));
         let verdict = match decided {
             // Then the plain model's own effects say nothing.
             Some(Verdict::MissingPhysics) => Verdict::Adequate,
             Some(decided) => decided,
-            None => by_torque,
+            None => by_filter,
         };
         tracing::debug!(?gains, ?verdict, "judged");
         progress(work::PROVING, 0.0);

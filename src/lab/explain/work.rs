@@ -36,7 +36,7 @@ impl Work {
 }
 
 pub(super) const ORDINARY: &str = "the ordinary car";
-pub(super) const SHAKING: &str = "beyond the ordinary car, which shakes";
+pub(super) const FIRST: &str = "beyond the ordinary car, before anything else";
 pub(super) const BESIDE: &str = "the plain model beside it";
 pub(super) const PLAIN: &str = "fitting the plain model";
 pub(super) const NAMING: &str = "naming";
@@ -59,7 +59,7 @@ const fn stage(name: &'static str, takes: f64, after: f64) -> Stage {
 /// TTS, the demo's car).
 pub const STAGES: &[Stage] = &[
     stage(ORDINARY, 1.0, 1.5),
-    stage(SHAKING, 0.75, 0.4),
+    stage(FIRST, 0.75, 0.4),
     stage(BESIDE, 0.45, 0.05),
     stage(PLAIN, 0.3, 2.5),
     stage(NAMING, 1.25, 1.5),

@@ -66,6 +66,18 @@ impl Record {
         self
     }
 
+    /// The same with rows no closer than the frames of its quickest message, so many seconds apart: what lies between them was
+    /// interpolated and tells nothing.
+    pub fn no_denser_than(mut self, frames_s: f64) -> Self {
+        // Frames come a little early now and then.
+        let every = (frames_s.min(WIDEST_S) / self.period_s + 0.1) as usize;
+        if every > 1 {
+            self.rows = self.rows.into_iter().step_by(every).collect();
+            self.period_s *= every as f64;
+        }
+        self
+    }
+
     /// Pieces of rows without gap, long enough, and fast enough to have slip angles: each gets a start
     /// of its own. With `braking`, braked stretches are in.
     pub(super) fn stretches(
@@ -108,6 +120,9 @@ impl Record {
         stretches
     }
 }
+
+/// Inputs are taken as straight lines from row to row, which a driver's hands are for so long, s. Physical.
+const WIDEST_S: f64 = 0.05;
 
 /// Below this speed slip angles mean nothing and wheel sensors are coarse, m/s.
 pub(super) const SLOWEST_MPS: f64 = 3.0;
@@ -177,5 +192,26 @@ impl Row {
         self.steering.is_finite()
             && (self.yaw_rate.is_finite() || self.lateral_acceleration.is_finite())
             && self.rolling_speed(radius) > SLOWEST_MPS
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// GIVEN samples every 10 ms WHEN frames come every 40 ms, every 12 ms, and once a second THEN every fourth row stays, every
+    /// one, and every fifth.
+    #[test]
+    fn rows_lie_as_far_apart_as_frames() {
+        let sample = |k: i64| Sample::empty(Micros::from_millis(10 * k), if k > 0 { 0.01 } else { 0.0 });
+        let samples: Vec<Sample> = (0..100).map(sample).collect();
+        let record = Record::new("test", &samples, &Sensors::default());
+        for (frames_s, every) in [(0.0398, 4), (0.012, 1), (1.0, 5)] {
+            let thinned = record.clone().no_denser_than(frames_s);
+            let times: Vec<f64> = thinned.rows.iter().map(|row| row.t).collect();
+            let expected: Vec<f64> = record.rows.iter().step_by(every).map(|row| row.t).collect();
+            assert_eq!(times, expected, "{frames_s} s");
+            assert!((thinned.period_s - 0.01 * every as f64).abs() < 1e-12, "{frames_s} s");
+        }
     }
 }

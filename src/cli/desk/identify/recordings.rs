@@ -1,5 +1,6 @@
 //! Recordings to records: what the service would have seen of them, all kept in memory.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use crate::cli::Failure;
@@ -7,7 +8,7 @@ use crate::cli::desk::part::Part;
 use crate::cli::desk::progress::Progress;
 use crate::cli::desk::samples;
 use bus::Config;
-use bus::can::Frame;
+use bus::can::{CanId, Frame};
 use bus::signals::Sampler;
 use lab::identify::Record;
 use physics::Micros;
@@ -29,8 +30,10 @@ pub fn read(logs: &[PathBuf], part: &Part, config: &Config) -> Result<Read, Fail
     for path in logs {
         let mut sampler = Sampler::new(inputs.clone(), &config.signals.sampling);
         let mut start = None;
+        let mut frames: HashMap<CanId, u32> = HashMap::new();
         let used = |frame: &Frame, _: &Sampler, from: Option<Micros>| {
             start.get_or_insert(from.unwrap_or(frame.time));
+            *frames.entry(frame.id).or_default() += 1;
         };
         let samples =
             samples::of_recording((path, part.clone()), &mut sampler, &progress, &mut broken, used)?;
@@ -39,6 +42,9 @@ pub fn read(logs: &[PathBuf], part: &Part, config: &Config) -> Result<Read, Fail
         }
         let there = samples::there(&inputs, &samples, path)?;
         let record = Record::new(&name(path), &samples, &there);
+        let seconds = record.rows.len() as f64 * record.period_s;
+        let quickest = frames.values().copied().max().unwrap_or(1);
+        let record = record.no_denser_than(seconds / f64::from(quickest));
         records.push(match start {
             Some(start) => record.counted_from(start),
             None => record,

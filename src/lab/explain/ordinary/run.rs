@@ -5,7 +5,7 @@ use physics::model::effect::Recorded;
 
 use super::inputs::{FreeDrive, STEP_S, compared_mean};
 use crate::explain::predict::ExtendedCar;
-use crate::explain::predict::car::{Before, Compute, Inputs, Instant, State};
+use crate::explain::predict::car::{Before, Compute, Inputs, Instant, State, step_by_rates};
 
 /// What a free run says at the grid points.
 #[derive(Clone, Debug, Default)]
@@ -32,6 +32,9 @@ pub struct SpeedSensing {
 /// So far the step's fastest rate may go; more needs smaller steps. Numerical: stable with the midpoint rule.
 const LARGEST_STEP: f64 = 0.8;
 
+/// So far with the rates of two steps alone: what they make of such a rate dies out by a half at each step. Numerical.
+const LARGEST_STEP_BY_RATES: f64 = 0.6;
+
 /// Substeps are at most so many. Numerical.
 const MOST_SUBSTEPS: f64 = 8.0;
 
@@ -42,10 +45,19 @@ pub fn run(drive: &FreeDrive, car: &ExtendedCar, speed: SpeedSensing, ask: Compu
     said.read(car, speed)
 }
 
+/// Where a car is, and what was a moment before.
+#[derive(Clone, Copy)]
+struct Moment {
+    state: State,
+    before: Before,
+    /// How the state changed then; none where the run begins.
+    rate: Option<State>,
+}
+
 /// A free run of all readings that others can branch off from.
 pub struct Track {
-    /// Where the car was at each grid point, and what was a moment before.
-    path: Vec<(State, Before)>,
+    /// Each grid point.
+    path: Vec<Moment>,
     /// What it said there, not late yet.
     said: Predicted,
     /// So many states its effects have.
@@ -59,7 +71,7 @@ impl Track {
         let (path, said) = (Vec::with_capacity(points), Predicted::with_room(points));
         let mut track = Self { path, said, own_states: car.own_states() };
         along(drive, car, speed, Compute::Readings, |point| {
-            track.path.push((*point.state, *point.before));
+            track.path.push(*point.moment);
             track.said.push(point, speed, Compute::Readings);
         });
         track
@@ -86,7 +98,7 @@ impl Track {
             let branch = Along { drive, car, speed, ask: Compute::Readings };
             branch.run_from(first, *start, |point| {
                 let i = said.yaw_rate.len();
-                let is_back = i > last && point.state.is_near(&self.path[i].0);
+                let is_back = i > last && point.state().is_near(&self.path[i].state);
                 if !is_back {
                     said.push(point, speed, Compute::Readings);
                 }
@@ -105,7 +117,8 @@ impl Predicted {
     }
 
     /// What a car says now.
-    fn push(&mut self, Point { state, now, .. }: &Point<'_>, speed: SpeedSensing, ask: Compute) {
+    fn push(&mut self, point: &Point<'_>, speed: SpeedSensing, ask: Compute) {
+        let (state, now) = (point.state(), point.now);
         self.yaw_rate.push(now.readings[Quantity::YawRate as usize]);
         self.lateral.push(now.readings[Quantity::LateralAcceleration as usize]);
         self.sideslip.push(state.body[1].atan2(state.body[0]));
@@ -152,15 +165,25 @@ pub struct Point<'r> {
     /// Time, s from the recording's start.
     pub t: f64,
     /// Where the car is.
-    pub state: &'r State,
+    moment: &'r Moment,
     /// What was steered, as it truly was.
     pub input: &'r Recorded,
     /// How fast that changes, rad/s.
     pub steering_rate: f64,
-    /// What was a moment ago.
-    pub before: &'r Before,
     /// Forces, accelerations and readings.
     pub now: &'r Instant,
+}
+
+impl Point<'_> {
+    /// Where the car is.
+    pub fn state(&self) -> &State {
+        &self.moment.state
+    }
+
+    /// What was a moment ago.
+    pub fn before(&self) -> &Before {
+        &self.moment.before
+    }
 }
 
 /// The free run itself; `visit` sees each grid point.
@@ -172,7 +195,7 @@ pub fn along(
     mut visit: impl FnMut(&Point<'_>),
 ) {
     let along = Along { drive, car, speed, ask };
-    along.run_from(0, (along.start(), Before::default()), |point| {
+    along.run_from(0, Moment { state: along.start(), before: Before::default(), rate: None }, |point| {
         visit(point);
         true
     });
@@ -201,7 +224,7 @@ impl Along<'_> {
     fn run_from(
         &self,
         first: usize,
-        (mut state, mut before): (State, Before),
+        mut moment: Moment,
         mut visit: impl FnMut(&Point<'_>) -> bool,
     ) {
         let Self { drive, car, speed, ask } = self;
@@ -214,27 +237,37 @@ impl Along<'_> {
             });
             let inputs = Inputs::new(at, STEP_S);
             let (vx, ax) = drive.driven(t, speed.delay_s, speed.scale);
-            (state.body[0], state.live[0]) = (vx, ax);
-            let now = car.instant(t, &state, &at[0], inputs.steering_rate, &before, *ask);
+            (moment.state.body[0], moment.state.live[0]) = (vx, ax);
+            let now = car.instant(t, &moment.state, &at[0], inputs.steering_rate, &moment.before, *ask);
             let steering_rate = inputs.steering_rate;
-            if !visit(&Point { t, state: &state, input: &at[0], steering_rate, before: &before, now: &now }) {
+            if !visit(&Point { t, moment: &moment, input: &at[0], steering_rate, now: &now }) {
                 return;
             }
-            let substeps = (car.fastest_rate(vx) * STEP_S / LARGEST_STEP).ceil().clamp(1.0, MOST_SUBSTEPS);
-            let h = STEP_S / substeps;
-            for part in 0..substeps as usize {
-                let share = |part: usize| part as f64 / substeps;
-                let inputs = if substeps == 1.0 { inputs } else { inputs.part(share(part), share(part + 1)) };
-                let t = t + part as f64 * h;
-                let here = if part == 0 {
-                    now
-                } else {
-                    car.instant(t, &state, &inputs.at[0], inputs.steering_rate, &now.before(), Compute::Rates)
-                };
-                state = car.step(&state, &here, t, h, &inputs);
-            }
-            before = now.before();
+            let rate = car.fastest_rate(vx) * STEP_S;
+            let state = match moment.rate.filter(|_| rate <= LARGEST_STEP_BY_RATES) {
+                Some(before) => step_by_rates(&moment.state, &now.rate, &before, STEP_S),
+                None => self.stepped(t, &moment.state, &now, &inputs, (rate / LARGEST_STEP).ceil()),
+            };
+            moment = Moment { state, before: now.before(), rate: Some(now.rate) };
         }
+    }
+
+    /// A step by the midpoint rule, in so many parts.
+    fn stepped(&self, t: f64, from: &State, now: &Instant, inputs: &Inputs, parts: f64) -> State {
+        let parts = parts.clamp(1.0, MOST_SUBSTEPS);
+        let h = STEP_S / parts;
+        let (mut state, mut here) = (*from, *now);
+        for part in 0..parts as usize {
+            let share = |part: usize| part as f64 / parts;
+            let inputs = if parts == 1.0 { *inputs } else { inputs.part(share(part), share(part + 1)) };
+            let t = t + part as f64 * h;
+            if part > 0 {
+                let (input, rate, before) = (&inputs.at[0], inputs.steering_rate, here.before());
+                here = self.car.instant(t, &state, input, rate, &before, Compute::Rates);
+            }
+            state = self.car.step(&state, &here, t, h, &inputs);
+        }
+        state
     }
 }
 

@@ -16,8 +16,8 @@ pub const TRAIL_M: f64 = 0.05;
 /// Newton steps at most from the force of a moment ago to the one in balance with the angle it causes …
 const STEPS: usize = 3;
 
-/// … and the last step is smaller, N: the next one would be so much of a force, squared. Numerical.
-const LAST_STEP_N: f64 = 0.1;
+/// … and the last step is smaller, N: the next one would be so much of a force, squared: hundredths of a newton. Numerical.
+const LAST_STEP_N: f64 = 10.0;
 
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {

@@ -183,7 +183,7 @@ fn with<'a>(model: &Model<'a>, effects: &[EffectConfig]) -> Result<Model<'a>, Re
 fn courses(drive: &FreeDrive, car: &ExtendedCar, sensing: SpeedSensing) -> Courses {
     let mut all = Courses::default();
     along(drive, car, sensing, Compute::Motion, |point| {
-        let (now, rate) = (point.now, point.state.live[0]);
+        let (now, rate) = (point.now, point.state().live[0]);
         let mut put = |quantity: Quantity, value: f64| all.of[quantity as usize].push(value);
         put(Quantity::YawRate, now.readings[Quantity::YawRate as usize]);
         put(Quantity::LateralAcceleration, now.readings[Quantity::LateralAcceleration as usize]);
@@ -194,16 +194,16 @@ fn courses(drive: &FreeDrive, car: &ExtendedCar, sensing: SpeedSensing) -> Cours
             now.readings[Quantity::LongitudinalAcceleration as usize] + missing,
         );
         let force = now.drive_force + (now.mass + now.turning_mass) * missing;
-        let mut driven = *point.state;
+        let mut driven = *point.state();
         driven.live[0] = force / now.mass;
         let wheels =
-            car.instant(point.t, &driven, point.input, point.steering_rate, point.before, Compute::Readings);
+            car.instant(point.t, &driven, point.input, point.steering_rate, point.before(), Compute::Readings);
         for wheel in Wheel::ALL.map(Quantity::wheel_speed) {
             put(wheel, wheels.readings[wheel as usize] / sensing.scale);
         }
         all.force.push(force);
         all.mass.push(now.mass);
-        all.sideslip.push(point.state.body[1].atan2(point.state.body[0]));
+        all.sideslip.push(point.state().body[1].atan2(point.state().body[0]));
     });
     let along = Quantity::LongitudinalAcceleration;
     let lateral = Quantity::LateralAcceleration;

@@ -20,7 +20,7 @@ use super::drive::GriddedDrive;
 
 pub use instant::{Compute, Instant};
 pub use physics::model::effect::Before;
-pub use step::{Inputs, State};
+pub use step::{Inputs, State, step_by_rates};
 
 /// States of the body: vx, vy, yaw rate.
 pub const BODY_STATES: usize = 3;

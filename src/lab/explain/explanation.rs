@@ -116,7 +116,12 @@ impl<'a> Case<'a> {
         }
         // What the plain model and its effects leave is asked of the ordinary car.
         let decided = ordinary.as_ref().filter(|_| by_filter == Verdict::UnknownPhysics);
-        let decided = decided.map(|ordinary| ordinary.verdict(turns));
+        let decided = decided.map(|ordinary| match ordinary.verdict(turns) {
+            Verdict::Adequate if !is_decided && knows_torque && gains.is_restless_along() => {
+                Verdict::UnknownPhysics
+            }
+            verdict => verdict,
+        });
         let verdict = match decided {
             // Then the plain model's own effects say nothing.
             Some(Verdict::MissingPhysics) => Verdict::Adequate,

@@ -32,7 +32,18 @@ pub struct Gains {
     pub restless: f64,
     /// …and beside what was chosen.
     pub still_restless: f64,
+    /// The same of those sensors that tell of the motion along the car and of single wheels.
+    pub still_restless_along: f64,
 }
+
+/// What the ordinary car, driven by a measured speed, does not predict.
+const ALONG: [Quantity; 5] = [
+    Quantity::WheelSpeedFl,
+    Quantity::WheelSpeedFr,
+    Quantity::WheelSpeedRl,
+    Quantity::WheelSpeedRr,
+    Quantity::LongitudinalAcceleration,
+];
 
 impl Gains {
     /// Of a selection and the plain model with unknown forces.
@@ -51,8 +62,9 @@ impl Gains {
             refused: following.map(|(_, evidence)| *evidence).fold(0.0, f64::max),
             missing,
             left: if has_names { data.missing(&selection.extended) } else { missing },
-            restless: restless(data, plain),
-            still_restless: restless(data, &selection.extended),
+            restless: restless(data, plain, &Quantity::ALL),
+            still_restless: restless(data, &selection.extended, &Quantity::ALL),
+            still_restless_along: restless(data, &selection.extended, &ALONG),
         }
     }
 
@@ -62,6 +74,16 @@ impl Gains {
         missing.iter().zip(usual).map(|(missing, usual)| (missing - usual).max(0.0)).sum()
     }
 
+    /// Does a sensor err far more now and then of which the ordinary car says nothing? Then that car does not clear it.
+    pub fn is_restless_along(&self) -> bool {
+        self.still_restless_along > self.most_restless()
+    }
+
+    fn most_restless(&self) -> f64 {
+        let most = TUNING.verdict.most_restless * self.restless;
+        most.clamp(TUNING.verdict.usually_restless, TUNING.verdict.never_restless)
+    }
+
     /// The verdict; a drive that does not turn cannot clear the car.
     pub fn verdict(&self, turns: bool) -> Verdict {
         let left = self.beyond_usual(&self.left);
@@ -69,9 +91,7 @@ impl Gains {
         let always = TUNING.verdict.always_left_per_s * self.seconds;
         let is_much = left > most.clamp(always, TUNING.verdict.never_left_per_s * self.seconds);
         let imitates = left > always && self.leading < TUNING.verdict.least_leading;
-        let most = (TUNING.verdict.most_restless * self.restless)
-            .clamp(TUNING.verdict.usually_restless, TUNING.verdict.never_restless);
-        let is_restless = self.still_restless > most;
+        let is_restless = self.still_restless > self.most_restless();
         let least = TUNING.verdict.least_missing.max(TUNING.verdict.least_missing_per_s * self.seconds);
         match self.named {
             Some(_) if is_much || is_restless || imitates => Verdict::UnknownPhysics,
@@ -87,7 +107,7 @@ impl Gains {
 
 /// The gain, if the most restless sensor's noise were not the same everywhere: by blocks in which it errs more
 /// than in the median one.
-fn restless(data: &Data<'_>, fit: &Fit<'_>) -> f64 {
+fn restless(data: &Data<'_>, fit: &Fit<'_>, sensors: &[Quantity]) -> f64 {
     let of = |channel: Quantity| {
         let place = channel as usize;
         let blocks = data.counted(&fit.sums).filter(|sums| sums.of[place] > 20);
@@ -102,7 +122,7 @@ fn restless(data: &Data<'_>, fit: &Fit<'_>) -> f64 {
         };
         Some(shares.iter().map(gain).sum())
     };
-    Quantity::ALL.into_iter().filter_map(of).fold(0.0, f64::max)
+    sensors.iter().copied().filter_map(of).fold(0.0, f64::max)
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::inputs::{BLOCK_POINTS, FreeDrive, STEP_S};
+use super::grid::STEP_S;
+use super::inputs::{BLOCK_POINTS, FreeDrive};
 use super::numbers::{Free, Number, placed};
 use super::robust::{deviation, loss, memory, weight};
 use super::run::{Predicted, run};

@@ -1,6 +1,7 @@
 //! A steering angle that has stopped: its last value goes on, though the car turns otherwise.
 
-use super::inputs::STEP_S;
+use super::grid::STEP_S;
+use super::speed::COMPARED_MPS;
 
 /// A hand holds the wheel still for a while, s …
 const LEAST_S: f64 = 1.0;
@@ -19,14 +20,11 @@ const LEAST_YAW_RATE: f64 = 0.05;
 /// Means over so many grid points are compared, 0.3 s.
 const WINDOW: usize = 30;
 
-/// Slower than this a curvature is mostly noise, m/s.
-const LEAST_SPEED: f64 = 4.0;
-
 /// Stretches, s, in which it has: of readings, beside yaw rate, rad/s, and speed, m/s, on a grid that begins at 0 s.
 pub fn frozen(steering: &[(f64, f64)], yaw_rate: &[f64], speed: &[f64]) -> Vec<[f64; 2]> {
     let holds = holds(steering);
     let place = |t: f64| ((t / STEP_S).max(0.0) as usize).min(speed.len().saturating_sub(1));
-    let moves = |hold: &&[f64; 2]| speed.get(place(hold[0])).is_some_and(|speed| *speed > LEAST_SPEED);
+    let moves = |hold: &&[f64; 2]| speed.get(place(hold[0])).is_some_and(|speed| *speed > COMPARED_MPS);
     let mut lengths: Vec<f64> = holds.iter().filter(moves).map(|[from, to]| to - from).collect();
     lengths.sort_by(f64::total_cmp);
     let usual = lengths.get(lengths.len() * 99 / 100).copied().unwrap_or(0.0);
@@ -37,7 +35,7 @@ pub fn frozen(steering: &[(f64, f64)], yaw_rate: &[f64], speed: &[f64]) -> Vec<[
         let windows = (from..to.saturating_sub(WINDOW)).step_by(WINDOW).map(|i| i..i + WINDOW);
         let means = windows.map(|window| (mean(&yaw_rate[window.clone()]), mean(&speed[window])));
         let means: Vec<(f64, f64)> =
-            means.filter(|(yaw_rate, speed)| yaw_rate.is_finite() && *speed > LEAST_SPEED).collect();
+            means.filter(|(yaw_rate, speed)| yaw_rate.is_finite() && *speed > COMPARED_MPS).collect();
         let spread = |of: fn(&(f64, f64)) -> f64| {
             let [low, high] = means
                 .iter()

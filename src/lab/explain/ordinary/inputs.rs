@@ -3,24 +3,20 @@
 
 use std::ops::Range;
 
-use physics::model::{DrivenAxle, GRAVITY, Vehicle};
+use physics::model::{GRAVITY, Vehicle};
 use physics::{Quantity, Wheel};
 
 use super::frozen::frozen;
+use super::grid::{STEP_S, at, interpolated, mean, resampled, slope};
+use super::speed::{COMPARED_MPS, speed};
 use crate::explain::work::Work;
 use crate::explain::{Block, Driven, Recording};
-
-/// Seconds between grid points. Numerical.
-pub const STEP_S: f64 = 0.01;
 
 /// The held-out part is every third block of so many seconds. The contract's, and the yardstick's.
 const BLOCK_S: f64 = 6.0;
 
 /// Its grid points.
 pub const BLOCK_POINTS: usize = (BLOCK_S / STEP_S) as usize;
-
-/// Slower driving is not compared, m/s. The yardstick's.
-const COMPARED_MPS: f64 = 4.0;
 
 /// Slip angles of a car that creeps mean nothing, m/s. Numerical.
 const SLOWEST_MPS: f64 = 2.0;
@@ -34,9 +30,6 @@ const SLOPE_POINTS: usize = 11;
 
 /// More of the friction is used in this share of the time only. Statistical: of a lap a second.
 const USED_QUANTILE: f64 = 0.97;
-
-/// At a gap of more seconds nothing is known between two readings. Numerical: some messages of a slow bus.
-const GAP_S: f64 = 0.5;
 
 /// Seconds at the recording's ends that are left out: delays look beyond the ends. The yardstick's.
 const MARGIN_S: f64 = 1.0;
@@ -296,163 +289,14 @@ pub fn compared_mean(values: &[f64]) -> Vec<f64> {
     mean(values, MEAN_POINTS)
 }
 
-/// The car's speed: times, s, and m/s. Empty where nothing tells it.
-pub fn speed_of(recording: &Recording, vehicle: &Vehicle) -> Vec<(f64, f64)> {
-    let points = (recording.seconds() / STEP_S) as usize + 1;
-    let speed = speed(recording, vehicle, points).unwrap_or_default();
-    let row = |(i, speed): (usize, &f64)| (i as f64 * STEP_S, *speed);
-    speed.iter().enumerate().map(row).filter(|(_, speed)| speed.is_finite()).collect()
-}
-
-/// The speed on a grid: of the undriven wheels, else of all there are, else the message's.
-fn speed(recording: &Recording, vehicle: &Vehicle, points: usize) -> Option<Vec<f64>> {
-    let has = |wheel: &Wheel| recording.has(Quantity::wheel_speed(*wheel));
-    let wheels: Vec<Wheel> = Wheel::ALL.into_iter().filter(has).collect();
-    let free: Vec<Wheel> =
-        wheels.iter().copied().filter(|wheel| !vehicle.driven_axle.drives(*wheel)).collect();
-    let is_driven = free.is_empty() || vehicle.driven_axle == DrivenAxle::All;
-    let chosen = if is_driven { wheels } else { free };
-    if chosen.is_empty() {
-        let message = &recording.tracks[Quantity::VehicleSpeed as usize];
-        return recording.has(Quantity::VehicleSpeed).then(|| filled(resampled(message, 0.0, points)));
-    }
-    let yaw = resampled(&recording.tracks[Quantity::YawRate as usize], 0.0, points);
-    let rolling = chosen.iter().map(|wheel| -> Vec<f64> {
-        let track = if wheel.is_front() { vehicle.track_front_m } else { vehicle.track_rear_m };
-        // In a left turn the left wheel is slower than the middle.
-        let side = if wheel.is_left() { 0.5 } else { -0.5 } * track.value;
-        let turning = resampled(&recording.tracks[Quantity::wheel_speed(*wheel) as usize], 0.0, points);
-        let of = |(turning, yaw): (f64, &f64)| {
-            turning * vehicle.wheel_radius_m.value + side * if yaw.is_finite() { *yaw } else { 0.0 }
-        };
-        turning.into_iter().zip(&yaw).map(of).collect()
-    });
-    let rolling: Vec<Vec<f64>> = rolling.collect();
-    let mean: Vec<f64> = (0..points)
-        .map(|i| rolling.iter().map(|wheel| wheel[i]).sum::<f64>() / rolling.len() as f64)
-        .collect();
-    if is_driven {
-        return Some(filled(mean));
-    }
-    // Wheels that nothing drives are never too fast; those of a smaller radius always turn faster, and say the same.
-    let sizes: Vec<f64> = rolling.iter().map(|wheel| usual_ratio(wheel, &mean)).collect();
-    let alike = |i: usize| rolling.iter().zip(&sizes).map(move |(wheel, size)| wheel[i] / size);
-    Some(filled((0..points).map(|i| fastest(alike(i), BRAKED_MPS)).collect()))
-}
-
-/// The median ratio of two speeds of a moving car; 1 of one that does not move.
-fn usual_ratio(speed: &[f64], of: &[f64]) -> f64 {
-    let moving = speed.iter().zip(of).filter(|(speed, of)| **of > COMPARED_MPS && speed.is_finite());
-    let mut ratios: Vec<f64> = moving.map(|(speed, of)| speed / of).collect();
-    ratios.sort_by(f64::total_cmp);
-    ratios.get(ratios.len() / 2).copied().unwrap_or(1.0)
-}
-
-/// Undriven wheels that are slower than another one by more hardly count: they slip where they are braked. Tuned by `free_runs`,
-/// of 0.3 to 1.2 and none: held-out yaw rate of a wet lap 91.7 % (90.3 without), of a dry one 91.6 (90.9); with 0.3 the dry
-/// one's fit ends elsewhere (81.5).
-const BRAKED_MPS: f64 = 1.2;
-
-/// The mean of speeds, those that are slower than the fastest by a few of these steps hardly counted.
-fn fastest(speeds: impl Iterator<Item = f64> + Clone, step: f64) -> f64 {
-    let most = speeds.clone().fold(f64::NEG_INFINITY, f64::max);
-    let weights = speeds.clone().map(|speed| ((speed - most) / step).exp());
-    let all: f64 = weights.clone().sum();
-    speeds.zip(weights).map(|(speed, weight)| speed * weight).sum::<f64>() / all
-}
-
 /// Is a time in one of these stretches, or shortly after it, when the run still goes where that has led it?
 fn is_within(stretches: &[[f64; 2]], t: f64) -> bool {
     stretches.iter().any(|[from, to]| (*from..to + MARGIN_S).contains(&t))
 }
 
-/// The value on the grid that begins at 0 s, interpolated.
-fn at(grid: &[f64], t: f64) -> f64 {
-    let place = (t / STEP_S).clamp(0.0, (grid.len() - 1) as f64);
-    let before = (place as usize).min(grid.len().saturating_sub(2));
-    grid[before] + (place - before as f64) * (grid[(before + 1).min(grid.len() - 1)] - grid[before])
-}
-
-/// A track on the grid from a time on; not a number in gaps.
-pub fn resampled(track: &[(f64, f64)], from_s: f64, points: usize) -> Vec<f64> {
-    resampled_every(STEP_S, track, from_s, points)
-}
-
-/// The same on a grid of other steps, s.
-pub fn resampled_every(step_s: f64, track: &[(f64, f64)], from_s: f64, points: usize) -> Vec<f64> {
-    let mut cursor = 1;
-    let value = |i: usize| {
-        let (value, gap) = interpolated(track, &mut cursor, from_s + i as f64 * step_s);
-        if gap > GAP_S { f64::NAN } else { value }
-    };
-    (0..points).map(value).collect()
-}
-
-/// The value of a track at a time, and how far apart the readings are that it is between. Beyond the ends the last one
-/// stays. The times that are asked for only grow.
-fn interpolated(track: &[(f64, f64)], cursor: &mut usize, t: f64) -> (f64, f64) {
-    if track.len() < 2 {
-        return (f64::NAN, f64::INFINITY);
-    }
-    while *cursor + 1 < track.len() && track[*cursor].0 < t {
-        *cursor += 1;
-    }
-    let ((t0, a), (t1, b)) = (track[*cursor - 1], track[*cursor]);
-    let beyond = (t - t1).max(t0 - t).max(0.0);
-    let share = if t1 > t0 { ((t - t0) / (t1 - t0)).clamp(0.0, 1.0) } else { 1.0 };
-    (a + share * (b - a), (t1 - t0).max(beyond))
-}
-
-/// Gaps filled by a straight line.
-fn filled(mut values: Vec<f64>) -> Vec<f64> {
-    let known: Vec<(f64, f64)> =
-        values.iter().enumerate().filter(|(_, v)| v.is_finite()).map(|(i, v)| (i as f64, *v)).collect();
-    let mut cursor = 1;
-    for (i, value) in values.iter_mut().enumerate() {
-        if !value.is_finite() {
-            *value = interpolated(&known, &mut cursor, i as f64).0;
-        }
-    }
-    values
-}
-
-/// Mean over so many points around each; over fewer at the ends.
-fn mean(values: &[f64], points: usize) -> Vec<f64> {
-    let (back, ahead) = (points / 2, points.div_ceil(2));
-    let around = |i: usize| &values[i.saturating_sub(back)..(i + ahead).min(values.len())];
-    (0..values.len()).map(|i| around(i).iter().sum::<f64>() / around(i).len() as f64).collect()
-}
-
-/// Central differences, per second.
-pub fn slope(values: &[f64]) -> Vec<f64> {
-    let last = values.len() - 1;
-    let of = |i: usize| {
-        let (from, to) = (i.saturating_sub(1), (i + 1).min(last));
-        (values[to] - values[from]) / ((to - from).max(1) as f64 * STEP_S)
-    };
-    (0..values.len()).map(of).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_wheel_that_locks_does_not_brake_the_car() {
-        let of = |speeds: [f64; 2]| fastest(speeds.into_iter(), BRAKED_MPS);
-        assert!((of([20.0, 20.1]) - 20.05).abs() < 0.01, "wheels that roll: their mean");
-        assert!(of([20.0, 2.0]) > 19.99);
-        assert!(of([f64::NAN, 10.0]).is_nan());
-    }
-
-    #[test]
-    fn a_smaller_wheel_is_always_faster_but_where_it_locks() {
-        let mean: Vec<f64> = (0..50).map(|i| 5.0 + f64::from(i)).collect();
-        let mut smaller: Vec<f64> = mean.iter().map(|mean| 1.02 * mean).collect();
-        smaller[40..45].fill(0.0);
-        assert!((usual_ratio(&smaller, &mean) - 1.02).abs() < 1e-9);
-        assert_eq!(usual_ratio(&[0.0], &[0.0]), 1.0);
-    }
 
     #[test]
     fn what_is_held_out_does_not_say_what_was_used() {

@@ -8,7 +8,8 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::inputs::{FreeDrive, STEP_S};
+use super::grid::STEP_S;
+use super::inputs::FreeDrive;
 use super::robust::deviation;
 use super::run::Predicted;
 

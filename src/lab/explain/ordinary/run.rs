@@ -3,7 +3,8 @@
 use physics::Quantity;
 use physics::model::effect::Recorded;
 
-use super::inputs::{FreeDrive, STEP_S, compared_mean};
+use super::grid::STEP_S;
+use super::inputs::{FreeDrive, compared_mean};
 use crate::explain::predict::ExtendedCar;
 use crate::explain::predict::car::{Before, Compute, Inputs, Instant, State, step_by_rates};
 
@@ -221,12 +222,7 @@ impl Along<'_> {
     }
 
     /// From a grid point on, as long as `visit` says so.
-    fn run_from(
-        &self,
-        first: usize,
-        mut moment: Moment,
-        mut visit: impl FnMut(&Point<'_>) -> bool,
-    ) {
+    fn run_from(&self, first: usize, mut moment: Moment, mut visit: impl FnMut(&Point<'_>) -> bool) {
         let Self { drive, car, speed, ask } = self;
         let steered = drive.steered(car.steering_delay(), first..drive.points());
         for i in first..drive.points() {

@@ -1,7 +1,8 @@
 //! What the tires of each axle gave at which slip angle: by the sensors along the ordinary car's free run, and as curves.
 
 use super::fit::FreeFit;
-use super::inputs::{FreeDrive, STEP_S, compared_mean, slope};
+use super::grid::{STEP_S, slope};
+use super::inputs::{FreeDrive, compared_mean};
 use super::numbers::placed;
 use super::run::{Predicted, along};
 use super::scores::TRACED_EVERY;

@@ -149,7 +149,7 @@ pub fn beyond(
         tried.count_against(&healthy);
         // What seems unusual may be another thing's shadow; what a simulation leaves out is first of all what every car has.
         let is_forced = |best: &Refitted<'_>| !best.trial.is_of_every_car() && !best.trial.is_number();
-        let asks = match tried.sure(&healthy, references) {
+        let asks = match tried.sure(&search, &healthy) {
             Some(best) => is_forced(best),
             None => is_simulated && repeating,
         };
@@ -160,7 +160,7 @@ pub fn beyond(
         if round == 0 {
             answer.ranking = tried.ranking();
         }
-        let Some(best) = tried.sure(&healthy, references) else { break };
+        let Some(best) = tried.sure(&search, &healthy) else { break };
         if is_simulated && best.evidence < answer.least_beside() {
             break;
         }
@@ -224,6 +224,11 @@ fn tried(trials: &[Trial], laws: &[Trial]) -> BTreeMap<String, usize> {
 }
 
 impl Search<'_> {
+    /// Is a trial there for nearly all of every drive?
+    fn takes_the_cars_place(&self, trial: &Trial) -> bool {
+        trial.is_patch() && self.drives.iter().all(|drive| trial.is_nearly_always_there(drive))
+    }
+
     /// The ordinary car to begin with, as the references let expect it.
     fn start<'a>(&self, found: &FreeFit<'a>) -> State<'a> {
         match self.references {

@@ -87,7 +87,8 @@ impl<'a> Round<'a> {
     }
 
     /// The likeliest of what is there for sure.
-    pub fn sure(&self, healthy: &[Healthy], references: usize) -> Option<&Refitted<'a>> {
+    pub fn sure(&self, search: &Search<'_>, healthy: &[Healthy]) -> Option<&Refitted<'a>> {
+        let references = search.references;
         let all = || self.refitted.iter().map(|(_, of)| of);
         let is_told_from = |of: &Refitted<'_>, rivals: fn(&Trial) -> bool| {
             all().filter(|other| rivals(&other.trial)).all(|other| of.is_told_from(other))
@@ -106,6 +107,7 @@ impl<'a> Round<'a> {
                 && (of.trial.has_time() || *gain > self.null)
                 && of.clearest() > LEAST_CLEAR
                 && !of.is_at_bound()
+                && !(references == 0 && search.takes_the_cars_place(&of.trial))
         };
         self.refitted.iter().find(is_sure).map(|(_, of)| of)
     }

@@ -173,6 +173,10 @@ fn speed_changed(of: Scope) -> [What; 2] {
 /// No number changes by more of its deviations. Numerical.
 const MOST_CHANGE: f64 = 5.0;
 
+/// Of a drive a patch covers no more than this share. Tuned by `shared/trials/realistic`, where one of 98 % took the place of tires that
+/// the ordinary car took for too soft.
+const MOST_COVERED: f64 = 0.9;
+
 /// Where a patch could be, s.
 fn stretches(seconds: f64) -> Vec<[f64; 2]> {
     let begins = |every: f64| (1..).map(move |i| f64::from(i) * every).take_while(move |t| t + 3.0 < seconds);
@@ -250,6 +254,15 @@ impl Trial {
     /// Is it there from the first to the last moment?
     pub fn is_always_there(&self) -> bool {
         self.onset().is_none() && self.stretches().iter().all(|[from, _]| *from == f64::NEG_INFINITY)
+    }
+
+    /// Is it there for nearly all of a drive, but not at its beginning or its end? Then it is no patch: it takes the place of the
+    /// car's own number, free of what is thought of that.
+    pub fn is_nearly_always_there(&self, drive: &FreeDrive) -> bool {
+        let (first, last) = (drive.time(0), drive.time(drive.points()));
+        let within = |[from, to]: &[f64; 2]| (to.min(last) - from.max(first)).max(0.0);
+        let covered: f64 = self.stretches().iter().map(within).sum();
+        !self.is_always_there() && covered > MOST_COVERED * (last - first)
     }
 
     /// When it is there; nothing: always, or from its onset on.

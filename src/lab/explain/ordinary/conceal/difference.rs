@@ -7,7 +7,8 @@ use physics::{Quantity, Wheel};
 use super::super::answer::{LEAST_FIT, Number, as_configured, numbers};
 use super::super::choice::fit_ordinary;
 use super::super::fit::FreeFit;
-use super::super::inputs::{FreeDrive, Held, STEP_S, compared_mean, resampled};
+use super::super::grid::{STEP_S, resampled};
+use super::super::inputs::{FreeDrive, Held, compared_mean};
 use super::super::numbers::placed;
 use super::super::run::{SpeedSensing, along, later};
 use super::{Asked, Refusal, titles};
@@ -196,8 +197,14 @@ fn courses(drive: &FreeDrive, car: &ExtendedCar, sensing: SpeedSensing) -> Cours
         let force = now.drive_force + (now.mass + now.turning_mass) * missing;
         let mut driven = *point.state();
         driven.live[0] = force / now.mass;
-        let wheels =
-            car.instant(point.t, &driven, point.input, point.steering_rate, point.before(), Compute::Readings);
+        let wheels = car.instant(
+            point.t,
+            &driven,
+            point.input,
+            point.steering_rate,
+            point.before(),
+            Compute::Readings,
+        );
         for wheel in Wheel::ALL.map(Quantity::wheel_speed) {
             put(wheel, wheels.readings[wheel as usize] / sensing.scale);
         }

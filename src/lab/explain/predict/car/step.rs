@@ -91,3 +91,24 @@ impl State {
         next
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// GIVEN what dies out in 50 ms WHEN it is stepped by 10 ms THEN it is where it should be to a per cent of its beginning.
+    #[test]
+    fn two_rates_are_of_second_order() {
+        let of = |value: f64| State { body: [1.0, value, 0.0], ..State::default() };
+        let rate = |state: &State| State { body: [0.0, -20.0 * state.body[1], 0.0], ..State::default() };
+        let exact = |step: i32| (-0.2 * f64::from(step)).exp();
+        let (mut state, mut before) = (of(exact(0)), rate(&of(exact(-1))));
+        for step in 1..20 {
+            let now = rate(&state);
+            state = step_by_rates(&state, &now, &before, 0.01);
+            before = now;
+            assert!((state.body[1] - exact(step)).abs() < 0.01, "{step}: {}", state.body[1]);
+        }
+        assert_eq!(state.body[0], 1.0);
+    }
+}

@@ -117,9 +117,7 @@ impl<'a> Case<'a> {
         // What the plain model and its effects leave is asked of the ordinary car.
         let decided = ordinary.as_ref().filter(|_| by_filter == Verdict::UnknownPhysics);
         let decided = decided.map(|ordinary| match ordinary.verdict(turns) {
-            Verdict::Adequate if !is_decided && knows_torque && gains.is_restless_along() => {
-                Verdict::UnknownPhysics
-            }
+            Verdict::Adequate if !is_decided && gains.is_restless_along() => Verdict::UnknownPhysics,
             verdict => verdict,
         });
         let verdict = match decided {

@@ -166,6 +166,16 @@ mod tests {
         assert_eq!(imitated.verdict(true), Verdict::UnknownPhysics);
     }
 
+    /// GIVEN what errs now and then WHEN it is a gyro, and when it is a wheel THEN the ordinary car has a say in the first only.
+    #[test]
+    fn the_ordinary_car_does_not_clear_a_wheel_that_errs_now_and_then() {
+        let gyro = Gains { seconds: 60.0, restless: 5000.0, still_restless: 5000.0, ..Gains::default() };
+        assert!(gyro.verdict(true) == Verdict::UnknownPhysics && !gyro.is_restless_along());
+        assert!(Gains { still_restless_along: 5000.0, ..gyro }.is_restless_along());
+        // As much as any sensor has.
+        assert!(!Gains { still_restless_along: 500.0, ..gyro }.is_restless_along());
+    }
+
     #[test]
     fn several_that_only_together_explain_it_are_no_name_for_it() {
         let (missing, left) = ([0.0, 90_000.0, 0.0], [0.0, 5000.0, 0.0]);

@@ -256,8 +256,8 @@ impl Trial {
         self.onset().is_none() && self.stretches().iter().all(|[from, _]| *from == f64::NEG_INFINITY)
     }
 
-    /// Is it there for nearly all of a drive, but not at its beginning or its end? Then it is no patch: it takes the place of the
-    /// car's own number, free of what is thought of that.
+    /// Is it there for nearly all of a drive, though not always? Then it is no patch: it takes the place of the car's own number,
+    /// free of what is thought of that.
     pub fn is_nearly_always_there(&self, drive: &FreeDrive) -> bool {
         let (first, last) = (drive.time(0), drive.time(drive.points()));
         let within = |[from, to]: &[f64; 2]| (to.min(last) - from.max(first)).max(0.0);

@@ -43,6 +43,14 @@ impl Candidate {
         chosen
     }
 
+    /// Is it something that is added in the course of time: a drift, a jump of a sensor's zero, wind, the road's bank? Nothing
+    /// of it follows from inputs and motion.
+    pub fn is_added_in_time(&self) -> bool {
+        let begins = |(place, at): &(usize, f64)| Some(*place) == self.kind.onset() && *at > 0.0;
+        let jumps = || self.kind.is_of_measurement() && self.fixed.iter().any(begins);
+        self.live.is_some() && self.stretches.is_empty() || jumps()
+    }
+
     /// Its name, with its channel.
     pub fn name(&self) -> String {
         match self.channel {

@@ -8,10 +8,10 @@ use super::excerpt::Excerpt;
 use super::fit::Data;
 use super::long_recording::LongSearch;
 use super::model::Model;
-use super::on_time::on_time;
 use super::ordinary::{FittedCars, Ordinary, with_bend};
 use super::predict::noise::{Live, Noise};
 use super::predict::{GriddedDrive, grid::STEP_S};
+use super::put_right::put_right;
 use super::result::{Explanation, Verdict};
 use super::select::{Selection, select};
 use super::signs_and_swaps;
@@ -54,7 +54,7 @@ impl<'a> Case<'a> {
         progress(work::ORDINARY, 0.0);
         let own = with_bend(self.vehicle);
         let cars = [&own, self.vehicle];
-        let recordings = on_time(self.recordings, self.chain);
+        let recordings = put_right(self.recordings, self.chain);
         let cars = FittedCars::of(cars, self.effects, &recordings, self.asked(&|_| false));
         let ordinary_if =
             |searches: &dyn Fn(&Ordinary) -> bool| Some(cars.as_ref()?.say(self.asked(searches)));
@@ -109,7 +109,16 @@ impl<'a> Case<'a> {
         tracing::debug!(noise = ?selection.baseline.noise, "of the plain model");
         tracing::debug!(noise = ?selection.extended.noise, "of the extended model");
         let gains = Gains::of(&data, &selection, &corrected);
-        let by_filter = if is_decided { Verdict::UnknownPhysics } else { gains.verdict(turns) };
+        let by_filter = match gains.verdict(turns) {
+            _ if is_decided => Verdict::UnknownPhysics,
+            // What follows from inputs and motion is no course in time, however well one passes through it.
+            Verdict::MissingPhysics
+                if selection.is_led_by_time() && ordinary.as_ref().is_some_and(Ordinary::repeats_clearly) =>
+            {
+                Verdict::UnknownPhysics
+            }
+            verdict => verdict,
+        };
         if by_filter == Verdict::UnknownPhysics && !ordinary.as_ref().is_some_and(comes_first) {
             progress(work::BEYOND, 0.0);
             ordinary = ordinary_if(&|_| true);

@@ -70,6 +70,11 @@ pub struct Selection<'a> {
 }
 
 impl<'a> Selection<'a> {
+    /// Is what was chosen first something that is added in the course of time?
+    pub fn is_led_by_time(&self) -> bool {
+        self.chosen.first().is_some_and(|refitted| refitted.candidate.is_added_in_time())
+    }
+
     /// Of a plain model beside which nothing was searched.
     pub fn nothing(baseline: Fit<'a>, split: Split) -> Self {
         Self { extended: baseline.clone(), baseline, chosen: Vec::new(), rounds: Vec::new(), split }

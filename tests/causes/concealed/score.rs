@@ -86,6 +86,11 @@ impl Score {
         self.said() && !self.class
     }
 
+    /// Whether a law was told first, which has a place and a form and claims no mechanism.
+    pub fn told_as_a_law(&self) -> bool {
+        self.said() && self.order.first().is_some_and(|first| first == "law")
+    }
+
     /// Whether something was announced where there is nothing to find.
     pub fn false_alarm(&self) -> bool {
         self.called_unknown() || self.said() && !self.named

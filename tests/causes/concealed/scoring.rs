@@ -95,6 +95,8 @@ fn what_no_library_has_is_to_be_called_unknown() {
     let s = judged("unknown", "slosh", &answer("unknown_physics", &[], &[("body_roll", None)]));
     assert!(s.called_unknown() && s.outside && s.visible() && !s.in_three);
     assert!(judged("unknown", "slosh", &answer("missing_physics", &[("body_roll", None)], &[])).wrong());
+    let law = judged("unknown", "slosh", &answer("missing_physics", &[("law", None)], &[]));
+    assert!(law.told_as_a_law() && !s.told_as_a_law());
     // Too weak to be seen it is no longer `unknown`, but still of no library.
     let weak = score("t", &truth("absorbable", "slosh", 20.0), None, None);
     assert!(weak.outside && !weak.visible() && weak.verdict == "none given");

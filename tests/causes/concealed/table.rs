@@ -56,7 +56,11 @@ fn totals(scores: &[Score]) -> Part {
                 "outside the library: called unknown",
                 Share::of(unknown(), |s| s.called_unknown() || s.named),
             ),
-            row("outside the library: wrongly named", Share::of(unknown(), |s| s.said() && !s.named)),
+            row("outside the library: told as a law", Share::of(unknown(), Score::told_as_a_law)),
+            row(
+                "outside the library: wrongly named",
+                Share::of(unknown(), |s| s.said() && !s.named && !s.told_as_a_law()),
+            ),
             row("outside the library: missed (adequate)", Share::of(unknown(), |s| s.missed())),
             row("controls: false alarms", Share::of(controls(), |s| s.false_alarm())),
             row("too weak to be seen: false alarm", Share::of(weak(), |s| s.false_alarm())),

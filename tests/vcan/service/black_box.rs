@@ -39,6 +39,10 @@ fn drive_without(gap_s: std::ops::Range<f64>) -> Vec<Frame> {
     drive
 }
 
+/// A recording takes so long at most: the minute or two that causes prolong it by (a guest that is too slow for a while is
+/// one), and what the service waits for.
+const LONGEST: Duration = Duration::from_secs(150);
+
 /// A message that is left out for a second.
 #[test]
 #[ignore = "long: 20 to 30 s"]
@@ -50,15 +54,15 @@ fn a_gap_is_recorded_and_replayed() {
     let drive = drive_without(8.0..9.0);
     {
         let _car = Traffic::start(interface.0, drive);
-        wait_for("a recording", || !recordings(&folder.path().join("faults")).is_empty());
+        gripd.wait_longer_for_log("frames around timeout", LONGEST);
     }
-    gripd.wait_for_log("frames around timeout");
     let recording = &recordings(&folder.path().join("faults"))[0];
     let recorded = frames(recording);
     let span = (recorded[recorded.len() - 1].time - recorded[0].time).seconds();
     println!("{}: {} frames, {span:.1} s", recording.display(), recorded.len());
-    // From the start to ten seconds after it was told; the next drive begins with a jump, and is not in it.
-    assert!((18.0..19.0).contains(&span), "{span} s");
+    // From the start to ten seconds after it was told; the next drive begins with a jump, and is not in it unless the guest
+    // was too slow for a while.
+    assert!(span >= 18.0 && (span < 19.0 || gripd.log().contains("too slow")), "{span} s");
     let faults = replayed(config.path(), recording, folder.path());
     assert!(faults.contains(&"timeout".to_owned()), "{faults:?}");
     gripd.end(SIGTERM);
@@ -109,7 +113,7 @@ fn on_a_full_disk_it_is_said_once() {
     candump.wait_for_more(70, "publishing without a disk");
     let left = fs::read_dir(&faults).unwrap().count();
     fs::remove_file(&ballast).unwrap();
-    gripd.wait_for_log("frames around");
+    gripd.wait_longer_for_log("frames around", LONGEST);
     let complaints = gripd.log().matches("nothing can be recorded there").count();
     gripd.end(SIGTERM);
     let recorded = recordings(&faults).iter().map(|path| frames(path).len()).sum::<usize>();

@@ -142,9 +142,14 @@ impl Gripd {
 
     #[track_caller]
     pub fn wait_for_log(&self, text: &str) {
+        self.wait_longer_for_log(text, PATIENCE);
+    }
+
+    #[track_caller]
+    pub fn wait_longer_for_log(&self, text: &str, patience: Duration) {
         let begun = Instant::now();
         while !self.log().contains(text) {
-            assert!(begun.elapsed() < PATIENCE, "`{text}` was not said:\n{}", self.log());
+            assert!(begun.elapsed() < patience, "`{text}` was not said:\n{}", self.log());
             std::thread::sleep(Duration::from_millis(10));
         }
     }

@@ -9,10 +9,12 @@ use physics::model::{TireKind, Uncertain, Vehicle};
 use super::axles;
 use super::beyond::{Beyond, Powers, Question, beyond, powers_with, rows};
 use super::choice::fit_ordinary;
+use super::drives::{Drives, MOST_S};
 use super::fit::{FreeFit, begin_counting, fit};
+use super::fitted_number::{Number, numbers};
 use super::grid::STEP_S;
 use super::inputs::{FreeDrive, Held};
-use super::numbers::{Free, Scope, free, on_time};
+use super::numbers::{free, on_time};
 use super::remaining::{Remaining, remaining};
 use super::robust::deviation;
 use super::run::Predicted;
@@ -21,30 +23,10 @@ use super::scores::{
 };
 use super::tires::{self, AxleTires};
 use crate::explain::dates::begins;
-use crate::explain::doubt::doubt;
 use crate::explain::model::{Chosen, Model};
 use crate::explain::predict::Recording;
-use crate::explain::result::{Block, ByChannel, Disturbance, Driven, Estimate, Models, Parts, Verdict};
-use crate::identify::{CorneringStiffness, Doubt, Parameter, Values, against};
-
-/// A number of the car or of a recording's measurement.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Number {
-    /// Its name: a key of `[vehicle]`, an effect's as `kind.parameter`, or of the measurement.
-    pub name: String,
-    /// The recording that it is of; none: the car's.
-    pub recording: Option<String>,
-    /// Value and standard deviation.
-    pub estimate: Estimate,
-    /// What was thought of it before.
-    pub prior: Estimate,
-    /// Does it end at what it can be at most or least? Then it is no estimate.
-    pub is_at_bound: bool,
-    /// Why it is not to be taken over as it is.
-    pub doubt: Option<Doubt>,
-    /// Where the searches began, where their first steps ended, and the cost there.
-    pub starts: Vec<[f64; 3]>,
-}
+use crate::explain::result::{Block, ByChannel, Disturbance, Driven, Models, Parts, Verdict};
+use crate::identify::{CorneringStiffness, Values};
 
 /// The ordinary car fitted to recordings.
 #[derive(Clone, Debug)]
@@ -71,6 +53,8 @@ pub struct Ordinary {
     pub disturbances: BTreeMap<String, Disturbance>,
     /// What of that repeats, by channel.
     pub remaining: BTreeMap<String, Remaining>,
+    /// Does most of what repeats repeat beside what was found, too?
+    pub leaves_most: bool,
     /// Recordings that could not be used, and why.
     pub left_out: Vec<String>,
     /// Measured and predicted.
@@ -121,32 +105,8 @@ const SHAPE: Uncertain = Uncertain { value: 1.3, std: 0.15 };
 /// steered: then nothing can be said of what is left. A drive that hardly turns is not better.
 pub(super) const LEAST_FIT: f64 = 60.0;
 
-/// Of all recordings together so many seconds are run, of each at least so many: a fit takes some seconds of computing
-/// for a minute of driving, and tires do not change.
-pub(super) const MOST_S: f64 = 600.0;
-const LEAST_OF_EACH_S: f64 = 60.0;
-
-impl Number {
-    /// Why the recordings do not tell it, or what they say is not to be believed; none where it is.
-    pub fn untold(&self) -> Option<String> {
-        if self.is_at_bound {
-            return Some(format!(
-                "the search ends at the bound {:.4}: the equations do not fit here",
-                self.estimate.value
-            ));
-        }
-        if self.estimate.std > LEAST_TOLD * self.prior.std {
-            return Some("the recordings add little to what was known before".to_owned());
-        }
-        if let Some(doubt) = &self.doubt {
-            return Some(format!("recordings and table contradict each other: {}", doubt.why));
-        }
-        against(Parameter::named(&self.name)?, self.estimate.value, self.estimate.std)
-    }
-}
-
-/// A number whose deviation is still this share of the one before was not told by the recordings.
-pub(super) const LEAST_TOLD: f64 = 0.7;
+/// What was found accounts for at least half of the squared error that repeated; else it is at most a part of the answer.
+const MOST_UNACCOUNTED: f64 = 0.5;
 
 /// The ordinary car fitted to recordings of one car, and the car as configured beside it.
 pub struct FittedCars<'a> {
@@ -209,11 +169,17 @@ impl Ordinary {
             // Straight on, noise is the larger part of the yaw rate, however well the car is known.
             () if !self.is_the_car() && !turns && !repeats => Verdict::InsufficientExcitation,
             () if !self.is_the_car() => Verdict::UnknownPhysics,
+            () if self.beyond.is_unusual && self.leaves_most => Verdict::UnknownPhysics,
             () if self.beyond.is_unusual => Verdict::MissingPhysics,
             // What does not repeat is the road.
             () if repeats => Verdict::UnknownPhysics,
             () => Verdict::Adequate,
         }
+    }
+
+    /// Does much of what it does not predict repeat?
+    pub fn repeats_clearly(&self) -> bool {
+        self.remaining.values().any(Remaining::repeats_clearly)
     }
 
     /// Does the accelerometer shake with body, engine and road, as a raw inertial unit does? That is no white noise.
@@ -281,6 +247,7 @@ impl Fitted<'_> {
             plain_numbers: numbers(plain, drives),
             disturbances: BTreeMap::new(),
             remaining: repeating(predicted),
+            leaves_most: false,
             left_out: Vec::new(),
             traces: Vec::new(),
             beyond: Beyond::default(),
@@ -311,10 +278,20 @@ impl Fitted<'_> {
         let with_found = with_found.as_deref().unwrap_or(predicted);
         answer.found_fit = fits(drives, with_found);
         answer.error = errors(drives, [&plain.predicted, predicted, with_found]);
-        if simulated.is_some() && answer.beyond.predicted.is_some() {
-            answer.remaining = repeating(with_found);
+        if answer.beyond.predicted.is_some() {
+            let left = repeating(with_found);
+            if let (true, Some(ordinary)) =
+                (left.values().any(Remaining::repeats_clearly), &answer.error.ordinary)
+            {
+                let [before, after] = [(&answer.remaining, ordinary), (&left, &answer.error.extended)]
+                    .map(|(remaining, error)| repeated(remaining, &error.holdout, &ordinary.holdout));
+                answer.leaves_most = after > MOST_UNACCOUNTED * before;
+            }
+            if simulated.is_some() {
+                answer.remaining = left;
+            }
         }
-        tracing::debug!(shaking_mps2 = answer.shaking_mps2, "the ordinary car");
+        tracing::debug!(shaking_mps2 = answer.shaking_mps2, remaining = ?answer.remaining, "the ordinary car");
         for (place, channel) in CHANNELS.into_iter().enumerate() {
             if drives.iter().all(|drive| measured(drive, channel).is_none()) {
                 continue;
@@ -330,6 +307,14 @@ impl Fitted<'_> {
         answer.traces = traces(drives, with_found, &plain.predicted);
         answer
     }
+}
+
+/// Squared error that repeats, over both channels, each by what the ordinary car misses there.
+fn repeated(remaining: &BTreeMap<String, Remaining>, error: &ByChannel, ordinary: &ByChannel) -> f64 {
+    let of = |(channel, remaining): (&String, &Remaining)| {
+        Some(remaining.share * (error.get(channel)? / ordinary.get(channel)?).powi(2))
+    };
+    remaining.iter().filter_map(of).sum()
 }
 
 /// What the recordings could tell of each effect, and of each number of the car beside references; and what they would with
@@ -364,48 +349,6 @@ pub fn could_tell(
     Some(powers_with(&found, &own, &drives, question, planned.collect()))
 }
 
-/// Recordings that can be used.
-struct Drives {
-    drives: Vec<FreeDrive>,
-    /// So many of them, the first ones, are references.
-    references: usize,
-    /// Recordings and parts of them that cannot, and why.
-    left_out: Vec<String>,
-}
-
-impl Drives {
-    /// None without one, or without one beside its references.
-    fn of(own: &Vehicle, recordings: &[Recording], asked: Asked<'_>) -> Option<Self> {
-        let first_held = recordings.len() - asked.held_out.min(recordings.len());
-        let most_s = (MOST_S / recordings.len().max(1) as f64).max(LEAST_OF_EACH_S);
-        let mut all = Self { drives: Vec::new(), references: 0, left_out: Vec::new() };
-        for (number, recording) in recordings.iter().enumerate() {
-            let is_reference = number < asked.references;
-            let held = match asked.held_out {
-                _ if is_reference => Held::Nothing,
-                0 => Held::EveryThird,
-                _ if number >= first_held => Held::Everything,
-                _ => Held::Nothing,
-            };
-            match FreeDrive::new(recording, own, held, most_s) {
-                Ok(drive) => {
-                    all.left_out.extend(drive.frozen.iter().map(|[from, to]| {
-                        format!(
-                            "{}, {from:.1} to {to:.1} s: the steering angle stays the same, though the car turns otherwise",
-                            recording.name
-                        )
-                    }));
-                    all.references += usize::from(is_reference);
-                    all.drives.push(drive);
-                }
-                Err(why) => all.left_out.push(format!("{}: {why}", recording.name)),
-            }
-        }
-        let has_both = all.drives.len() > all.references && (asked.references == 0 || all.references > 0);
-        has_both.then_some(all)
-    }
-}
-
 /// Every tire bends before its limit; with a shape of its own the curve is between a line and a brush.
 pub fn with_bend(vehicle: &Vehicle) -> Vehicle {
     let mut own = vehicle.clone();
@@ -437,35 +380,6 @@ fn shaking(drives: &[FreeDrive], predicted: &[Predicted]) -> f64 {
         Some(steps.map(move |i| error[i] - error[i - 1]).collect::<Vec<_>>())
     });
     deviation(steps.flatten()).unwrap_or(0.0)
-}
-
-pub(super) fn numbers(found: &FreeFit<'_>, drives: &[FreeDrive]) -> Vec<Number> {
-    let of = |(i, free): (usize, &Free)| {
-        let (name, value, slope) = free.named(&found.model, found.at[i]);
-        let (_, mean, slope_there) = free.named(&found.model, free.prior.0);
-        let estimate = Estimate { value, std: found.covariance[(i, i)].max(0.0).sqrt() * slope.abs() };
-        let is_at_bound = free.is_at_bound(found.at[i]);
-        Number {
-            doubt: doubt(&name, estimate, found.model.vehicle, is_at_bound),
-            name,
-            recording: match free.of {
-                Scope::Recording(drive) => drives.get(drive).map(|drive| drive.name.clone()),
-                Scope::Car | Scope::Since(_) | Scope::Growing { .. } => None,
-            },
-            estimate,
-            prior: Estimate { value: mean, std: free.prior.1 * slope_there.abs() },
-            is_at_bound,
-            starts: found
-                .starts
-                .iter()
-                .map(|(from, to, cost)| {
-                    let value = |coordinate| free.named(&found.model, coordinate).1;
-                    [value(from[i]), value(to[i]), *cost]
-                })
-                .collect(),
-        }
-    };
-    found.free.iter().enumerate().map(of).collect()
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use physics::model::GRAVITY;
 use physics::model::effect::steering_compliance::{KIND as COMPLIANCE, TRAIL_M};
 
-use super::answer::LEAST_TOLD;
 use super::fit::FreeFit;
+use super::fitted_number::LEAST_TOLD;
 use super::numbers::placed;
 use crate::explain::model::{Model, Place, is_at_either};
 use crate::identify::{AxleStiffness, CorneringStiffness, Doubt, Parameter};

@@ -1,8 +1,9 @@
 //! Which of the physics that every car has is taken: what the data do not refuse.
 
-use super::fit::{FreeFit, Problem, Scale, fit};
+use super::fit::{FreeFit, fit};
 use super::inputs::FreeDrive;
 use super::numbers::{free, with_ordinary};
+use super::problem::{Problem, Scale};
 use crate::explain::model::Model;
 use physics::model::Vehicle;
 

@@ -1,16 +1,14 @@
 //! Fits the numbers of a model to drives by free runs: robust least squares, several starts, and what the residuals'
 //! own length of memory leaves of their count.
 
-use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
+use nalgebra::DMatrix;
 
 use super::grid::STEP_S;
-use super::inputs::{BLOCK_POINTS, FreeDrive};
-use super::numbers::{Free, Number, placed};
-use super::robust::{deviation, loss, memory, weight};
-use super::run::{Predicted, run};
+use super::inputs::FreeDrive;
+use super::numbers::{Free, Number};
+use super::problem::{Normal, Problem, Scale};
+use super::run::Predicted;
 use crate::explain::model::{Model, Place};
-use crate::explain::predict::car::Compute;
 use crate::explain::predict::delay::Delayed;
 use crate::identify::Parameter;
 
@@ -38,9 +36,6 @@ pub struct FreeFit<'a> {
 /// A search: from, to, cost.
 pub type FreeStart = (Vec<f64>, Vec<f64>, f64);
 
-/// Of so many grid points one is fitted to: residuals next to each other say the same.
-const EVERY: usize = 3;
-
 /// Steps from each start, and from the best two of them. Numerical.
 const STEPS: [usize; 2] = [8, 25];
 
@@ -60,49 +55,6 @@ const STILL_SERVES: f64 = 0.1;
 /// the yardstick's; from the last one a car with passengers finds its friction (`free_runs`).
 const STARTS: [(f64, f64, f64); 5] =
     [(1.0, 1.0, 0.0), (2.0, 1.0, 0.1), (1.0, 0.5, 0.0), (1.5, 0.8, -0.1), (1.0, 1.5, 0.0)];
-
-/// What a residual is divided by: size of a channel, and the memory of its residuals in points.
-#[derive(Clone, Copy, Debug)]
-pub struct Scale {
-    noise: [f64; 2],
-    memory: [f64; 2],
-}
-
-impl Scale {
-    /// 1 + 2 Σ ρ of a first-order noise is twice its time constant over the rows' distance.
-    fn time_constant(memory: f64) -> f64 {
-        0.5 * memory * EVERY as f64 * STEP_S
-    }
-
-    /// The other way round.
-    pub fn memory_of(time_constant_s: f64) -> f64 {
-        2.0 * time_constant_s / (EVERY as f64 * STEP_S)
-    }
-}
-
-/// A problem.
-#[derive(Clone, Copy)]
-pub struct Problem<'p, 'a> {
-    /// What is fitted …
-    pub model: &'p Model<'a>,
-    /// … by these numbers of it …
-    pub free: &'p [Free],
-    /// … to the fitted part of these.
-    pub drives: &'p [FreeDrive],
-}
-
-/// By drive: for each number that it has, how the residuals of both channels change with it.
-type Slopes = Vec<Vec<(usize, Vec<[f64; 2]>)>>;
-
-/// Normal equations at a point.
-struct Normal {
-    information: DMatrix<f64>,
-    gradient: DVector<f64>,
-    /// Outer products of the gradients of the blocks …
-    scatter: DMatrix<f64>,
-    /// … and of the drives.
-    scatter_of_drives: DMatrix<f64>,
-}
 
 /// Fits to the training part.
 pub fn fit<'a>(model: &Model<'a>, free: Vec<Free>, drives: &[FreeDrive]) -> FreeFit<'a> {
@@ -169,7 +121,7 @@ fn liveliest(drives: &[FreeDrive]) -> usize {
     (0..drives.len()).max_by(|a, b| turning(&drives[*a]).total_cmp(&turning(&drives[*b]))).unwrap_or(0)
 }
 
-impl<'p, 'a> Problem<'p, 'a> {
+impl<'a> Problem<'_, 'a> {
     /// Where the searches begin and come to in their first steps, and the best of their ends.
     fn search_from_all_starts(&self) -> (Vec<FreeStart>, Vec<f64>) {
         let first = self.first_scale();
@@ -239,179 +191,6 @@ impl<'p, 'a> Problem<'p, 'a> {
         self.free.iter().map(of).collect()
     }
 
-    fn predict(&self, at: &[f64]) -> Vec<Predicted> {
-        (0..self.drives.len()).into_par_iter().map(|drive| self.predict_one(at, drive)).collect()
-    }
-
-    fn predict_one(&self, at: &[f64], drive: usize) -> Predicted {
-        let (model, sensing) = placed(self.model, self.free, at, drive);
-        run(&self.drives[drive], &model.car(), sensing, Compute::Motion)
-    }
-
-    /// Residuals of both channels at every so many grid points, not a number where there are none.
-    pub fn residuals(&self, drive: &FreeDrive, predicted: &Predicted) -> Vec<[f64; 2]> {
-        let at = |i: usize| {
-            if !drive.counts[i] || drive.held[i] {
-                return [f64::NAN; 2];
-            }
-            let lateral =
-                drive.lateral.as_ref().map_or(f64::NAN, |lateral| lateral[i] - predicted.lateral[i]);
-            [drive.yaw_rate[i] - predicted.yaw_rate[i], lateral]
-        };
-        (0..drive.points()).step_by(EVERY).map(at).collect()
-    }
-
-    /// A tenth of what the channels do: enough to begin with.
-    fn first_scale(&self) -> Scale {
-        let spread = |of: &dyn Fn(&FreeDrive) -> Option<Vec<f64>>| {
-            let all: Vec<f64> =
-                self.drives.iter().filter_map(of).flatten().filter(|v| v.is_finite()).collect();
-            let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
-            let square = all.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / all.len().max(1) as f64;
-            0.1 * square.sqrt()
-        };
-        let yaw = spread(&|drive| Some(drive.yaw_rate.clone())).max(1e-3);
-        let lateral = spread(&|drive| drive.lateral.clone()).max(0.05);
-        Scale { noise: [yaw, lateral], memory: [8.0, 8.0] }
-    }
-
-    /// Size and memory of the residuals.
-    fn learned(&self, predicted: &[Predicted], before: Scale) -> Scale {
-        let mut scale = before;
-        let series: Vec<Vec<[f64; 2]>> = self
-            .drives
-            .iter()
-            .zip(predicted)
-            .map(|(drive, predicted)| self.residuals(drive, predicted))
-            .collect();
-        for channel in 0..2 {
-            let errors = series.iter().flatten().map(|row| row[channel]);
-            if errors.clone().filter(|error| error.is_finite()).count() < 50 {
-                continue;
-            }
-            scale.noise[channel] = deviation(errors).unwrap_or(0.0).max(1e-6);
-            scale.memory[channel] = memory(&series, channel);
-        }
-        scale
-    }
-
-    /// What is made as small as can be.
-    fn cost(&self, at: &[f64], predicted: &[Predicted], scale: &Scale) -> f64 {
-        let mut cost = self.prior_cost(at);
-        for (drive, predicted) in self.drives.iter().zip(predicted) {
-            for row in self.residuals(drive, predicted) {
-                for (channel, error) in row.into_iter().enumerate().filter(|(_, error)| error.is_finite()) {
-                    cost += loss(error / scale.noise[channel]) / scale.memory[channel];
-                }
-            }
-        }
-        cost
-    }
-
-    /// What is thought of the numbers, −2 ln.
-    pub fn prior_cost(&self, at: &[f64]) -> f64 {
-        let off = |(free, at): (&Free, &f64)| ((at - free.prior.0) / free.prior.1).powi(2);
-        self.free.iter().zip(at).map(off).sum()
-    }
-
-    /// How the residuals of each drive change with the numbers that it has, by differences.
-    fn slopes(&self, at: &[f64], predicted: &[Predicted]) -> Slopes {
-        let count = self.free.len();
-        let tasks: Vec<(usize, usize)> = (0..self.drives.len())
-            .flat_map(|drive| (0..count).map(move |place| (drive, place)))
-            .filter(|(drive, place)| self.free[*place].of.has(*drive))
-            .collect();
-        let moved = |(drive, place): (usize, usize)| {
-            let mut there = at.to_vec();
-            let free = &self.free[place];
-            // Inwards from an upper bound.
-            let step = if at[place] + free.step > free.bounds.1 { -free.step } else { free.step };
-            there[place] += step;
-            let by = self.residuals(&self.drives[drive], &self.predict_one(&there, drive));
-            let here = self.residuals(&self.drives[drive], &predicted[drive]);
-            let slopes =
-                here.iter().zip(by).map(|(here, by)| [(here[0] - by[0]) / step, (here[1] - by[1]) / step]);
-            (drive, place, slopes.collect::<Vec<_>>())
-        };
-        let mut slopes: Slopes = vec![Vec::new(); self.drives.len()];
-        for (drive, place, column) in tasks.into_par_iter().map(moved).collect::<Vec<_>>() {
-            slopes[drive].push((place, column));
-        }
-        slopes
-    }
-
-    /// Gauss–Newton's normal equations.
-    fn normal(&self, at: &[f64], predicted: &[Predicted], slopes: &Slopes, scale: &Scale) -> Normal {
-        let count = self.free.len();
-        let mut normal = Normal {
-            information: DMatrix::zeros(count, count),
-            gradient: DVector::zeros(count),
-            scatter: DMatrix::zeros(count, count),
-            scatter_of_drives: DMatrix::zeros(count, count),
-        };
-        for ((drive, predicted), columns) in self.drives.iter().zip(predicted).zip(slopes) {
-            self.add(&mut normal, drive, predicted, columns, scale);
-        }
-        for (i, free) in self.free.iter().enumerate() {
-            let weight = 1.0 / (free.prior.1 * free.prior.1);
-            normal.information[(i, i)] += weight;
-            normal.gradient[i] += weight * (free.prior.0 - at[i]);
-        }
-        normal
-    }
-
-    /// What one drive says.
-    fn add(
-        &self,
-        normal: &mut Normal,
-        drive: &FreeDrive,
-        predicted: &Predicted,
-        columns: &[(usize, Vec<[f64; 2]>)],
-        scale: &Scale,
-    ) {
-        let own = columns.len();
-        let per_block = BLOCK_POINTS / EVERY;
-        let mut information = DMatrix::<f64>::zeros(own, own);
-        let mut of_block = DVector::<f64>::zeros(own);
-        let mut of_drive = DVector::<f64>::zeros(own);
-        let mut slopes = vec![0.0; own];
-        let residuals = self.residuals(drive, predicted);
-        for (row, errors) in residuals.iter().enumerate() {
-            for channel in 0..2 {
-                let error = errors[channel] / scale.noise[channel];
-                if !error.is_finite() {
-                    continue;
-                }
-                let weight = weight(error) / scale.memory[channel];
-                for (slope, (_, column)) in slopes.iter_mut().zip(columns) {
-                    *slope = column[row][channel] / scale.noise[channel];
-                }
-                for i in 0..own {
-                    of_block[i] += weight * slopes[i] * error;
-                    for j in 0..=i {
-                        information[(i, j)] += weight * slopes[i] * slopes[j];
-                    }
-                }
-            }
-            if (row + 1) % per_block == 0 || row + 1 == residuals.len() {
-                for (i, (at, _)) in columns.iter().enumerate() {
-                    normal.gradient[*at] += of_block[i];
-                    for (j, (to, _)) in columns.iter().enumerate() {
-                        normal.scatter[(*at, *to)] += of_block[i] * of_block[j];
-                    }
-                }
-                of_drive += &of_block;
-                of_block.fill(0.0);
-            }
-        }
-        for (i, (at, _)) in columns.iter().enumerate() {
-            for (j, (to, _)) in columns.iter().enumerate() {
-                normal.scatter_of_drives[(*at, *to)] += of_drive[i] * of_drive[j];
-                normal.information[(*at, *to)] += information[(i.max(j), i.min(j))];
-            }
-        }
-    }
-
     /// Levenberg's and Marquardt's search within the bounds, with slopes that are kept as long as they serve: they are nearly
     /// all of the computing. Returns the cost and the end.
     fn search(&self, from: Vec<f64>, scale: &Scale, steps: usize) -> (f64, Vec<f64>) {
@@ -460,51 +239,5 @@ impl<'p, 'a> Problem<'p, 'a> {
         if let [first, ..] = self.drives {
             first.work.add(steps * points(self.drives));
         }
-    }
-
-    /// A damped step; what would leave its bounds stays there, and the others make the best of that.
-    fn stepped(&self, at: &[f64], normal: &Normal, damping: f64) -> Vec<f64> {
-        let count = at.len();
-        let mut is_held = vec![false; count];
-        loop {
-            let inside: Vec<usize> = (0..count).filter(|i| !is_held[*i]).collect();
-            let information = DMatrix::from_fn(inside.len(), inside.len(), |i, j| {
-                let value = normal.information[(inside[i], inside[j])];
-                if i == j { value * (1.0 + damping) } else { value }
-            });
-            let mut gradient = DVector::from_fn(inside.len(), |i, _| normal.gradient[inside[i]]);
-            for i in (0..count).filter(|i| is_held[*i]) {
-                let by = self.at_bound(at, normal, i) - at[i];
-                for (row, own) in inside.iter().enumerate() {
-                    gradient[row] -= normal.information[(*own, i)] * by;
-                }
-            }
-            let Some(step) = information.cholesky().map(|factor| factor.solve(&gradient)) else {
-                return at.to_vec();
-            };
-            let mut next = at.to_vec();
-            for i in (0..count).filter(|i| is_held[*i]) {
-                next[i] = self.at_bound(at, normal, i);
-            }
-            let mut leaves = false;
-            for (row, own) in inside.iter().enumerate() {
-                let (low, high) = self.free[*own].bounds;
-                next[*own] = at[*own] + step[row];
-                if next[*own] < low || next[*own] > high {
-                    is_held[*own] = true;
-                    leaves = true;
-                }
-            }
-            if !leaves {
-                return next;
-            }
-        }
-    }
-
-    /// The bound that the slope of the cost points to.
-    fn at_bound(&self, at: &[f64], normal: &Normal, i: usize) -> f64 {
-        let (low, high) = self.free[i].bounds;
-        let direct = normal.gradient[i] / normal.information[(i, i)].max(1e-300);
-        if at[i] + direct > 0.5 * (low + high) { high } else { low }
     }
 }

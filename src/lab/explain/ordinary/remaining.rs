@@ -25,6 +25,11 @@ pub struct Remaining {
 }
 
 impl Remaining {
+    /// Is what repeats far more than what a course in time could be taken for?
+    pub fn repeats_clearly(&self) -> bool {
+        self.share > self.most_of_null + LEAST_SHARE
+    }
+
     /// Does something repeat? Beyond every decoy (at most one in a hundred by chance), and enough to matter.
     pub fn repeats(&self) -> bool {
         self.share > self.most_of_null && self.share > LEAST_SHARE
@@ -56,6 +61,13 @@ const OUTLIER: f64 = 5.0;
 
 /// Time constants of the features' memories, s: tires, suspension and driver, heat.
 const MEMORIES_S: [f64; 3] = [0.3, 1.0, 8.0];
+
+/// Half of what a steering with play moves before the wheels follow, at the steering wheel, rad: a sound one has less than
+/// the first, the law ends cars near the second.
+const PLAYS_RAD: [f64; 2] = [0.015, 0.05];
+
+/// Where what is cut off at a limit may bend, as shares of the largest value.
+const LIMITS: [f64; 2] = [0.5, 0.75];
 
 /// One drive's rows.
 struct Rows {
@@ -136,7 +148,7 @@ fn rows(
     Rows { features, residual: residuals, held }
 }
 
-/// Inputs and motion, their products, signs, rates and memories.
+/// Inputs and motion, their products, signs, rates and memories; what play in the steering and limits of sensors would do.
 fn features(base: &[[f64; 6]]) -> DMatrix<f64> {
     let step = POINTS as f64 * STEP_S;
     let rate = |row: usize, of: usize| {
@@ -153,6 +165,10 @@ fn features(base: &[[f64; 6]]) -> DMatrix<f64> {
             }
         }
     }
+    let steering: Vec<f64> = base.iter().map(|row| row[0]).collect();
+    let plays = PLAYS_RAD.map(|half| lost_in_play(&steering, half));
+    let most = |of: usize| base.iter().map(|row| row[of].abs()).fold(0.0, f64::max);
+    let (most_yaw, most_ay) = (most(1), most(2));
     let of = |row: usize| -> Vec<f64> {
         let [steering, yaw, ay, slip, ax, v] = base[row];
         let mut all = vec![1.0, steering, yaw, ay, slip, ax, v, v * v];
@@ -160,11 +176,30 @@ fn features(base: &[[f64; 6]]) -> DMatrix<f64> {
         all.extend([ay.powi(3), slip * slip.abs(), steering * ax, yaw * ax, ay * ax, ax.min(0.0), ax * ax]);
         all.extend([steering * steering.abs(), rate(row, 0), rate(row, 1), rate(row, 2), rate(row, 4)]);
         all.extend(memories[row].iter().flatten());
+        all.extend(plays.iter().flat_map(|lost| [lost[row], lost[row] * v]));
+        all.extend(
+            LIMITS.iter().flat_map(|limit| [beyond(yaw, limit * most_yaw), beyond(ay, limit * most_ay)]),
+        );
         all
     };
     let rows: Vec<Vec<f64>> = (0..base.len()).map(of).collect();
     let columns = rows.first().map_or(0, Vec::len);
     DMatrix::from_fn(rows.len(), columns, |i, j| rows[i][j])
+}
+
+/// What a steering with this much play, half to each side, does not pass on.
+fn lost_in_play(steering: &[f64], half: f64) -> Vec<f64> {
+    let mut passed = steering.first().copied().unwrap_or(0.0);
+    let of = |angle: &f64| {
+        passed = passed.clamp(angle - half, angle + half);
+        angle - passed
+    };
+    steering.iter().map(of).collect()
+}
+
+/// What is beyond a limit, with its sign.
+fn beyond(value: f64, limit: f64) -> f64 {
+    value - value.clamp(-limit, limit)
 }
 
 /// Cuts outliers.
@@ -259,5 +294,23 @@ mod tests {
         assert!(!noise.repeats(), "{noise:?}");
         let physics = found(|_, own, i| 0.005 * own.lateral[i] * own.lateral[i].abs() + 0.2 * road[i]);
         assert!(physics.repeats() && physics.share > 0.4, "{physics:?}");
+    }
+
+    /// GIVEN 2° of play at the steering wheel, and an accelerometer that ends at 2 m/s² THEN what they leave repeats.
+    #[test]
+    fn what_play_and_limits_do_repeats() {
+        let road = road(100_000);
+        let steered = std::cell::OnceCell::new();
+        let play = found(|drive, _, i| {
+            let lost = steered.get_or_init(|| {
+                let steering: Vec<f64> =
+                    drive.steered(0.0, 0..drive.points()).into_iter().step_by(2).collect();
+                lost_in_play(&steering, 0.035)
+            });
+            lost[i] + road[i]
+        });
+        assert!(play.repeats_clearly(), "{play:?}");
+        let limit = found(|_, own, i| 0.3 * beyond(own.lateral[i], 2.0) + road[i]);
+        assert!(limit.repeats_clearly(), "{limit:?}");
     }
 }

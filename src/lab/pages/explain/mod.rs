@@ -4,6 +4,7 @@ mod answer;
 mod caveats;
 mod formula;
 mod gain;
+mod headline;
 mod history;
 mod missing;
 mod numbers;

@@ -178,14 +178,17 @@ pub fn beyond(
         repeating = !laws.is_empty() && repeats(&predicted);
         answer.predicted = Some(predicted);
     }
-    answer.is_unusual |= usual.iter().any(|(_, is_unusual)| *is_unusual);
-    answer.findings.extend(usual.into_iter().map(|(finding, _)| finding));
+    let (unusual, usual): (Vec<_>, Vec<_>) = usual.into_iter().partition(|(_, is_unusual)| *is_unusual);
+    answer.is_unusual |= !unusual.is_empty();
+    answer.findings.extend(unusual.into_iter().map(|(finding, _)| finding));
     if is_simulated {
         answer.findings.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     } else {
         // Stable: what has more evidence stays first.
         answer.findings.sort_by_key(|finding| finding.kind);
     }
+    // A delay that any sensor has is told last.
+    answer.findings.extend(usual.into_iter().map(|(finding, _)| finding));
     answer
 }
 

@@ -422,3 +422,35 @@ impl Trial {
         all
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::super::bench::recorded;
+    use super::super::super::inputs::Held;
+    use super::*;
+    use physics::model::effect;
+
+    /// GIVEN another road from 2 s after the beginning on, for half of the drive, and from the first moment to the last THEN the
+    /// first only is a patch that takes the car's place.
+    #[test]
+    fn a_patch_of_nearly_the_whole_drive_is_there_nearly_always() {
+        let (vehicle, recording) = recorded("");
+        let drive = FreeDrive::new(&recording, &vehicle, Held::EveryThird, 600.0).unwrap();
+        let (first, last) = (drive.time(0), drive.time(drive.points()));
+        let patch = |stretch: [f64; 2]| Trial {
+            what: What::Effect(Candidate {
+                kind: effect::named("friction_change").unwrap(),
+                channel: None,
+                free: vec![0],
+                fixed: Vec::new(),
+                live: None,
+                stretches: vec![stretch],
+            }),
+            of: Scope::Car,
+            inverse_friction: 1.0,
+        };
+        assert!(patch([first + 2.0, f64::INFINITY]).is_nearly_always_there(&drive));
+        assert!(!patch([0.5 * (first + last), f64::INFINITY]).is_nearly_always_there(&drive));
+        assert!(!patch([f64::NEG_INFINITY, f64::INFINITY]).is_nearly_always_there(&drive));
+    }
+}

@@ -4,9 +4,10 @@ use physics::model::Vehicle;
 use physics::model::effect::{Channel, EffectConfig, Setting};
 use physics::{Quantity, Wheel};
 
-use super::super::answer::{LEAST_FIT, Number, as_configured, numbers};
+use super::super::answer::{LEAST_FIT, as_configured};
 use super::super::choice::fit_ordinary;
 use super::super::fit::FreeFit;
+use super::super::fitted_number::{Number, numbers};
 use super::super::grid::{STEP_S, resampled};
 use super::super::inputs::{FreeDrive, Held, compared_mean};
 use super::super::numbers::placed;

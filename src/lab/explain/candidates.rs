@@ -48,7 +48,8 @@ impl Candidate {
     pub fn is_added_in_time(&self) -> bool {
         let begins = |(place, at): &(usize, f64)| Some(*place) == self.kind.onset() && *at > 0.0;
         let jumps = || self.kind.is_of_measurement() && self.fixed.iter().any(begins);
-        self.live.is_some() && self.stretches.is_empty() || jumps()
+        let is_course = || self.kind.disturbance(self.channel).is_some_and(|course| course.sign == 0.0);
+        self.live.is_some() && is_course() || jumps()
     }
 
     /// Its name, with its channel.

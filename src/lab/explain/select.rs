@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::candidates::{Candidate, onsets, onsets_within};
 use super::exogenous::follows_motion;
 use super::fit::{Data, Fit, Learn};
-use super::model::Model;
+use super::model::{Model, Place};
 use super::naming::{Refitted, Scored, refine, refit, scan};
 use super::patches;
 use super::predict::GriddedDrive;
@@ -239,7 +239,9 @@ fn fitted<'f, 'a: 'f>(
         }
     });
     let patches = patches(data, before, &all, library);
-    all.retain(|refitted| patches::is_possible(data, refitted) && is_noteworthy(refitted));
+    all.retain(|refitted| {
+        patches::is_possible(data, refitted) && is_noteworthy(refitted) && has_the_shape_of(refitted)
+    });
     best_of_each(all.into_iter().chain(patches).collect())
 }
 
@@ -253,6 +255,16 @@ fn is_noteworthy(refitted: &Refitted<'_>) -> bool {
     let number = refitted.fit.model.effects.last().and_then(|effect| effect.numbers.first());
     let least = candidate.kind.search.least_of_torque.filter(|_| of_a_torque);
     least.zip(number).is_none_or(|(least, number)| number.abs() > least)
+}
+
+/// Does what it was found with belong to it? A number beside its size that ends at its bound is none that a car can have: a load that
+/// sloshes is no roll at half of a car's frequency.
+fn has_the_shape_of(refitted: &Refitted<'_>) -> bool {
+    let model = &refitted.fit.model;
+    let Some(effect) = model.effects.len().checked_sub(1) else { return true };
+    let is_main = |place: &usize| refitted.candidate.kind.parameters[*place].is_main;
+    let beside = refitted.candidate.free.iter().filter(|place| !is_main(place));
+    beside.copied().all(|place| !model.is_at_bound(Place::Effect(effect, place)))
 }
 
 /// What lies in patches, within clear edges: each kind of them wherever the course of any kind has some; and each

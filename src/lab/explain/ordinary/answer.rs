@@ -407,6 +407,24 @@ mod tests {
         let yaw_rate = |fit: &Parts<ByChannel>| fit.holdout["yaw_rate"];
         assert!(yaw_rate(&found.fit) > 95.0 && yaw_rate(&found.fit) > yaw_rate(&found.plain_fit) + 2.0);
         assert_eq!(found.verdict(true), Verdict::Adequate, "{:?}", found.remaining);
+        // Something unusual is the answer, or a part of it.
+        let told = Ordinary { beyond: Beyond { is_unusual: true, ..Beyond::default() }, ..found };
+        assert_eq!(told.verdict(true), Verdict::MissingPhysics);
+        assert_eq!(Ordinary { leaves_most: true, ..told }.verdict(true), Verdict::UnknownPhysics);
+    }
+
+    #[test]
+    fn what_repeats_is_counted_by_what_the_ordinary_car_misses() {
+        let of = |share: f64| Remaining { share, null: 0.0, most_of_null: 0.0 };
+        let remaining =
+            BTreeMap::from([("yaw_rate".to_owned(), of(0.8)), ("lateral_acceleration".to_owned(), of(0.2))]);
+        let errors = |yaw_rate: f64, lateral: f64| -> ByChannel {
+            [("yaw_rate".to_owned(), yaw_rate), ("lateral_acceleration".to_owned(), lateral)].into()
+        };
+        let ordinary = errors(0.01, 0.1);
+        assert!((repeated(&remaining, &ordinary, &ordinary) - 1.0).abs() < 1e-12);
+        // Half the error is a quarter of its square.
+        assert!((repeated(&remaining, &errors(0.005, 0.1), &ordinary) - 0.4).abs() < 1e-12);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::{Scale, Spec};
 
-/// Natural frequency of the roll.
+/// Natural frequency of the roll: of cars 1 to 2 Hz (Gillespie 1992, ch. 6), of a laden van hardly below 0.8.
 pub(super) const FREQUENCY: Spec = Spec {
     name: "roll_frequency_rad_per_s",
     words: "roll frequency",
@@ -10,7 +10,7 @@ pub(super) const FREQUENCY: Spec = Spec {
     scale: Scale::Linear,
     mean: 9.0,
     std: 2.5,
-    bounds: (3.0, 25.0),
+    bounds: (5.0, 25.0),
     step: 0.5,
     model_error: Spec::MODEL_ERROR,
     is_main: false,

@@ -86,7 +86,7 @@ mod tests {
 
     /// GIVEN a yaw rate that is late for certain THEN it, and nothing else, is put on time; GIVEN less than that THEN nothing.
     #[test]
-    fn a_yaw_rate_that_is_late_for_certain_is_put_put_right() {
+    fn a_yaw_rate_that_is_late_for_certain_is_put_on_time() {
         let (_, recording) = recorded("");
         let recordings = [recording];
         let put = put_right(&recordings, &[report(Confidence::Certain, "sensor_delay", "yaw_rate")]);

@@ -308,10 +308,10 @@ mod tests {
                     drive.steered(0.0, 0..drive.points()).into_iter().step_by(2).collect();
                 lost_in_play(&steering, 0.035)
             });
-            lost[i] + road[i]
+            lost[i] + 0.05 * road[i]
         });
         assert!(play.repeats_clearly(), "{play:?}");
-        let limit = found(|_, own, i| 0.3 * beyond(own.lateral[i], 2.0) + road[i]);
+        let limit = found(|_, own, i| 0.3 * beyond(own.lateral[i], 2.0) + 0.05 * road[i]);
         assert!(limit.repeats_clearly(), "{limit:?}");
     }
 }

@@ -47,9 +47,8 @@ impl Candidate {
     /// of it follows from inputs and motion.
     pub fn is_added_in_time(&self) -> bool {
         let begins = |(place, at): &(usize, f64)| Some(*place) == self.kind.onset() && *at > 0.0;
-        let jumps = || self.kind.is_of_measurement() && self.fixed.iter().any(begins);
-        let is_course = || self.kind.disturbance(self.channel).is_some_and(|course| course.sign == 0.0);
-        self.live.is_some() && is_course() || jumps()
+        let is_jump = self.kind.is_of_measurement() && self.fixed.iter().any(begins);
+        is_jump || self.kind.disturbance(self.channel).is_some_and(|course| course.sign == 0.0)
     }
 
     /// Its name, with its channel.

@@ -6,6 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
+use super::play::lost_in_play;
 use super::predict::GriddedDrive;
 use super::predict::grid::{STEP_S, points};
 use super::smooth::Smoothed;
@@ -129,16 +130,9 @@ const PLAYS: [f64; 3] = [0.01, 0.03, 0.1];
 
 /// What a play of this width takes away, as a share of it: the sign of the last steering, softened.
 fn play(drive: &GriddedDrive, width: f64) -> Vec<f64> {
-    let mut behind = f64::NAN;
-    let step = |input: &physics::model::effect::Recorded| {
-        let angle = input.steering_wheel;
-        if !angle.is_finite() {
-            return 0.0;
-        }
-        behind = if behind.is_nan() { angle } else { behind.clamp(angle - 0.5 * width, angle + 0.5 * width) };
-        (angle - behind) / (0.5 * width)
-    };
-    drive.inputs.iter().map(step).collect()
+    let mut lost = lost_in_play(drive.inputs.iter().map(|input| input.steering_wheel), width);
+    lost.iter_mut().for_each(|lost| *lost /= 0.5 * width);
+    lost
 }
 
 #[cfg(test)]

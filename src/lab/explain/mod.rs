@@ -44,6 +44,7 @@ mod naming;
 mod next_drive;
 pub mod ordinary;
 mod patches;
+mod play;
 mod predict;
 mod proof;
 mod put_right;

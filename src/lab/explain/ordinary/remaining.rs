@@ -12,6 +12,7 @@ use super::grid::STEP_S;
 use super::inputs::FreeDrive;
 use super::robust::deviation;
 use super::run::Predicted;
+use crate::explain::play::lost_in_play;
 
 /// Share of the held-out squared error that inputs and motion predict.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,9 +64,9 @@ const OUTLIER: f64 = 5.0;
 /// Time constants of the features' memories, s: tires, suspension and driver, heat.
 const MEMORIES_S: [f64; 3] = [0.3, 1.0, 8.0];
 
-/// Half of the play that is asked for, at the steering wheel, rad. Numerical: what lies between is like one of the two, a
-/// tight steering has less.
-const PLAYS_RAD: [f64; 2] = [0.015, 0.05];
+/// Plays that are asked for, at the steering wheel, rad. Numerical: what lies between is like one of the two, a tight steering
+/// has less.
+const PLAYS_RAD: [f64; 2] = [0.03, 0.1];
 
 /// Where what is cut off at a limit may bend, as shares of the largest value.
 const LIMITS: [f64; 2] = [0.5, 0.75];
@@ -166,8 +167,7 @@ fn features(base: &[[f64; 6]]) -> DMatrix<f64> {
             }
         }
     }
-    let steering: Vec<f64> = base.iter().map(|row| row[0]).collect();
-    let plays = PLAYS_RAD.map(|half| lost_in_play(&steering, half));
+    let plays = PLAYS_RAD.map(|width| lost_in_play(base.iter().map(|row| row[0]), width));
     let most = |of: usize| base.iter().map(|row| row[of].abs()).fold(0.0, f64::max);
     let (most_yaw, most_ay) = (most(1), most(2));
     let of = |row: usize| -> Vec<f64> {
@@ -186,16 +186,6 @@ fn features(base: &[[f64; 6]]) -> DMatrix<f64> {
     let rows: Vec<Vec<f64>> = (0..base.len()).map(of).collect();
     let columns = rows.first().map_or(0, Vec::len);
     DMatrix::from_fn(rows.len(), columns, |i, j| rows[i][j])
-}
-
-/// What a steering with this much play, half to each side, does not pass on.
-fn lost_in_play(steering: &[f64], half: f64) -> Vec<f64> {
-    let mut passed = steering.first().copied().unwrap_or(0.0);
-    let of = |angle: &f64| {
-        passed = passed.clamp(angle - half, angle + half);
-        angle - passed
-    };
-    steering.iter().map(of).collect()
 }
 
 /// What is beyond a limit, with its sign.
@@ -297,16 +287,14 @@ mod tests {
         assert!(physics.repeats() && physics.share > 0.4, "{physics:?}");
     }
 
-    /// GIVEN 2° of play at the steering wheel, and an accelerometer that ends at 2 m/s² THEN what they leave repeats.
+    /// GIVEN 4° of play at the steering wheel, and an accelerometer that ends at 2 m/s² THEN what they leave repeats.
     #[test]
     fn what_play_and_limits_do_repeats() {
         let road = road(100_000);
         let steered = std::cell::OnceCell::new();
         let play = found(|drive, _, i| {
             let lost = steered.get_or_init(|| {
-                let steering: Vec<f64> =
-                    drive.steered(0.0, 0..drive.points()).into_iter().step_by(2).collect();
-                lost_in_play(&steering, 0.035)
+                lost_in_play(drive.steered(0.0, 0..drive.points()).into_iter().step_by(2), 0.07)
             });
             lost[i] + 0.05 * road[i]
         });

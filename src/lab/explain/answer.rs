@@ -9,6 +9,7 @@ use super::course::give_means_to_zeros;
 use super::doubt;
 use super::finding::{finding, measured_wrong, ranking, told_apart};
 use super::fit::Fit;
+use super::lateness::against_the_earliest;
 use super::locate::{EQUATIONS, Gains, gains, innovations, regimes};
 use super::model::{Free, Place};
 use super::predict::sums::{Comparison, Innovation};
@@ -125,6 +126,9 @@ impl<'a> Conclusion<'_, 'a> {
                 explanation.verdict = Verdict::MissingPhysics;
             }
             explanation.findings.splice(0..0, wrong);
+            if self.case.references == 0 {
+                against_the_earliest(&mut explanation.findings);
+            }
         }
         explanation.take_chain(self.case.chain);
         explanation.to_drive = self.to_drive(&explanation.findings);

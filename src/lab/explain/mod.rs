@@ -35,6 +35,7 @@ mod finding;
 mod fit;
 pub mod found;
 mod history;
+mod lateness;
 mod learn;
 mod left_out;
 mod locate;

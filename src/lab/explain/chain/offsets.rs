@@ -90,11 +90,14 @@ fn steering_scale(series: &Series) -> f64 {
     series.vehicle.steering_ratio.value * series.vehicle.wheelbase_m.value
 }
 
-/// The yaw rate while the car stands: nothing could be clearer.
-pub(super) fn at_standstill(series: &Series, report: &mut ChainReport) {
-    if let Some((mean, std, count)) = standing(series) {
-        add(report, (series, Quantity::YawRate), mean, std, count.max(10), "at standstill");
-    }
+/// So well a zero of the yaw rate is known at best, rad/s: it wanders. Physical.
+const SETTLED: f64 = 1e-3;
+
+/// The yaw rate while the car stands, and its standard deviation: nothing could be clearer.
+pub(super) fn at_standstill(series: &Series, report: &mut ChainReport) -> Option<(f64, f64)> {
+    let (mean, std, count) = standing(series)?;
+    add(report, (series, Quantity::YawRate), mean, std, count.max(10), "at standstill");
+    Some((mean, std))
 }
 
 /// Its mean, the standard deviation of that, and of how many seconds.
@@ -129,12 +132,13 @@ fn standing(series: &Series) -> Option<(f64, f64, usize)> {
 
 /// All offsets.
 pub(super) fn offsets(series: &Series, delays: &[Link], report: &mut ChainReport) {
-    at_standstill(series, report);
+    let standing = at_standstill(series, report);
     let delay = |relation: Relation| {
         delays.iter().find(|link| link.relation == relation).map_or(0.0, |link| link.delay)
     };
     let yaw = yaw_rate(series, delay(Relation::RearWheels));
-    if let Some(fit) = &yaw {
+    // What the wheels say is their own error, too; standing still has none.
+    if let Some(fit) = yaw.as_ref().filter(|_| standing.is_none()) {
         add(
             report,
             (series, Quantity::YawRate),
@@ -144,7 +148,8 @@ pub(super) fn offsets(series: &Series, delays: &[Link], report: &mut ChainReport
             "against the rear wheels",
         );
     }
-    let zero = yaw.map_or((0.0, 0.02), |fit| (-fit.value[1], fit.std[1]));
+    let by_wheels = yaw.map_or((0.0, 0.02), |fit| (-fit.value[1], fit.std[1]));
+    let zero = standing.map_or(by_wheels, |(mean, std)| (mean, std.max(SETTLED)));
     if let Some(fit) = lateral(series, delay(Relation::Lateral), zero) {
         let from = "against speed x yaw rate (includes the road's bank)";
         add(report, (series, Quantity::LateralAcceleration), fit.value[3], fit.std[3], fit.blocks, from);
@@ -169,8 +174,15 @@ fn yaw_rate(series: &Series, delay: f64) -> Option<Fit<3>> {
     turning(series, rear, delay, (1.0, 0.1))
 }
 
+/// Radii of an axle's wheels, relative: they differ by so much as a rule …
+const RADII_DIFFER: f64 = 0.002;
+/// … and by so much where the fit strains against that. Physical: [`TIRES_DIFFER`](super::wheels).
+const RADII_DIFFER_MUCH: f64 = 0.03;
+/// Strain: so many deviations. Statistical: one of twenty.
+const STRAINED: f64 = 2.0;
+
 /// The difference of an axle's wheels against the yaw rate: its slope, with what is thought of it; what it is where the yaw
-/// rate reads zero; and a share of the speed.
+/// rate reads zero; and a share of the speed, which is what radii make that differ.
 fn turning(
     series: &Series,
     (left, right, track): (Quantity, Quantity, f64),
@@ -181,7 +193,10 @@ fn turning(
     let to_yaw = series.vehicle.wheel_radius_m.value / track;
     let y = series.smoothed(|row| (right[row] - left[row]) * to_yaw);
     let rows = rows(series, &y, delay, |_| true, |row| [series.r[row], 1.0, series.v[row]]);
-    fit(&rows, [slope, FREE, (0.0, 0.002 / track)])
+    let with = |differ: f64| fit(&rows, [slope, FREE, (0.0, differ / track)]);
+    let usual = with(RADII_DIFFER)?;
+    let is_strained = usual.value[2].abs() * track > STRAINED * RADII_DIFFER;
+    if is_strained { with(RADII_DIFFER_MUCH) } else { Some(usual) }
 }
 
 fn lateral(series: &Series, delay: f64, zero: (f64, f64)) -> Option<Fit<4>> {

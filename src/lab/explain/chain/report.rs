@@ -126,6 +126,9 @@ pub struct ChainReport {
     pub unclear: Vec<Unclear>,
     /// All comparisons.
     pub relations: Vec<RelationReport>,
+    /// How well the radii of an axle's wheels are told apart, front and rear, relative; none where the driving does not.
+    #[serde(skip)]
+    pub radii: Option<[f64; 2]>,
     /// Was there enough driving to compare anything? Else nothing was found because nothing was looked at.
     pub compared: bool,
 }

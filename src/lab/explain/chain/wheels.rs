@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::attribution::{Cause, Evidence, FOUND, attribute};
+use super::attribution::{AHEAD, Cause, Evidence, FOUND, attribute};
 use super::regression::{SIGNIFICANT, student};
 use super::relations::{Relation, link};
 use super::report::{AuditFinding, ChainReport, Confidence};
@@ -227,6 +227,11 @@ fn names(pairs: &[(Wheel, Wheel)]) -> String {
     pairs.iter().map(|(a, b)| format!("{}/{}", speed(*a), speed(*b))).collect::<Vec<_>>().join(" and ")
 }
 
+/// The difference of an axle's radii that is certain, where it is told with this standard deviation.
+pub fn certain_radius(std: f64) -> f64 {
+    RADIUS_SURE.max((2.0 * FOUND).sqrt() * std)
+}
+
 /// Did the car go straight for a while, or round both ways? Going round one way, a small wheel, a zero of the yaw rate
 /// and a track that is a little wider look all the same.
 fn tells_radii(series: &Series) -> bool {
@@ -256,6 +261,7 @@ pub(super) fn radii(series: &Series, report: &mut ChainReport) {
     let model_error = [WITHIN_AXLE, WITHIN_AXLE, BETWEEN_AXLES];
     let covariance =
         DMatrix::from_diagonal(&DVector::from_fn(3, |i, _| stds[i].powi(2) + model_error[i].powi(2)));
+    report.radii = Some([0, 1].map(|axle| covariance[(axle, axle)].sqrt()));
     // A larger tire turns more slowly.
     let causes = |wheel: Wheel| -> Vec<f64> {
         let side = if wheel.is_left() { 1.0 } else { -1.0 };
@@ -270,8 +276,11 @@ pub(super) fn radii(series: &Series, report: &mut ChainReport) {
         if best.gain < FOUND || best.value.abs() < RADIUS_MATTERS {
             return;
         }
-        let ahead = explanations.get(1).is_none_or(|next| best.gain - next.gain > 6.0);
-        let sure = ahead && best.value.abs() > RADIUS_SURE && best.gain > 2.0 * FOUND;
+        let rivals = || explanations[1..].iter().filter(|other| best.gain - other.gain < AHEAD);
+        let ahead = rivals().next().is_none();
+        // Of an axle's two wheels one too small and the other too large differ by little only.
+        let axle_ahead = rivals().all(|other| other.channel.is_front() == best.channel.is_front());
+        let sure = axle_ahead && best.value.abs() > RADIUS_SURE && best.gain > 2.0 * FOUND;
         report.findings.push(AuditFinding {
             effect: "tire_radius",
             channel: speed(best.channel).name().to_owned(),
@@ -280,10 +289,11 @@ pub(super) fn radii(series: &Series, report: &mut ChainReport) {
             t: best.gain.sqrt(),
             evidence: format!(
                 "straight ahead the wheels differ: front right − left {:+.3} %, rear right − left {:+.3} %, \
-                 front − rear {:+.3} %",
+                 front − rear {:+.3} %{}",
                 100.0 * seen[0],
                 100.0 * seen[1],
-                100.0 * seen[2]
+                100.0 * seen[2],
+                if axle_ahead && !ahead { "; which of the axle's two it is does not show" } else { "" }
             ),
             confidence: match (sure, ahead) {
                 (true, _) => Confidence::Certain,
@@ -294,9 +304,7 @@ pub(super) fn radii(series: &Series, report: &mut ChainReport) {
                 "multiply its gain by {:.5}; or check tire size, wear and pressure of this wheel",
                 1.0 + best.value
             ),
-            or: explanations[1..]
-                .iter()
-                .filter(|other| best.gain - other.gain < 6.0)
+            or: rivals()
                 .map(|other| format!("{} ({:+.2} %)", speed(other.channel), 100.0 * other.value))
                 .collect(),
         });

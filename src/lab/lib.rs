@@ -1,5 +1,6 @@
 //! Recording against simulation: what the car's numbers are, what physics is missing, and the pages that say so.
 
+pub mod chance;
 pub mod explain;
 pub mod identify;
 pub mod pages;

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::case::Case;
+use super::chain::certain_radius;
 use super::ordinary::{Power, Powers, could_tell};
 use super::result::{Chance, ToDrive};
 use super::verify::Verified;
@@ -30,10 +31,14 @@ pub struct Detectable {
     pub unit: String,
     /// The smallest change of it that is called by its name with 90 % probability; none where nothing is large enough.
     pub named_90: Option<f64>,
+    /// The same with 50 %.
+    pub named_50: Option<f64>,
     /// The same for being found at all, under whatever name.
     pub noticed_90: Option<f64>,
     /// What it usually is.
     pub ordinary: f64,
+    /// Where it makes no difference: what changes are counted from.
+    pub neutral: f64,
     /// What it is taken for most easily, and the correlation of their traces.
     pub taken_for: Option<Rival>,
     /// All that is known of it; what the JSON has of it stands above.
@@ -101,13 +106,26 @@ impl Case<'_> {
 
     fn powers(&self) -> Option<Powers> {
         let told = could_tell(self.vehicle, self.effects, self.recordings, &[], self.asked(&|_| true));
-        told.map(|(now, _)| now)
+        let mut now = told.map(|(now, _)| now)?;
+        // Radii of an axle's wheels are told by the audit: in the ordinary car they are free.
+        let best = |axle: usize| self.chain.iter().filter_map(|of| Some(of.radii?[axle])).reduce(f64::min);
+        for power in now.all.iter_mut().filter(|_| self.references == 0) {
+            let wheel = power.number.strip_prefix(RADIUS_OF).and_then(|wheel| wheel.chars().next());
+            let std = wheel.and_then(|wheel| best(usize::from(wheel == 'r')));
+            if let Some(std) = std.filter(|_| power.name == "tire_radius") {
+                power.or_by(std, certain_radius(std));
+            }
+        }
+        Some(now)
     }
 }
 
+/// What numbers of wheels' radii begin with.
+const RADIUS_OF: &str = "relative_difference_";
+
 /// Of the four wheels each has its own.
 fn full_name(power: &Power) -> String {
-    match power.number.rsplit_once("relative_difference_") {
+    match power.number.rsplit_once(RADIUS_OF) {
         Some((_, wheel)) => format!("{}:{wheel}", power.name),
         None => power.name.clone(),
     }
@@ -127,8 +145,10 @@ fn detectable(power: Power) -> Detectable {
         parameter: power.number.clone(),
         unit: power.unit.clone(),
         named_90: below(power.named),
+        named_50: power.size_of(0.5).and_then(below),
         noticed_90: below(power.noticed),
         ordinary: power.ordinary,
+        neutral: power.neutral,
         taken_for: power.rival.clone().map(|(name, correlation)| Rival { name, correlation }),
         power,
     }
@@ -137,6 +157,7 @@ fn detectable(power: Power) -> Detectable {
 #[cfg(test)]
 mod tests {
     use super::super::bench::{case, recorded};
+    use super::super::chain::ChainReport;
     use super::*;
     use physics::model::effect::named;
 
@@ -147,6 +168,24 @@ mod tests {
             ["sensor_bias", "sensor_delay", "steering_ratio", "roll_steer"].map(|kind| named(kind).unwrap());
         let case = Case { library: &library, ..case(&vehicle, &recordings) };
         (case.sensitivity().unwrap(), case.isolability().unwrap())
+    }
+
+    /// GIVEN a drive whose audit tells the rear wheels' radii to 0.1 %, and the front ones' to 1 % THEN a rear tire that is
+    /// 0.7 % small is called by its name, and a front tire not before 7 %.
+    #[test]
+    fn radii_are_told_as_well_as_the_audit_tells_them() {
+        let (vehicle, recording) = recorded("");
+        let recordings = [recording];
+        let library = [named("tire_radius").unwrap()];
+        let chain = [ChainReport { radii: Some([0.01, 0.001]), ..ChainReport::default() }];
+        let case = Case { library: &library, chain: &chain, ..case(&vehicle, &recordings) };
+        let sensitivity = case.sensitivity().unwrap();
+        let of = |wheel: &str| {
+            let is_it = |it: &&Detectable| it.parameter == format!("{RADIUS_OF}{wheel}");
+            sensitivity.effects.iter().find(is_it).and_then(|it| it.named_90).unwrap_or(f64::INFINITY)
+        };
+        assert!((of("rl") - 0.00694).abs() < 1e-4, "{}", of("rl"));
+        assert!(of("fr") > 0.06, "{}", of("fr"));
     }
 
     /// GIVEN a drive with little noise THEN an ordinary jump of the gyroscope would be seen, by a share of its size; and what

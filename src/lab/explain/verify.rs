@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::result::{Finding, full_name};
 use super::sensitivity::{Detectable, Sensitivity};
+use crate::chance::wilson;
 
 /// What was predicted beside what was found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -267,18 +268,6 @@ impl Verified {
         };
         Self { bins: (0..BINS).map(bin).collect(), runs, left_out }
     }
-}
-
-/// Wilson's 95 % score interval of a share; all of it for none of none.
-fn wilson(hits: usize, of: usize) -> [f64; 2] {
-    if of == 0 {
-        return [0.0, 1.0];
-    }
-    let (n, share, z) = (of as f64, hits as f64 / of as f64, 1.96_f64);
-    let square = z * z / n;
-    let middle = (share + 0.5 * square) / (1.0 + square);
-    let half = z * (share * (1.0 - share) / n + 0.25 * square / n).sqrt() / (1.0 + square);
-    [(middle - half).max(0.0), (middle + half).min(1.0)]
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ use super::round::LEAST_HELD_GAIN;
 use super::rows::{Rows, normal, weights};
 use super::trial::{Trial, trials};
 use super::{Question, Search, references};
+use crate::chance::normal_cdf;
 use crate::explain::select::LEAST_EVIDENCE;
 use physics::model::Vehicle;
 
@@ -66,6 +67,16 @@ impl Power {
         let share = size.abs() / self.ordinary;
         let chances = self.bars.iter().map(|bar| normal_cdf(bar.slope * share - bar.needed));
         chances.fold(1.0, f64::min)
+    }
+
+    /// Something else tells it, too, with this standard deviation and from this size on; the better one counts.
+    pub fn or_by(&mut self, std: f64, least: f64) {
+        let bar = Bar { slope: self.ordinary / std, needed: least / std };
+        let size = bar.share() * self.ordinary;
+        self.noticed = self.noticed.min(size);
+        if size < self.named {
+            (self.named, self.bars, self.rival) = (size, vec![bar], None);
+        }
     }
 
     /// The size that is called by its name with this probability, between none and ten times what is with 90 %; none where
@@ -253,14 +264,4 @@ impl Search<'_> {
 
 fn held_square(left: &DVector<f64>, rows: &Rows) -> f64 {
     left.iter().zip(&rows.held).filter(|(_, held)| **held).map(|(left, _)| left * left).sum()
-}
-
-/// Φ, by the error function's approximation of Abramowitz and Stegun (7.1.26), right to 1e-7.
-fn normal_cdf(x: f64) -> f64 {
-    let z = x.abs() / std::f64::consts::SQRT_2;
-    let t = 1.0 / (1.0 + 0.327_591_1 * z);
-    let series = [0.254_829_592, -0.284_496_736, 1.421_413_741, -1.453_152_027, 1.061_405_429];
-    let sum = series.iter().rev().fold(0.0, |sum, factor| (sum + factor) * t);
-    let erf = 1.0 - sum * (-z * z).exp();
-    0.5 * (1.0 + erf.copysign(x))
 }

@@ -19,7 +19,8 @@ const LEAST_MOVE_S: f64 = 0.125;
 /// More of them only go to and fro: each is judged beside numbers that were fitted before it. Numerical.
 const MOST_MOVES: usize = 20;
 
-/// Such a step may cost so much of the evidence, which sees the training part only.
+/// Such a step may cost so much of the gain on all rows: another colour of the noise is learned beside it. When something
+/// began while driving was held out, nothing else says when.
 const LEAST_WORSE: f64 = 2.0;
 
 /// A candidate fitted with everything else.
@@ -46,6 +47,13 @@ pub struct Refitted<'a> {
     pub held_gain: f64,
     /// By how much that of the training part falls, by channel.
     pub gains: [f64; CHANNELS],
+}
+
+impl Refitted<'_> {
+    /// On driving that it was fitted to, less what it had to choose from, and on the other.
+    fn all_gain(&self) -> f64 {
+        self.evidence + self.held_gain
+    }
 }
 
 /// Between which moments, s, two trials differ that are the same but for the times at which they act.
@@ -99,7 +107,7 @@ impl Search<'_> {
             let here = self.own_cost(state, &best.errors);
             let better = moved.filter(|(cost, _)| *cost < here).min_by(|a, b| a.0.total_cmp(&b.0));
             let next = better.map(|(_, trial)| self.refit_from(state, trial, vec![best.at.clone()]));
-            match next.filter(|next| next.evidence > best.evidence - LEAST_WORSE) {
+            match next.filter(|next| next.all_gain() > best.all_gain() - LEAST_WORSE) {
                 Some(next) => {
                     best = next;
                     known = None;

@@ -29,7 +29,8 @@ pub struct Scored {
 }
 
 impl Search<'_> {
-    /// All candidates to first order, best first, the best one of each name; and the most that a decoy gains.
+    /// All candidates to first order, best first, the best one of each name (of a patch, of either side); and the most that a
+    /// decoy gains.
     pub(super) fn scan(&self, state: &State<'_>, trials: &[Trial], seed: u64) -> (Vec<Scored>, f64) {
         let colour = &self.short_colour(&state.errors);
         let rows = self.rows(colour, &state.errors);
@@ -94,9 +95,17 @@ impl Search<'_> {
             })
             .collect();
         let null = scored.iter().map(|(_, decoy)| *decoy).fold(0.0, f64::max);
-        let mut best: BTreeMap<String, Scored> = BTreeMap::new();
+        // A patch of more friction and one of less are at other places.
+        let side = |scored: &Scored| {
+            let more = |(number, coordinate): &(usize, f64)| {
+                let free = scored.trial.free(&scored.trial.put_into(&state.model));
+                free.get(*number).is_some_and(|free| *coordinate > free.prior.0)
+            };
+            scored.trial.is_patch() && scored.numbers.iter().any(more)
+        };
+        let mut best: BTreeMap<(String, bool), Scored> = BTreeMap::new();
         for (scored, _) in scored {
-            let name = scored.trial.name();
+            let name = (scored.trial.name(), side(&scored));
             if best.get(&name).is_none_or(|other| other.gain < scored.gain) {
                 best.insert(name, scored);
             }

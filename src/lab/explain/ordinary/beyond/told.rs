@@ -335,9 +335,9 @@ fn another_number(name: &str, is_simulated: bool) -> Finding {
 }
 
 /// A number of the ordinary car as an effect of the library.
-struct Told {
-    kind: &'static Kind,
-    channel: Option<Channel>,
+pub(super) struct Told {
+    pub(super) kind: &'static Kind,
+    pub(super) channel: Option<Channel>,
     /// The effect's number.
     number: &'static str,
     /// The coordinate at which it makes no difference.
@@ -345,7 +345,7 @@ struct Told {
 }
 
 impl Told {
-    fn of(state: &State<'_>, free: &Free) -> Option<Self> {
+    pub(super) fn of(state: &State<'_>, free: &Free) -> Option<Self> {
         use Parameter::{LateralAccelerationOffset, SteeringOffset, YawRateOffset};
         let sensor = |kind: &str, number: &'static str, quantity: Quantity, neutral: f64| {
             Some(Self { kind: named(kind)?, channel: Some(quantity.into()), number, neutral })

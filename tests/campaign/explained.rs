@@ -1,5 +1,4 @@
-//! What `gripd explain` says of real drives, and of the same drives with one effect put into them by the tool that comes
-//! with the recordings, which has equations of its own. The unchanged drive is the control.
+//! What `gripd explain` says of real drives.
 
 use std::path::Path;
 
@@ -52,9 +51,6 @@ fn a_real_drive_is_an_ordinary_car() {
 }
 
 mod by_hand {
-    use std::path::PathBuf;
-    use std::process::Command;
-
     use testing::results::Section;
 
     use super::*;
@@ -109,67 +105,6 @@ mod by_hand {
             seed: "recorded",
             tolerance: 0.1,
             header: "drive | verdict | unusual | measurement | what every car has | yaw rate held out, %: plain | found",
-        }
-        .check(&rows);
-    }
-
-    /// Effects as the tool calls them, and their names here; as strong as what a bicycle leaves.
-    const CONCEALED: [(&str, &str, &str); 12] = [
-        ("gti/group8controller", "tire_radius wheel=2 relative=-0.015", "tire_radius"),
-        ("gti/group8controller", "sensor_bias channel=yaw_rate bias=0.03 from=30", "sensor_bias"),
-        ("gti/group8controller", "sensor_scale channel=yaw_rate relative=0.06", "sensor_scale"),
-        ("gti/group8controller", "relaxation_length length=1.5", "relaxation_length"),
-        ("gti/group8controller", "friction_change factor=0.6 from=25 to=40", "friction_change"),
-        ("gti/group8controller", "steering_ratio curvature=0.05", "steering_ratio"),
-        ("gti/group8controller", "accelerometer_position ahead=1.0", "accelerometer_position"),
-        ("gti/group8controller", "payload mass=350 behind=1.2", "payload"),
-        ("gti/group8controller", "steering_compliance rad_per_kn=0.006", "steering_compliance"),
-        ("gti/dry4", "tire_radius wheel=1 relative=-0.015", "tire_radius"),
-        ("gti/dry4", "friction_change factor=0.7 from=30 to=60", "friction_change"),
-        ("gti/wet1", "sensor_bias channel=yaw_rate bias=0.02 from=40", "sensor_bias"),
-    ];
-
-    /// `GRIPD_RENEW=1 YARDSTICK_PYTHON=… cargo test --test campaign by_hand::concealed_in_real_drives -- --ignored`.
-    #[test]
-    #[ignore = "by hand: ten minutes, and Python with numba for the tool that conceals"]
-    fn concealed_in_real_drives() {
-        let Some(folder) = testing::shared("recordings") else { return };
-        let python = std::env::var("YARDSTICK_PYTHON").unwrap_or_else(|_| "python3".into());
-        let scratch = tempfile::tempdir().unwrap();
-        let row = |(drive, effect, own): (&str, &str, &str)| {
-            let config = DRIVES.into_iter().find(|(_, name)| *name == drive).unwrap().0;
-            let (config, log) = (folder.join(config), folder.join(format!("{drive}.log.gz")));
-            let changed: PathBuf = scratch.path().join("changed.log.gz");
-            let output = Command::new(&python)
-                .arg(folder.join("tools/conceal.py"))
-                .args([&config, &log, &changed])
-                .args(effect.split(' '))
-                .output()
-                .unwrap();
-            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-            let [with, without] = [&changed, &log].map(|log| explained(&config, log));
-            let told = |answer: &Value| {
-                let kinds = ["unusual", "measurement", "ordinary"];
-                kinds.iter().flat_map(|kind| findings(answer, kind)).collect::<Vec<_>>()
-            };
-            let place = |all: &[String]| all.iter().position(|finding| finding.starts_with(own));
-            let number = |place: Option<usize>| place.map_or("–".into(), |place| (place + 1).to_string());
-            let (with, without) = (told(&with), told(&without));
-            let found = place(&with).map_or(String::new(), |place| with[place].clone());
-            let row = format!(
-                "{drive} | {effect} | {} | {} | {found}",
-                number(place(&with)),
-                number(place(&without))
-            );
-            println!("{row}   {with:?} {without:?}");
-            row
-        };
-        let rows: Vec<String> = CONCEALED.into_iter().map(row).collect();
-        Section {
-            name: "concealed_real",
-            seed: "recorded",
-            tolerance: 0.1,
-            header: "drive | put in | named as number | in the unchanged drive | found",
         }
         .check(&rows);
     }

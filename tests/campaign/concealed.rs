@@ -2,12 +2,13 @@
 //! control: what it has as well was not put in.
 
 mod by_hand {
-    use std::collections::BTreeMap;
     use std::path::{Path, PathBuf};
 
     use serde_json::{Value, json};
     use testing::program::{gripd, target};
     use testing::results::Section;
+
+    use crate::found::{findings, judged, strength, told};
 
     /// Configuration and name of each drive, and healthy drives of the same car on the same road: two on a lot, which turn
     /// to the left only, and a lap that is the only one of its kind.
@@ -59,14 +60,6 @@ mod by_hand {
         "kind = 'road_bank', bank_rms_rad = 0.04",
         "kind = 'cg_shift', shift_m = 0.12, at_s = 30",
     ];
-
-    /// A finding, as far as it is looked at.
-    struct Found {
-        effect: String,
-        channel: Option<String>,
-        kind: String,
-        numbers: BTreeMap<String, (f64, f64)>,
-    }
 
     /// Drives with answers that are there already are not asked of again: `CONCEALED_ANSWERS` names another folder for
     /// them, as after a change of the program. Then
@@ -184,59 +177,6 @@ mod by_hand {
             let of = |[all, first, named]: [usize; 3]| format!("{first} first, {named} at all of {all}");
             format!("{}; strength ≥ 1: {}", of(self.all), of(self.strong))
         }
-    }
-
-    /// What was found besides what the control has, and where the effect stands among that.
-    fn judged(changed: &Value, control: &Value) -> (String, Option<usize>) {
-        let [found, known] = [changed, control].map(|answer| findings(&answer["explained"]));
-        let new: Vec<&Found> =
-            found.iter().filter(|one| known.iter().all(|other| is_other(one, other))).collect();
-        let truth = &changed["truth"]["effects"][0];
-        let is_it = |one: &&Found| {
-            truth["effect"] == one.effect && truth["channel"].as_str() == one.channel.as_deref()
-        };
-        let place = new.iter().position(is_it);
-        (new.into_iter().map(told).collect::<Vec<_>>().join("; "), place)
-    }
-
-    /// How large the change is in the channel where it is largest beside what the ordinary car leaves there.
-    fn strength(truth: &Value) -> f64 {
-        let channels = truth["channels"].as_object().into_iter().flatten();
-        channels.filter_map(|(_, channel)| channel["strength"].as_f64()).fold(0.0, f64::max)
-    }
-
-    /// Is it another effect, or the same of another size?
-    fn is_other(one: &Found, other: &Found) -> bool {
-        if (&one.effect, &one.channel) != (&other.effect, &other.channel) {
-            return true;
-        }
-        one.numbers.iter().any(|(name, (value, std))| match other.numbers.get(name) {
-            Some((before, deviation)) => (value - before).abs() > 2.0 * std.hypot(*deviation),
-            None => true,
-        })
-    }
-
-    fn findings(explained: &Value) -> Vec<Found> {
-        let of = |finding: &Value| {
-            let numbers =
-                finding["parameters"].as_object().into_iter().flatten().filter_map(|(name, number)| {
-                    Some((name.clone(), (number["value"].as_f64()?, number["std"].as_f64()?)))
-                });
-            Found {
-                effect: finding["effect"].as_str().unwrap_or_default().to_owned(),
-                channel: finding["channel"].as_str().map(str::to_owned),
-                kind: finding["kind"].as_str().unwrap_or_default().to_owned(),
-                numbers: numbers.collect(),
-            }
-        };
-        explained["findings"].as_array().into_iter().flatten().map(of).collect()
-    }
-
-    fn told(found: &Found) -> String {
-        let channel = found.channel.as_ref().map_or(String::new(), |channel| format!(" of {channel}"));
-        let numbers =
-            found.numbers.iter().map(|(name, (value, std))| format!("{name} {value:.4} ± {std:.4}"));
-        format!("{}{channel} ({}; {})", found.effect, found.kind, numbers.collect::<Vec<_>>().join(", "))
     }
 
     /// Truth and explanation of a drive, with an effect or without; why it cannot have it.

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 
 use physics::Quantity;
 use physics::model::effect::EffectConfig;
-use physics::model::{Uncertain, Vehicle};
+use physics::model::{TireKind, Uncertain, Vehicle};
 use serde::Serialize;
 
 use super::answer::{Asked, Fitted, LEAST_FIT, Ordinary, as_configured, with_bend};
@@ -46,6 +46,12 @@ pub struct Simulated {
     /// Parameters of it that were tuned to the recording before, by its names and in its units.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub tuned: BTreeMap<String, f64>,
+    /// Names of what was found first, and is not needed beside what was found after it: the second pass left it out.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub fell_away: Vec<String>,
+    /// Do the tires of the car that drives like it have a bend of their own? Then its stiffnesses are those of such tires.
+    #[serde(skip)]
+    pub is_bent: bool,
 }
 
 /// Why a simulation cannot be compared with a recording.
@@ -161,6 +167,8 @@ impl Ordinary {
             steered_alike: alignment.steered_alike,
             emulated_fit: emulation.fits,
             tuned: BTreeMap::new(),
+            fell_away: answer.beyond.fell_away.clone(),
+            is_bent: emulation.vehicle.tire == TireKind::MagicFormula,
         };
         Ok((answer, simulated))
     }

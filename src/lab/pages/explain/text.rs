@@ -42,6 +42,7 @@ fn text(explanation: &Explanation) -> String {
     if let Some(simulated) = &explanation.simulation {
         wrapped(&mut text, "", &words::beside(simulated));
     }
+    super::to_change::text(&mut text, explanation);
     for finding in &explanation.findings {
         text.push('\n');
         one(&mut text, explanation, finding);

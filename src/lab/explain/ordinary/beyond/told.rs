@@ -37,7 +37,7 @@ const LEAST_OFFSET: f64 = 2.0;
 const LEAST_SHARE: f64 = 0.01;
 
 /// Where each channel's error shows.
-const SHOWN_IN: [Quantity; CHANNELS] =
+pub(super) const SHOWN_IN: [Quantity; CHANNELS] =
     [Quantity::YawRate, Quantity::LateralAcceleration, Quantity::WheelSpeedFl, Quantity::WheelSpeedRl];
 
 impl Refitted<'_> {
@@ -213,7 +213,7 @@ impl Search<'_> {
 
     /// By how much held-out squares fall, as a share of the plain model's; all of it at most, for what the plain model has
     /// as well.
-    fn share(&self, before: &[Series], after: &[Series]) -> ByChannel {
+    pub(super) fn share(&self, before: &[Series], after: &[Series]) -> ByChannel {
         let share = |(channel, plain): (usize, f64)| {
             let fall = self.held_square(before, channel) - self.held_square(after, channel);
             (plain > 0.0).then(|| (SHOWN_IN[channel].name().to_owned(), (fall / plain).min(1.0)))

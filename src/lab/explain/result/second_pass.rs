@@ -18,7 +18,7 @@ pub struct SecondPass {
     /// By how much held-out squared errors fall with it, the others being there, as a share of the simulation's, by channel.
     pub explained_share: ByChannel,
     /// Of what it does, how much is due to the others: root mean square of what it does beside them less what it does alone,
-    /// over that of what it does beside them, by channel.
+    /// over that of what it does beside them, by channel; 1 at most.
     pub interplay: ByChannel,
     /// What a model without it does wrong.
     pub without: Without,
@@ -27,15 +27,8 @@ pub struct SecondPass {
 /// What a model does wrong that lacks something: as numbers for a sentence.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Without {
-    /// Root mean square of what it changes in the yaw rate, rad/s.
-    pub yaw_rate_rms: f64,
-    /// The most that it changes there, rad/s …
-    pub yaw_rate_most: f64,
-    /// … and when, s from the recording's start.
-    pub yaw_rate_most_at: f64,
-    /// The same root mean square of the lateral acceleration, m/s²; of a recording without one nothing.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub lateral_rms: Option<f64>,
+    /// By how much its yaw rate is off; none where the car slides off the road without the finding.
+    pub yaw_rate: Option<OffBy>,
     /// Hard turns of this drive: their mean lateral acceleration, m/s² …
     pub turning_mps2: f64,
     /// … and speed, m/s.
@@ -43,4 +36,15 @@ pub struct Without {
     /// Side forces there that are too large without it, at the same motion and steering, as a share; by tire (`front_outer`,
     /// `front_inner`, `rear_outer`, `rear_inner`) and axle (`front`, `rear`).
     pub too_much_side_force: BTreeMap<String, f64>,
+}
+
+/// By how much a yaw rate is off.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct OffBy {
+    /// Root mean square, rad/s.
+    pub rms: f64,
+    /// The most, rad/s …
+    pub most: f64,
+    /// … and when, s from the recording's start.
+    pub most_at_s: f64,
 }

@@ -2,7 +2,7 @@
 //! of this drive.
 
 use super::words::{self, number, three};
-use crate::explain::{Finding, SecondPass, Without};
+use crate::explain::{Finding, OffBy, SecondPass};
 use physics::Quantity;
 use physics::model::effect::{Spec, named};
 
@@ -54,13 +54,15 @@ pub fn numbers(finding: &Finding) -> String {
 
 /// By how much the yaw rate of a model without it is off.
 pub fn off_by(second: &SecondPass) -> String {
-    let Without { yaw_rate_rms, yaw_rate_most, yaw_rate_most_at, .. } = second.without;
+    let Some(OffBy { rms, most, most_at_s }) = second.without.yaw_rate else {
+        return "it slides off the road".into();
+    };
     let (factor, unit) = words::shown_unit("yaw_rate", Quantity::YawRate.unit());
     format!(
         "{} {unit} (rms), {} {unit} at most, at {} s",
-        three(factor * yaw_rate_rms),
-        three(factor * yaw_rate_most),
-        number(yaw_rate_most_at, 1)
+        three(factor * rms),
+        three(factor * most),
+        number(most_at_s, 1)
     )
 }
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::explain::{
-    Block, ByChannel, CourseEstimate, Driven, Estimate, Explanation, Finding, Missing, Models, Nature, Parts,
-    Ranked, SecondPass, Simulated, Trace, Verdict, Where, Without,
+    Block, ByChannel, CourseEstimate, Driven, Estimate, Explanation, Finding, Missing, Models, Nature, OffBy,
+    Parts, Ranked, SecondPass, Simulated, Trace, Verdict, Where, Without,
 };
 use physics::model::effect;
 
@@ -90,10 +90,7 @@ pub fn beside_a_simulation() -> Explanation {
     let shares: ByChannel = [("yaw_rate".to_owned(), 0.4), ("lateral_acceleration".to_owned(), 0.2)].into();
     let side_forces = [("front_outer", -0.11), ("front_inner", 0.19), ("front", 0.03), ("rear", 0.001)];
     let without = Without {
-        yaw_rate_rms: 0.021,
-        yaw_rate_most: 0.12,
-        yaw_rate_most_at: 34.2,
-        lateral_rms: Some(0.4),
+        yaw_rate: Some(OffBy { rms: 0.021, most: 0.12, most_at_s: 34.2 }),
         turning_mps2: 6.0,
         turning_at_mps: 15.0,
         too_much_side_force: side_forces.map(|(part, share)| (part.to_owned(), share)).into(),

@@ -298,6 +298,21 @@ mod tests {
     }
 
     #[test]
+    fn what_to_change_in_somebody_s_model_is_told() {
+        let text = text(&sample::beside_a_simulation());
+        let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        for part in [
+            "What to change in your model - Your model has no load transfer",
+            "Takes away 40 % in yaw rate",
+            "second pass: Moved by more than its uncertainty",
+            "In a second pass, with all of it in both runs, the numbers of one finding moved",
+        ] {
+            assert!(words.contains(part), "{part} is missing in\n{text}");
+        }
+        assert!(text.lines().all(|line| line.chars().count() <= report::WIDTH), "{text}");
+    }
+
+    #[test]
     fn every_verdict_is_told() {
         for (explanation, sentence) in sample::all() {
             let text = text(&explanation);

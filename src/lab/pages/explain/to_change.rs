@@ -2,7 +2,7 @@
 //! it takes away, and what the second pass says of it.
 
 use super::in_your_model as said;
-use super::words::{self, number, stopped};
+use super::words::{self, number, sentence, stopped};
 use crate::explain::{ByChannel, Explanation, Finding, Parts, SecondPass};
 use crate::report::Page;
 
@@ -28,7 +28,7 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
         return;
     }
     page.section("change", "What to change in your model", &summary(explanation));
-    let cells = |row: Row| vec![row.what, row.numbers, row.off_by, row.takes, row.second];
+    let cells = |row: Row| vec![sentence(&row.what), row.numbers, row.off_by, row.takes, row.second];
     page.table_of_words(
         &[
             "change",

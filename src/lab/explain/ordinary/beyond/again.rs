@@ -196,7 +196,7 @@ fn interplay(beside: &[Vec<f64>; CHANNELS], alone: &[Vec<f64>; CHANNELS]) -> ByC
         let (square, differs) = both.fold((0.0, 0.0), |(square, differs), (beside, alone)| {
             (square + beside * beside, differs + (beside - alone) * (beside - alone))
         });
-        (square > 0.0).then(|| (SHOWN_IN[channel].name().to_owned(), f64::sqrt(differs / square)))
+        (square > 0.0).then(|| (SHOWN_IN[channel].name().to_owned(), f64::sqrt(differs / square).min(1.0)))
     };
     // Of the car's motion: the wheels' speeds follow from that.
     (0..2).filter_map(of).collect()

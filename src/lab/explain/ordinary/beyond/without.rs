@@ -10,7 +10,7 @@ use super::climb::State;
 use super::colour::CHANNELS;
 use super::rows::EVERY;
 use crate::explain::predict::car::Compute;
-use crate::explain::result::Without;
+use crate::explain::result::{OffBy, Without};
 
 /// Hard turns of a drive: of its points those with so much lateral acceleration that this share has less, but for the last
 /// few, which may be anything. Statistical.
@@ -18,6 +18,9 @@ const HARD: [f64; 2] = [0.90, 0.98];
 
 /// A car that turns less does not turn, m/s². Physical: a motorway's curve.
 const LEAST_TURNING: f64 = 0.5;
+
+/// A yaw rate that is off by so much is that of a car that spins, rad/s. Physical: half a turn in two seconds.
+const SLIDES: f64 = 1.5;
 
 /// A drive's point in a turn.
 struct InTurn {
@@ -35,28 +38,27 @@ pub(super) fn without(
     own: &Range<usize>,
     changes: &[Vec<f64>; CHANNELS],
 ) -> Without {
-    let [yaw_rate, lateral, ..] = changes;
-    let finite = |values: &[f64]| {
-        values.iter().copied().enumerate().filter(|(_, value)| value.is_finite()).collect::<Vec<_>>()
-    };
-    let rms = |values: &[f64]| {
-        let all = finite(values);
-        (all.iter().map(|(_, value)| value * value).sum::<f64>() / all.len().max(1) as f64).sqrt()
-    };
-    let most = finite(yaw_rate).into_iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-    let (row, yaw_rate_most) = most.unwrap_or((0, 0.0));
     let Some(drive) = drives.first() else { return Without::default() };
     let turns = hard(in_turns(drive, state, own));
     let mean = |of: fn(&InTurn) -> f64| turns.iter().map(of).sum::<f64>() / turns.len().max(1) as f64;
     Without {
-        yaw_rate_rms: rms(yaw_rate),
-        yaw_rate_most: yaw_rate_most.abs(),
-        yaw_rate_most_at: drive.time(row * EVERY),
-        lateral_rms: drive.lateral.is_some().then(|| rms(lateral)),
+        yaw_rate: off_by(drive, &changes[0]),
         turning_mps2: mean(|turn| turn.lateral),
         turning_at_mps: mean(|turn| turn.speed),
         too_much_side_force: too_much(&turns),
     }
+}
+
+/// By how much the yaw rate is off, from the changes at each row; none where the car slides off.
+fn off_by(drive: &FreeDrive, changes: &[f64]) -> Option<OffBy> {
+    let known = || changes.iter().enumerate().filter(|(_, change)| change.is_finite());
+    let (row, most) = known().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    let square = known().map(|(_, change)| change * change).sum::<f64>() / known().count() as f64;
+    (most.abs() < SLIDES).then(|| OffBy {
+        rms: square.sqrt(),
+        most: most.abs(),
+        most_at_s: drive.time(row * EVERY),
+    })
 }
 
 /// The points of a drive at which the car turns, with both cars' side forces there.

@@ -8,6 +8,7 @@ use crate::cli::desk::applied::Applied;
 use lab::explain::found;
 use lab::explain::{Estimate, Explanation, Finding, Simulated};
 use lab::pages::explain::{answer_lines, name_of};
+use physics::model::effect::named;
 
 /// Numbers of a tire with a bend of its own.
 const OF_TIRES: [&str; 4] =
@@ -44,7 +45,8 @@ pub fn toml(
     let mut written = 0;
     let mut effects = Vec::new();
     for finding in &explanation.findings {
-        let table = found::effects([finding]).map_err(Failure::work)?;
+        let table =
+            if is_whole(finding) { found::effects([finding]).map_err(Failure::work)? } else { Vec::new() };
         let put = match number_of_the_car(finding).filter(|(key, _)| applied.has(key)) {
             Some((key, number)) => {
                 // Stiffness and friction are of the tire that was fitted.
@@ -80,4 +82,11 @@ fn number_of_the_car(finding: &Finding) -> Option<(&str, Estimate)> {
     finding.reference_value?;
     let (name, number) = finding.parameters.first_key_value()?;
     (finding.effect == *name).then_some((name.as_str(), *number))
+}
+
+/// Does it say all that its effect needs to act? One of its further numbers alone, a load sensitivity without a height, does not.
+fn is_whole(finding: &Finding) -> bool {
+    let Some(kind) = named(&finding.effect) else { return true };
+    let main: Vec<&str> = kind.parameters.iter().filter(|spec| spec.is_main).map(|spec| spec.name).collect();
+    main.is_empty() || main.iter().any(|name| finding.parameters.contains_key(*name))
 }

@@ -10,7 +10,7 @@ use crate::explain::model::{Chosen, Model, Place};
 use crate::explain::naming::ways;
 use crate::identify::Parameter;
 use physics::Quantity;
-use physics::model::effect::{Kind, Scale, Spec};
+use physics::model::effect::{Kind, Scale, Spec, named};
 
 /// Patches of another road are tried at every so many seconds …
 const PATCH_EVERY_S: f64 = 3.0;
@@ -385,7 +385,15 @@ impl Trial {
 
     /// The steps, in deviations of the prior, that tell how it acts; nothing: the number's own step.
     pub fn ways(&self) -> &'static [Option<f64>] {
-        self.candidate().map_or(&[None], ways)
+        match &self.what {
+            What::Effect(candidate) => ways(candidate.kind),
+            // In somebody's simulation there may be no load transfer, and then a little of it changes nothing.
+            What::Number { name, .. } if self.of == Scope::Since(0) => {
+                let kind = name.split_once('.').and_then(|(kind, _)| named(kind));
+                kind.map_or(&[None], ways)
+            }
+            What::Number { .. } => &[None],
+        }
     }
 
     /// When it begins, s, and the key of that.

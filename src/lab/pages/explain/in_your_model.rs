@@ -9,6 +9,9 @@ use physics::model::effect::{Spec, named};
 /// Side forces that differ by less are the same.
 const LEAST_SIDE_FORCE: f64 = 0.005;
 
+/// A simulation that has less than this share of what the recording has has none of it.
+const LEAST_THERE: f64 = 0.1;
+
 /// Tires and axles as they are called, in the order in which they are told.
 const TIRES: [(&str, &str); 4] = [
     ("front_outer", "outer front tire"),
@@ -83,8 +86,7 @@ fn lacks(finding: &Finding) -> String {
     let shown = words::parameters(finding);
     let value = shown.first().map_or_else(String::new, |row| format!(" ({} {})", row.name, row.value()));
     match (finding.reference_value, finding.parameters.values().next()) {
-        // What is less than two of its deviations from nothing is nothing.
-        (Some(was), Some(is)) if was.value.abs() > 2.0 * was.std => {
+        (Some(was), Some(is)) if was.value.abs() > LEAST_THERE * is.value.abs() => {
             let much = if was.value.abs() < is.value.abs() { "little" } else { "much" };
             format!("your model has too {much} {name}{value}")
         }

@@ -5,7 +5,9 @@
 mod concealed;
 mod drives;
 mod explained;
+mod found;
 mod free_runs;
+mod left_out;
 mod long_drives;
 mod over_drives;
 mod real_cars;

@@ -47,7 +47,7 @@ pub fn against_the_earliest(findings: &mut Vec<Finding>) {
             continue;
         }
         let place = told.unwrap_or_else(|| {
-            let place = findings.iter().position(|finding| is_delay(finding)).unwrap_or(0);
+            let place = findings.iter().position(is_delay).unwrap_or(0);
             let words = format!("the other sensors come {:.0} ms before it", -1e3 * from.value);
             findings.insert(place, Finding { about: words, ..clearest.clone() });
             place

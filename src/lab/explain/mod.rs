@@ -70,7 +70,7 @@ pub use ordinary::{Incomparable, Simulated, speed_of};
 pub use predict::Recording;
 pub use result::{
     Block, ByChannel, Chance, CourseEstimate, Disturbance, Driven, Estimate, Explanation, Finding, FoundLaw,
-    Missing, Models, Nature, Parts, Ranked, Term, ToDrive, Trace, Verdict, Where,
+    Missing, Models, Nature, OffBy, Parts, Ranked, SecondPass, Term, ToDrive, Trace, Verdict, Where, Without,
 };
 pub use sensitivity::{Detectable, Isolability, Rival, Sensitivity};
 pub use used::{Unused, Used};

@@ -62,6 +62,11 @@ impl Chosen {
         (0..self.kind.parameters.len()).filter_map(|place| self.kind.spec(place, self.channel))
     }
 
+    /// Is a number of it called so?
+    pub fn is(&self, number: usize, name: &str) -> bool {
+        self.kind.place_of(name) == Some(number)
+    }
+
     /// When it begins, s; long ago, where it is always there.
     pub fn onset(&self) -> f64 {
         self.kind.onset().map_or(f64::NEG_INFINITY, |place| self.numbers[place])

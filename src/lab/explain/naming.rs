@@ -14,7 +14,7 @@ use super::model::{Free, Model, Place};
 use super::predict::grid::STEP_S;
 use super::predict::noise::{Live, Noise};
 use super::tuning::TUNING;
-use physics::model::effect::Growth;
+use physics::model::effect::{Growth, Kind};
 
 /// A candidate with its score.
 #[derive(Clone, Debug)]
@@ -78,9 +78,9 @@ impl<'a> Refitted<'a> {
 /// Rounds of fitting before any noise is learnt. Numerical: Gauss–Newton steps.
 const STRICT_ROUNDS: usize = 3;
 
-/// The ways for a candidate: of what acts in proportion the small step tells all.
-pub fn ways(candidate: &Candidate) -> &'static [Option<f64>] {
-    if candidate.kind.search.growth == Growth::Proportional {
+/// The ways for a kind: of what acts in proportion the small step tells all.
+pub fn ways(kind: &Kind) -> &'static [Option<f64>] {
+    if kind.search.growth == Growth::Proportional {
         &TUNING.selection.steps_in_stds[..1]
     } else {
         &TUNING.selection.steps_in_stds
@@ -105,7 +105,7 @@ pub fn scan(data: &Data<'_>, fit: &Fit<'_>, library: &[Candidate]) -> Vec<Scored
             if !candidate.kind.parameters[place].is_main {
                 continue;
             }
-            for share in ways(candidate) {
+            for share in ways(candidate.kind) {
                 let step = Free { step: share.map_or(free.step, |share| share * free.std), ..free };
                 if let Some(by) = model.moved(&step) {
                     varied.push(by);

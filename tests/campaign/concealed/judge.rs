@@ -1,21 +1,11 @@
 //! What was found, and whether it is what was put in.
 
-use std::collections::BTreeMap;
 use std::fmt;
 
 use serde_json::Value;
 
 use super::plan::Case;
-
-/// A finding, as far as it is looked at.
-pub struct Found {
-    effect: String,
-    channel: Option<String>,
-    kind: String,
-    /// Other names for the same, on this drive.
-    alike: Vec<String>,
-    numbers: BTreeMap<String, (f64, f64)>,
-}
+use crate::found::{Found, findings, is_other, told};
 
 /// What was said of a drive with something put in.
 pub struct Said {
@@ -64,7 +54,7 @@ impl fmt::Display for Judged {
 
 /// Compares the answer to a changed drive with that to the unchanged one.
 pub fn judge(case: &Case, changed: &Value, control: &Value) -> Said {
-    let [found, known] = [changed, control].map(found_in);
+    let [found, known] = [changed, control].map(findings);
     let new: Vec<&Found> =
         found.iter().filter(|one| known.iter().all(|other| is_other(one, other))).collect();
     let is_it = |one: &Found| is_of(case, &one.effect, one.channel.as_deref());
@@ -106,43 +96,4 @@ fn main_number(case: &Case, found: &Found) -> Option<(f64, f64)> {
         None if other != key => found.numbers.get(&other).map(|(value, std)| (-value, *std)),
         number => number.copied(),
     }
-}
-
-/// Is it another effect, or the same of another size?
-fn is_other(one: &Found, other: &Found) -> bool {
-    if (&one.effect, &one.channel) != (&other.effect, &other.channel) {
-        return true;
-    }
-    one.numbers.iter().any(|(name, (value, std))| match other.numbers.get(name) {
-        Some((before, deviation)) => (value - before).abs() > 2.0 * std.hypot(*deviation),
-        None => true,
-    })
-}
-
-/// The findings of an answer.
-pub fn found_in(answer: &Value) -> Vec<Found> {
-    let word = |value: &Value| value.as_str().unwrap_or_default().to_owned();
-    let of = |finding: &Value| {
-        let numbers = finding["parameters"].as_object().into_iter().flatten().filter_map(|(name, number)| {
-            Some((name.clone(), (number["value"].as_f64()?, number["std"].as_f64()?)))
-        });
-        Found {
-            effect: word(&finding["effect"]),
-            channel: finding["channel"].as_str().map(str::to_owned),
-            kind: word(&finding["kind"]),
-            alike: finding["indistinguishable_from"].as_array().into_iter().flatten().map(word).collect(),
-            numbers: numbers.collect(),
-        }
-    };
-    answer["findings"].as_array().into_iter().flatten().map(of).collect()
-}
-
-/// In words.
-pub fn told(found: &Found) -> String {
-    let channel = found.channel.as_ref().map_or(String::new(), |channel| format!(" of {channel}"));
-    let numbers = found.numbers.iter().map(|(name, (value, std))| format!("{name} {value:.4} ± {std:.4}"));
-    let alike =
-        if found.alike.is_empty() { String::new() } else { format!("; or {}", found.alike.join(", ")) };
-    let numbers = numbers.collect::<Vec<_>>().join(", ");
-    format!("{}{channel} ({}; {numbers}{alike})", found.effect, found.kind)
 }

@@ -13,9 +13,9 @@ mod by_hand {
     use testing::results::Section;
 
     use super::answers::Answers;
-    use super::judge::{found_in, told};
     use super::plan::{HEALTHY, cases};
     use super::tally::Tally;
+    use crate::found::{findings, told};
 
     /// Drives with answers that are there already are not asked of again: `CONCEALED_ANSWERS` names another folder for
     /// them, as after a change of the program. `GRIPD_RENEW=1 YARDSTICK_PYTHON=… cargo test --test campaign
@@ -55,7 +55,7 @@ mod by_hand {
             let drive = HEALTHY[place];
             let answer = answers.of_healthy(drive, &references);
             let verdict = answer["verdict"].as_str().unwrap_or_default();
-            let found: Vec<String> = found_in(&answer).iter().map(told).collect();
+            let found: Vec<String> = findings(&answer).iter().map(told).collect();
             rows.push(format!("{drive} | {verdict} | {}", found.join("; ")));
         }
         let changed = rows.iter().filter(|row| !row.contains("| unchanged |")).count();

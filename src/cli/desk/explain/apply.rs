@@ -1,5 +1,7 @@
 //! The configuration with what was found: effects, and the ordinary numbers as they are beside them.
 
+mod beside;
+
 use std::path::Path;
 
 use crate::cli::Failure;
@@ -16,6 +18,9 @@ const POINTS_PER_S: f64 = 5.0;
 /// The whole configuration, ready for every other command. Numbers in doubt stay as they were, unless by force.
 pub fn toml(from: &Path, to: &Path, answer: &Answer<'_>, force: bool) -> Result<String, Failure> {
     let explanation = &answer.explanation;
+    if let Some(simulated) = &explanation.simulation {
+        return beside::toml(from, to, explanation, simulated);
+    }
     let mut applied = Applied::read(from, to)?;
     applied.say(&format!(
         "Written by gripd explain: {} with the numbers fitted to {:.0} s of recordings.",

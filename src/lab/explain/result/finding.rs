@@ -6,7 +6,7 @@ use physics::model::effect::law::Law;
 use physics::model::effect::{Channel, Kind};
 use serde::Serialize;
 
-use super::ByChannel;
+use super::{ByChannel, SecondPass};
 
 /// A number with its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -104,6 +104,9 @@ pub struct Finding {
     /// Of a number of the car that has changed: what the references have.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_value: Option<Estimate>,
+    /// Beside somebody's simulation: the same again with all that was found in both runs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_pass: Option<SecondPass>,
     /// Of a law: what it says.
     #[serde(flatten)]
     pub law: Option<FoundLaw>,
@@ -150,6 +153,14 @@ impl FoundLaw {
             expression: format!("{:.3e}*{feature}", coefficient.value),
             terms: vec![Term { feature, coefficient, unit: law.usual().0.into() }],
             mechanisms: law.mechanisms(),
+        }
+    }
+
+    /// Takes another number of its only term.
+    pub fn take(&mut self, coefficient: Estimate) {
+        if let [term] = self.terms.as_mut_slice() {
+            term.coefficient = coefficient;
+            self.expression = format!("{:.3e}*{}", coefficient.value, term.feature);
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod drive;
 mod finding;
+mod second_pass;
 mod to_drive;
 
 use std::collections::BTreeMap;
@@ -11,7 +12,7 @@ use serde::Serialize;
 
 pub use drive::{Block, Driven, Trace};
 pub use finding::{CourseEstimate, Estimate, Finding, FoundLaw, Nature, Ranked, Term, Where, full_name};
-
+pub use second_pass::{OffBy, SecondPass, Without};
 pub use to_drive::{Chance, ToDrive};
 
 use super::chain::{AuditFinding, ChainReport, Confidence};

@@ -6,6 +6,7 @@ mod formula;
 mod gain;
 mod headline;
 mod history;
+mod in_your_model;
 mod missing;
 mod numbers;
 mod place;
@@ -19,6 +20,7 @@ mod sure;
 mod tests;
 mod text;
 mod tires;
+mod to_change;
 mod tried;
 mod verified;
 pub(in crate::pages) mod words;
@@ -27,13 +29,14 @@ use crate::explain::{Explanation, Verdict};
 use crate::report::Page;
 
 pub use text::print;
-pub use words::answer as answer_lines;
+pub use words::{answer as answer_lines, name_of};
 
 /// The page as one HTML file.
 pub fn page(explanation: &Explanation) -> String {
     let title = format!("gripd explain: {}", words::headline(explanation));
     let mut page = Page::empty(&title);
     answer::write(&mut page, explanation);
+    to_change::write(&mut page, explanation);
     plots::write(&mut page, explanation);
     if let Some(history) = &explanation.history {
         history::section(&mut page, history);

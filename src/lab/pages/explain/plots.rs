@@ -16,8 +16,12 @@ const NORMAL_95: f64 = 1.96;
 
 /// What the models are called on all plots and tables of the page.
 pub fn names(explanation: &Explanation) -> [&'static str; 2] {
-    match explanation.simulation {
-        Some(_) => ["simulation", "simulation with what was found"],
+    match &explanation.simulation {
+        // Then there is no difference of the simulation itself.
+        Some(simulated) if simulated.steered_alike == Some(false) => {
+            ["car that drives like your simulation", "the same with what was found"]
+        }
+        Some(_) => ["your simulation", "your simulation with what was found"],
         None => ["plain model", "extended model"],
     }
 }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::explain::{
-    Block, CourseEstimate, Driven, Estimate, Explanation, Finding, Missing, Models, Nature, Parts, Ranked,
-    Trace, Verdict, Where,
+    Block, ByChannel, CourseEstimate, Driven, Estimate, Explanation, Finding, Missing, Models, Nature, OffBy,
+    Parts, Ranked, SecondPass, Simulated, Trace, Verdict, Where, Without,
 };
 use physics::model::effect;
 
@@ -82,6 +82,61 @@ pub fn several() -> Explanation {
         ],
         ..plain(600.0, &names, 0.6)
     }
+}
+
+/// What somebody's simulation leaves out: load transfer, a late sensor, and a stiffness that is another one.
+pub fn beside_a_simulation() -> Explanation {
+    let place = Where { recording: RECORDING.into(), ..Where::default() };
+    let shares: ByChannel = [("yaw_rate".to_owned(), 0.4), ("lateral_acceleration".to_owned(), 0.2)].into();
+    let side_forces = [("front_outer", -0.11), ("front_inner", 0.19), ("front", 0.03), ("rear", 0.001)];
+    let without = Without {
+        yaw_rate: Some(OffBy { rms: 0.021, most: 0.12, most_at_s: 34.2 }),
+        turning_mps2: 6.0,
+        turning_at_mps: 15.0,
+        too_much_side_force: side_forces.map(|(part, share)| (part.to_owned(), share)).into(),
+    };
+    let second = |first: &Finding| SecondPass {
+        first_parameters: first.parameters.clone(),
+        moved: Vec::new(),
+        evidence: 60.0,
+        explained_share: shares.clone(),
+        interplay: [("yaw_rate".to_owned(), 0.04)].into(),
+        without: without.clone(),
+    };
+    let mut load = finding("load_transfer", None, &[("cg_height_m", 0.5532, 0.0213)], &place);
+    let mut late = finding("sensor_delay", Some("yaw_rate"), &[("delay_s", 0.0431, 0.0021)], &place);
+    let mut softer = Finding {
+        effect: "lateral_stiffness_front".into(),
+        kind: Nature::Ordinary,
+        parameters: [("lateral_stiffness_front".to_owned(), estimate(12.0, 0.2))].into(),
+        reference_value: Some(estimate(15.0, 0.1)),
+        place: place.clone(),
+        ..Finding::default()
+    };
+    for finding in [&mut load, &mut late, &mut softer] {
+        finding.second_pass = Some(second(finding));
+    }
+    if let Some(second) = &mut late.second_pass {
+        second.first_parameters.insert("delay_s".into(), Estimate { value: 0.06, std: 0.002 });
+        second.moved.push("delay_s".into());
+    }
+    let mut answer = Explanation {
+        verdict: Verdict::MissingPhysics,
+        findings: vec![load, late, softer],
+        simulation: Some(Simulated {
+            name: "model.csv".into(),
+            time_offset_s: 0.0,
+            steered_alike: Some(true),
+            emulated_fit: [("yaw_rate".to_owned(), 99.2)].into(),
+            tuned: BTreeMap::new(),
+            fell_away: vec!["body_roll".into()],
+            is_bent: false,
+        }),
+        is_by_ordinary: true,
+        ..plain(120.0, &[RECORDING], 1.0)
+    };
+    answer.error.ordinary = Some(answer.error.baseline.clone());
+    answer
 }
 
 /// An hour.
@@ -162,6 +217,7 @@ fn finding(name: &str, channel: Option<&str>, numbers: &[(&str, f64, f64)], plac
         equation: kind.equation.into(),
         evidence: 412.0,
         reference_value: None,
+        second_pass: None,
         law: None,
     }
 }

@@ -230,3 +230,35 @@ fn numbers_in_doubt_and_what_the_audit_is_sure_of_are_told_in_text_and_page() {
     let doubt = &json["in_doubt"]["yaw_inertia_kgm2"];
     assert!(doubt["at_bound"] == true && doubt["deviations"] == 9.96, "{doubt}");
 }
+
+/// GIVEN what somebody's simulation leaves out THEN the page has three lines over time, and says what to change in the model,
+/// what that takes away, and what a second pass changed.
+#[test]
+fn beside_a_simulation_there_are_three_lines_and_what_to_change() {
+    let html = page(&sample::beside_a_simulation());
+    assert_well_formed(&html);
+    let data = data(&html);
+    for title in ["Yaw rate", "Lateral acceleration"] {
+        let panel = titled(&data, "panels", title);
+        let names: Vec<&str> =
+            panel["series"].as_array().unwrap().iter().map(|it| it["name"].as_str().unwrap()).collect();
+        assert_eq!(
+            names,
+            ["measured", "your simulation", "your simulation with what was found"],
+            "lines of {title}"
+        );
+    }
+    let change = part(&html, "change");
+    for words in [
+        "Your model has no load transfer",
+        "outer front tire is 11 % too soft",
+        "40 % in yaw rate and 20 % in lateral acceleration",
+        "1.20 °/s (rms), 6.88 °/s at most, at 34.2 s",
+        "moved by more than its uncertainty; first delay 60.0 ± 2.0 ms",
+        "Found first and not needed beside the rest: body roll",
+        "All of it together",
+        "97 % in yaw rate",
+    ] {
+        assert!(change.contains(words), "{words} is missing in\n{change}");
+    }
+}

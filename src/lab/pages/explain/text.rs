@@ -42,6 +42,7 @@ fn text(explanation: &Explanation) -> String {
     if let Some(simulated) = &explanation.simulation {
         wrapped(&mut text, "", &words::beside(simulated));
     }
+    super::to_change::text(&mut text, explanation);
     for finding in &explanation.findings {
         text.push('\n');
         one(&mut text, explanation, finding);
@@ -294,6 +295,21 @@ mod tests {
         assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
         assert!(text.lines().all(|line| line.chars().count() <= report::WIDTH), "{text}");
         assert!(text.lines().count() < 50, "{text}");
+    }
+
+    #[test]
+    fn what_to_change_in_somebody_s_model_is_told() {
+        let text = text(&sample::beside_a_simulation());
+        let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        for part in [
+            "What to change in your model - Your model has no load transfer",
+            "Takes away 40 % in yaw rate",
+            "second pass: Moved by more than its uncertainty",
+            "In a second pass, with all of it in both runs, the numbers of one finding moved",
+        ] {
+            assert!(words.contains(part), "{part} is missing in\n{text}");
+        }
+        assert!(text.lines().all(|line| line.chars().count() <= report::WIDTH), "{text}");
     }
 
     #[test]

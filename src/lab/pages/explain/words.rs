@@ -111,6 +111,14 @@ pub fn effect(name: &str, of: Option<&str>) -> String {
     }
 }
 
+/// What a finding is called.
+pub fn name_of(finding: &Finding) -> String {
+    match effect::named(&finding.effect) {
+        Some(_) => effect(&finding.effect, finding.channel.as_deref()),
+        None => parameter_name(&finding.effect),
+    }
+}
+
 /// A name that may have its channel with it, as `sensor_delay of yaw_rate` or `sensor_delay(yaw_rate)`.
 pub fn effect_named(text: &str) -> String {
     if let Some(law) = text.trim().strip_prefix("law:") {

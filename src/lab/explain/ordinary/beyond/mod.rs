@@ -13,6 +13,7 @@
 //! Beside references, drives of the same car that count as healthy, a trial is of the other recordings only, and a number
 //! of the car may be another one there. Then all that counts is what the references have not.
 
+mod again;
 mod climb;
 mod colour;
 mod history;
@@ -26,6 +27,7 @@ mod rows;
 mod scan;
 mod told;
 mod trial;
+mod without;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -39,6 +41,7 @@ use physics::Quantity;
 use physics::model::Vehicle;
 use physics::model::effect::Kind;
 
+use again::Taken;
 use climb::State;
 use refit::Refitted;
 use round::Round;
@@ -59,6 +62,8 @@ pub struct Beyond {
     pub ranking: Vec<Ranked>,
     /// What the car predicts with what the search found, if it found anything.
     pub predicted: Option<Vec<Predicted>>,
+    /// Beside a simulation: names of what was found first and is not needed beside what was found after it.
+    pub fell_away: Vec<String>,
     /// Of drives in time order: the numbers over the drives.
     pub history: Option<History>,
 }
@@ -156,6 +161,7 @@ pub fn beyond(
     if let Some(in_place) = &in_place {
         in_place.tell_alike(&mut usual);
     }
+    let mut in_both = Vec::new();
     for round in 0..if is_simulated { MOST_OF_SIMULATION } else { MOST } {
         let mut tried = Round::default();
         let asks_laws = repeating && !laws.is_empty() && !is_simulated;
@@ -192,9 +198,16 @@ pub fn beyond(
         let finding = search.finding(&state, best, &tried.evidence());
         answer.is_unusual |= references > 0 || is_simulated || finding.kind != Nature::Ordinary;
         answer.findings.push(finding);
+        let own = best.free.len() - best.own..best.free.len();
+        in_both.push(Taken { trial: best.trial.clone(), own });
         state = search.with(best);
         repeating = !laws.is_empty() && repeats(&predicted);
         answer.predicted = Some(predicted);
+    }
+    if is_simulated && !in_both.is_empty() {
+        let again = search.again(state, &mut in_both, &mut answer.findings);
+        answer.predicted = Some(search.predicted(&again.state.model, &again.state.free, &again.state.at));
+        answer.fell_away = again.fell_away;
     }
     let (unusual, usual): (Vec<_>, Vec<_>) = usual.into_iter().partition(|(_, is_unusual)| *is_unusual);
     answer.is_unusual |= !unusual.is_empty();

@@ -111,7 +111,7 @@ impl<'a> Round<'a> {
                 && (!may_be_forced(&of.trial) || of.evidence > best_law + TOLD_APART)
                 && of.is_beyond(healthy)
                 && of.held_gain > least_held_gain(references, &of.trial)
-                && (of.trial.has_time() || *gain > self.null)
+                && (of.trial.has_time() || *gain > self.null || search.is_simulated && of.is_above(self.null))
                 && of.clearest() > least_clear(of.held_gain)
                 && !of.is_at_bound()
                 && !(references == 0 && search.takes_the_cars_place(&of.trial))

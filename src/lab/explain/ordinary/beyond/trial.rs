@@ -10,7 +10,7 @@ use crate::explain::model::{Chosen, Model, Place};
 use crate::explain::naming::ways;
 use crate::identify::Parameter;
 use physics::Quantity;
-use physics::model::effect::{Kind, Scale, Spec};
+use physics::model::effect::{Kind, Scale, Spec, named};
 
 /// Patches of another road are tried at every so many seconds …
 const PATCH_EVERY_S: f64 = 3.0;
@@ -118,14 +118,15 @@ pub fn trials(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind]
         }
     }
     if of != Scope::Car {
-        let changes = found.free.iter().filter_map(|free| changed(found, free, of));
+        let changes =
+            found.free.iter().zip(&found.at).filter_map(|(free, at)| changed(found, (free, *at), of));
         all.extend(changes.chain(speed_changed(of)).map(|what| Trial { what, of, inverse_friction }));
     }
     all
 }
 
 /// A number of the car as one that could have changed.
-fn changed(found: &FreeFit<'_>, free: &Free, of: Scope) -> Option<What> {
+fn changed(found: &FreeFit<'_>, (free, at): (&Free, f64), of: Scope) -> Option<What> {
     let Number::Of(place) = free.number else { return None };
     if free.of != Scope::Car {
         return None;
@@ -146,7 +147,11 @@ fn changed(found: &FreeFit<'_>, free: &Free, of: Scope) -> Option<What> {
         Place::Ordinary(Parameter::SteeringRatio) => format!("sensor_scale:{}", Quantity::SteeringWheelAngle),
         _ => free.named(&found.model, free.prior.0).0,
     };
-    let bounds = (-MOST_CHANGE * std, MOST_CHANGE * std);
+    let mut bounds = (-MOST_CHANGE * std, MOST_CHANGE * std);
+    // A simulation may have none of what every car has, and no car has less than none.
+    if of == Scope::Since(0) && matches!(place, Place::Effect(..)) {
+        bounds = (bounds.0.max(free.bounds.0 - at).min(0.0), bounds.1.min(free.bounds.1 - at).max(0.0));
+    }
     let change = Free { number: Number::Change(place), of, prior: (0.0, std), bounds, step: free.step };
     Some(What::Number { name, change })
 }
@@ -385,7 +390,15 @@ impl Trial {
 
     /// The steps, in deviations of the prior, that tell how it acts; nothing: the number's own step.
     pub fn ways(&self) -> &'static [Option<f64>] {
-        self.candidate().map_or(&[None], ways)
+        match &self.what {
+            What::Effect(candidate) => ways(candidate.kind),
+            // In somebody's simulation there may be no load transfer, and then a little of it changes nothing.
+            What::Number { name, .. } if self.of == Scope::Since(0) => {
+                let kind = name.split_once('.').and_then(|(kind, _)| named(kind));
+                kind.map_or(&[None], ways)
+            }
+            What::Number { .. } => &[None],
+        }
     }
 
     /// When it begins, s, and the key of that.

@@ -222,3 +222,29 @@ fn both_zoes_have_the_same_tires_as_far_as_they_tell() {
     let slope = by_name(1, "longitudinal_stiffness");
     assert!(slope.identifiable && (25.0..75.0).contains(&slope.value), "{slope}");
 }
+
+/// GIVEN a lap of a wet track with a rear left wheel that is put 1.5 % too small WHEN it is checked THEN the rear wheels'
+/// radii differ for certain, which of them does not show, and the gyroscope has no zero of it.
+#[test]
+fn a_small_rear_wheel_on_a_lap_is_no_zero_of_the_gyroscope() {
+    let Some(folder) = testing::shared("recordings") else { return };
+    let (config, log) = (folder.join("gti/laps.toml"), folder.join("gti/wet1.log.gz"));
+    let scratch = tempfile::tempdir().unwrap();
+    let changed = scratch.path().join("changed.log");
+    let effect = "kind = 'tire_radius', relative_difference_rl = -0.015";
+    let mut conceal = testing::program::gripd();
+    conceal.args(["-q", "conceal", "--effect", effect, "-c"]).arg(&config).arg(&log).arg("-o").arg(&changed);
+    assert!(conceal.status().unwrap().success());
+    let mut check = testing::program::gripd();
+    let output =
+        check.args(["-q", "check", "--json", "-", "-c"]).arg(&config).arg(&changed).output().unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let findings = report["chain"]["findings"].as_array().unwrap();
+    let of = |effect: &str| findings.iter().find(|finding| finding["effect"] == effect);
+    assert!(of("sensor_bias").is_none(), "{findings:?}");
+    let radius = of("tire_radius").unwrap();
+    assert_eq!(radius["confidence"], "certain", "{radius}");
+    let (value, std) = (radius["value"].as_f64().unwrap(), radius["std"].as_f64().unwrap());
+    assert!((value.abs() - 0.015).abs() < 3.0 * std && std < 0.002, "{radius}");
+    assert!(radius["channel"].as_str().unwrap().starts_with("wheel_speed_r"), "{radius}");
+}

@@ -54,7 +54,8 @@ const MAP: &[Member] = &[
         rooms: &[
             ("report", &[]),
             ("identify", &[]),
-            ("explain", &["identify"]),
+            ("chance", &[]),
+            ("explain", &["identify", "chance"]),
             ("pages", &["report", "identify", "explain"]),
             ("reproduce", &["report", "identify"]),
         ],

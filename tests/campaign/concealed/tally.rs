@@ -138,9 +138,10 @@ impl Tally {
             let count = of.len();
             let named = of.iter().filter(|(_, row)| row.alone.is_named || row.alone.is_in_class).count();
             let mean = of.iter().map(|(chance, _)| chance).sum::<f64>() / count as f64;
+            let mean = if count > 0 { format!("{mean:.2}") } else { "–".into() };
             let ends = lab::chance::wilson(named, count);
             format!(
-                "{low:.1} to {:.1} | {mean:.2} | {named} of {count} | {:.2} to {:.2}",
+                "{low:.1} to {:.1} | {mean} | {named} of {count} | {:.2} to {:.2}",
                 high.min(1.0),
                 ends[0],
                 ends[1]

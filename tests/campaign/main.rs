@@ -7,6 +7,7 @@ mod drives;
 mod explained;
 mod found;
 mod free_runs;
+mod kept;
 mod left_out;
 mod long_drives;
 mod over_drives;

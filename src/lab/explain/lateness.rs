@@ -23,11 +23,7 @@ pub fn against_the_earliest(findings: &mut Vec<Finding>) {
     let delays = SENSORS.map(|sensor| of(findings, sensor).map(|place| delay(&findings[place])));
     let told: Vec<Estimate> = delays.iter().copied().flatten().collect();
     let late = |from: Estimate| {
-        let against = SENSORS.iter().zip(&delays).map(|(_, delay)| match delay {
-            Some(delay) => difference(*delay, from),
-            None => difference(NONE, from),
-        });
-        against.collect::<Vec<Estimate>>()
+        delays.iter().map(|delay| difference(delay.unwrap_or(NONE), from)).collect::<Vec<Estimate>>()
     };
     let count = |all: &[Estimate]| all.iter().filter(|delay| is_clear(delay)).count();
     let as_told = count(&late(NONE));

@@ -9,6 +9,7 @@ use testing::program::{gripd, target};
 
 use super::judge::{Judged, judge};
 use super::plan::{By, Case};
+use crate::{found, kept};
 
 /// Where drives are read from, and answers are kept.
 pub struct Answers {
@@ -66,10 +67,7 @@ impl Answers {
     }
 
     fn file(&self, words: &[&str], ending: &str) -> PathBuf {
-        let name = words.join(" ");
-        let plain =
-            name.trim().chars().map(|letter| if letter.is_ascii_alphanumeric() { letter } else { '_' });
-        self.kept.join(format!("{}.{ending}", plain.collect::<String>()))
+        kept::file(&self.kept, &words.join(" "), ending)
     }
 
     /// Verdict and findings; traces and courses are many, and not looked at.
@@ -132,9 +130,9 @@ impl Answers {
             match output.status.code() {
                 Some(0) => fs::rename(&making, &log).unwrap(),
                 Some(1) if !words.contains("Traceback") => {
-                    let reason = words.rsplit_once(".log.gz: ").map_or(words.as_str(), |(_, why)| why);
-                    fs::write(&refused, reason).unwrap();
-                    return Err(reason.into());
+                    let reason = kept::reason(&words);
+                    fs::write(&refused, &reason).unwrap();
+                    return Err(reason);
                 }
                 _ => panic!("{words}"),
             }
@@ -159,10 +157,8 @@ impl Answers {
 
     /// The change over what the ordinary car leaves, in the channel where it is largest.
     fn strength(&self, case: &Case, changed: &Changed) -> f64 {
-        let channels = |truth: &Value| truth["channels"].as_object().cloned().unwrap_or_default();
         if let Some(truth) = read(&changed.truth) {
-            let of = channels(&truth);
-            return of.values().filter_map(|channel| channel["strength"].as_f64()).fold(0.0, f64::max);
+            return found::strength(&truth);
         }
         // What the ordinary car leaves is told of anything that is put in.
         let kept = self.file(&[case.drive.name, "left"], "truth");
@@ -174,12 +170,12 @@ impl Answers {
             assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
             read(&kept).unwrap()
         });
-        let left = channels(&left);
+        let left = &left["channels"];
         let [before, after] = [&self.log(case.drive.name), &changed.log].map(|log| text(log));
         let raw = |log: &str, frame: &'static str, word: usize, signed: bool| -> Vec<Option<f64>> {
             words(log, frame, word, signed).collect()
         };
-        let left = |name: &str| left.get(name)?["unexplained_rms"].as_f64();
+        let left = |name: &str| left[name]["unexplained_rms"].as_f64();
         let strength = |(name, frame, word, unit, signed): (&str, &'static str, usize, f64, bool)| {
             let unexplained = left(name)?;
             let [before, after] = [&before, &after].map(|log| raw(log, frame, word, signed));

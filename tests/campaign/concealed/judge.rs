@@ -22,6 +22,13 @@ pub struct Said {
     found: String,
 }
 
+impl Said {
+    /// By its name, or in a class with that.
+    pub fn is_named(&self) -> bool {
+        self.place.is_some() || self.is_in_class
+    }
+}
+
 /// A case and what was said of it.
 pub struct Judged {
     /// The change over what the ordinary car leaves, rms, in the channel where it is largest.

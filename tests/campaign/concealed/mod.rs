@@ -34,7 +34,7 @@ mod by_hand {
             match answers.of_case(&case) {
                 Ok(judged) => {
                     write!(line, "{judged}").unwrap();
-                    tally.add(&case, &judged);
+                    tally.add(&case, judged);
                 }
                 Err(reason) => {
                     write!(line, "refused: {reason}").unwrap();

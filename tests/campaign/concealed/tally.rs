@@ -15,42 +15,24 @@ pub struct Tally {
 struct Row {
     effect: &'static str,
     by: By,
-    strength: f64,
-    predicted: Option<f64>,
-    alone: Counted,
-    beside: Option<Counted>,
+    judged: Judged,
 }
 
-#[derive(Clone, Copy)]
-struct Counted {
-    is_first: bool,
-    is_in_class: bool,
-    is_named: bool,
-    is_noticed: bool,
-    is_misled: bool,
-    error: Option<(f64, f64)>,
+impl Row {
+    fn is_strong(&self) -> bool {
+        self.judged.strength >= 1.0
+    }
+
+    fn said(&self, is_beside: bool) -> Option<&Said> {
+        if is_beside { self.judged.beside.as_ref() } else { Some(&self.judged.alone) }
+    }
 }
 
 type Table = (&'static str, &'static str, Vec<String>);
 
 impl Tally {
-    pub fn add(&mut self, case: &Case, judged: &Judged) {
-        let counted = |said: &Said| Counted {
-            is_first: said.place == Some(0),
-            is_in_class: said.is_in_class,
-            is_named: said.place.is_some(),
-            is_noticed: said.is_noticed,
-            is_misled: said.is_misled,
-            error: said.error,
-        };
-        self.rows.push(Row {
-            effect: case.effect.name,
-            by: case.by,
-            strength: judged.strength,
-            predicted: judged.predicted,
-            alone: counted(&judged.alone),
-            beside: judged.beside.as_ref().map(counted),
-        });
+    pub fn add(&mut self, case: &Case, judged: Judged) {
+        self.rows.push(Row { effect: case.effect.name, by: case.by, judged });
     }
 
     /// Name, header and rows of each.
@@ -75,10 +57,8 @@ impl Tally {
     fn told(&self, of: impl Fn(&&Row) -> bool) -> String {
         let rows: Vec<&Row> = self.rows.iter().filter(|row| of(row)).collect();
         let cell = |is_beside: bool, is_strong: bool| {
-            let rows = rows.iter().filter(|row| (row.strength >= 1.0) == is_strong);
-            let counted: Vec<Counted> =
-                rows.filter_map(|row| if is_beside { row.beside } else { Some(row.alone) }).collect();
-            counts(&counted)
+            let rows = rows.iter().filter(|row| row.is_strong() == is_strong);
+            counts(&rows.filter_map(|row| row.said(is_beside)).collect::<Vec<_>>())
         };
         [(false, false), (false, true), (true, false), (true, true)]
             .map(|(is_beside, is_strong)| cell(is_beside, is_strong))
@@ -90,16 +70,17 @@ impl Tally {
         let mut rows = Vec::new();
         let mut push = |name: String, of: &dyn Fn(&Row) -> bool| {
             let of: Vec<&Row> = self.rows.iter().filter(|row| of(row)).collect();
-            let alone: Vec<Counted> = of.iter().map(|row| row.alone).collect();
-            let beside: Vec<Counted> = of.iter().filter_map(|row| row.beside).collect();
-            rows.push(format!("{name} | {} | {}", counts(&alone), counts(&beside)));
+            let [alone, beside] = [false, true].map(|is_beside| {
+                counts(&of.iter().filter_map(|row| row.said(is_beside)).collect::<Vec<_>>())
+            });
+            rows.push(format!("{name} | {alone} | {beside}"));
         };
         for (low, high) in classes {
             let name = if high.is_finite() { format!("{low} to {high}") } else { format!("from {low}") };
-            push(name, &|row| (low..high).contains(&row.strength));
+            push(name, &|row| (low..high).contains(&row.judged.strength));
         }
-        push("from 1, put in by gripd".into(), &|row| row.strength >= 1.0 && row.by == By::Gripd);
-        push("from 1, put in by the other tool".into(), &|row| row.strength >= 1.0 && row.by == By::Tool);
+        push("from 1, put in by gripd".into(), &|row| row.is_strong() && row.by == By::Gripd);
+        push("from 1, put in by the other tool".into(), &|row| row.is_strong() && row.by == By::Tool);
         push("all".into(), &|_| true);
         rows.push(format!("refused | {} | ", self.refused.len()));
         ("concealed_by_strength", "strength | alone | beside three references", rows)
@@ -113,10 +94,12 @@ impl Tally {
             let median = sizes.get(sizes.len() / 2).copied().unwrap_or(f64::NAN);
             format!("{name} | {} | {within} | {median:.0}", errors.len())
         };
-        let of = |beside: bool| {
-            let said =
-                self.rows.iter().filter_map(move |row| if beside { row.beside } else { Some(row.alone) });
-            said.filter_map(|counted| counted.error).collect()
+        let of = |is_beside: bool| {
+            self.rows
+                .iter()
+                .filter_map(move |row| row.said(is_beside))
+                .filter_map(|said| said.error)
+                .collect()
         };
         (
             "concealed_numbers",
@@ -132,11 +115,11 @@ impl Tally {
             let of: Vec<(f64, &Row)> = self
                 .rows
                 .iter()
-                .filter_map(|row| row.predicted.map(|chance| (chance, row)))
+                .filter_map(|row| row.judged.predicted.map(|chance| (chance, row)))
                 .filter(|(chance, _)| (low..high).contains(chance))
                 .collect();
             let count = of.len();
-            let named = of.iter().filter(|(_, row)| row.alone.is_named || row.alone.is_in_class).count();
+            let named = of.iter().filter(|(_, row)| row.judged.alone.is_named()).count();
             let mean = of.iter().map(|(chance, _)| chance).sum::<f64>() / count as f64;
             let mean = if count > 0 { format!("{mean:.2}") } else { "–".into() };
             let ends = lab::chance::wilson(named, count);
@@ -155,18 +138,18 @@ impl Tally {
     }
 }
 
-fn counts(all: &[Counted]) -> String {
-    let count = |is: fn(&Counted) -> bool| all.iter().filter(|one| is(one)).count();
+fn counts(all: &[&Said]) -> String {
+    let count = |is: fn(&Said) -> bool| all.iter().filter(|said| is(said)).count();
     if all.is_empty() {
         return "–".into();
     }
     format!(
         "{} first, {} class, {} named, {} noticed, {} misled of {}",
-        count(|one| one.is_first),
-        count(|one| one.is_in_class),
-        count(|one| one.is_named),
-        count(|one| one.is_noticed),
-        count(|one| one.is_misled),
+        count(|said| said.place == Some(0)),
+        count(|said| said.is_in_class),
+        count(|said| said.place.is_some()),
+        count(|said| said.is_noticed),
+        count(|said| said.is_misled),
         all.len()
     )
 }

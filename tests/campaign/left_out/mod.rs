@@ -10,6 +10,7 @@ mod by_hand {
     use testing::results::Section;
 
     use crate::found::{findings, judged, strength, told};
+    use crate::kept;
 
     /// The recordings' car.
     const CONFIG: &str = "gti/drives.toml";
@@ -192,7 +193,7 @@ mod by_hand {
 
     fn refused(answer: &Value) -> Option<String> {
         let told = answer["refused"].as_str().or_else(|| answer["explained"]["refused"].as_str())?;
-        Some(told.rsplit_once(".log.gz: ").map_or(told, |(_, why)| why).trim().to_owned())
+        Some(kept::reason(told))
     }
 
     /// Who asks.
@@ -215,9 +216,7 @@ mod by_hand {
                 Case::Simulated(numbers) => format!("simulated {drive} {numbers}"),
                 Case::Same(seed) => format!("same {drive} seed {seed}"),
             };
-            let plain = |letter: char| if letter.is_ascii_alphanumeric() { letter } else { '_' };
-            let kept =
-                self.answers.join(format!("{}.json", name.trim().chars().map(plain).collect::<String>()));
+            let kept = kept::file(&self.answers, &name, "json");
             let known = std::fs::read(&kept).ok().and_then(|text| serde_json::from_slice(&text).ok());
             if let Some(answer) = known {
                 return answer;

@@ -280,7 +280,7 @@ pub(super) fn radii(series: &Series, report: &mut ChainReport) {
         let ahead = rivals().next().is_none();
         // Of an axle's two wheels one too small and the other too large differ by little only.
         let axle_ahead = rivals().all(|other| other.channel.is_front() == best.channel.is_front());
-        let sure = axle_ahead && best.value.abs() > RADIUS_SURE && best.gain > 2.0 * FOUND;
+        let sure = axle_ahead && best.value.abs() > certain_radius(best.std);
         report.findings.push(AuditFinding {
             effect: "tire_radius",
             channel: speed(best.channel).name().to_owned(),

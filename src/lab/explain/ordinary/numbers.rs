@@ -298,6 +298,11 @@ impl Free {
         Self { of, ..*self }
     }
 
+    /// The same held at a value, which it cannot leave.
+    pub fn held_at(&self, value: f64) -> Self {
+        Self { prior: (value, 1e-9), bounds: (value, value), ..*self }
+    }
+
     /// Its name, value in its unit, and how the value changes with the coordinate.
     pub fn named(&self, model: &Model<'_>, coordinate: f64) -> (String, f64, f64) {
         match self.number {

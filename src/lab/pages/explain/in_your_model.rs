@@ -136,11 +136,12 @@ fn late(finding: &Finding) -> String {
             "the recorded {name} is {by} ms {when}: give it to your model {by} ms {sooner}, or let your actuator be as fast"
         );
     }
-    let instead = if early { "take a delay of" } else { "delay" };
-    match early {
-        true => format!("the recorded {name} is {by} ms {when}: {instead} {by} ms out of your model's"),
-        false => format!("the recorded {name} is {by} ms {when}: {instead} that of your model by {by} ms"),
-    }
+    let instead = if early {
+        format!("take a delay of {by} ms out of your model's")
+    } else {
+        format!("delay that of your model by {by} ms")
+    };
+    format!("the recorded {name} is {by} ms {when}: {instead}")
 }
 
 fn scale(finding: &Finding) -> String {

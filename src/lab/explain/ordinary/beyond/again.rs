@@ -8,9 +8,9 @@ use std::ops::Range;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::super::numbers::{Free, Number};
+use super::super::numbers::Number;
 use super::Search;
-use super::climb::{Climbed, State};
+use super::climb::{Climbed, State, freedom};
 use super::colour::{CHANNELS, Series};
 use super::refit::Refitted;
 use super::told::SHOWN_IN;
@@ -96,20 +96,13 @@ impl Search<'_> {
         let mut others = state.clone();
         let own = others.free.drain(it.own.clone());
         // Where it makes no difference, and held there.
-        let fixed: Vec<_> = own.map(|free| fixed(&free)).collect();
+        let fixed: Vec<_> = own.map(|free| free.held_at(free.prior.0)).collect();
         others.at.drain(it.own.clone());
         others.slopes.drain(it.own.clone());
         let free: Vec<_> = others.free.iter().copied().chain(fixed.iter().copied()).collect();
         let from = others.at.iter().copied().chain(fixed.iter().map(|free| free.prior.0)).collect();
         let climbed = self.climb(&others, &state.colour, &state.model, &free, from);
-        let freedom: f64 = it
-            .own
-            .clone()
-            .map(|place| {
-                let variance = state.covariance[(place, place)].max(1e-300);
-                (state.free[place].prior.1.powi(2) / variance).ln().max(0.0)
-            })
-            .sum();
+        let freedom = freedom(&state.free, &state.covariance, it.own.clone());
         let tried = self.tried.get(&it.trial.name()).copied().unwrap_or(1);
         let evidence = climbed.cost - state.cost - freedom - 2.0 * (tried as f64).ln();
         Dropped { evidence, errors: climbed.errors }
@@ -200,12 +193,6 @@ fn interplay(beside: &[Vec<f64>; CHANNELS], alone: &[Vec<f64>; CHANNELS]) -> ByC
     };
     // Of the car's motion: the wheels' speeds follow from that.
     (0..2).filter_map(of).collect()
-}
-
-/// A number that makes no difference, and stays so.
-fn fixed(free: &Free) -> Free {
-    let mean = free.prior.0;
-    Free { prior: (mean, 1e-9), bounds: (mean, mean), ..*free }
 }
 
 /// The car without one of the findings; the others stand where they stand then.

@@ -61,6 +61,13 @@ impl<'a> State<'a> {
     }
 }
 
+/// What the freedom of these numbers counts against them, 2 ln: how much narrower the data make what was thought before.
+pub fn freedom(free: &[Free], covariance: &DMatrix<f64>, places: impl Iterator<Item = usize>) -> f64 {
+    let of =
+        |place: usize| (free[place].prior.1.powi(2) / covariance[(place, place)].max(1e-300)).ln().max(0.0);
+    places.map(of).sum()
+}
+
 /// Where a search ended.
 pub struct Climbed {
     /// The coordinates.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::super::numbers::Free;
 use super::Search;
-use super::climb::{Climbed, State};
+use super::climb::{Climbed, State, freedom};
 use super::refit::Refitted;
 use super::round::{LEAST_CLEAR, LEAST_HELD_GAIN};
 use super::told::Told;
@@ -21,9 +21,6 @@ const ASKED: f64 = 2.0;
 
 /// So many are fitted in the numbers' place, the best to first order.
 const MOST_FITTED: usize = 6;
-
-/// Variance of a number that is held where it is usual, of its prior's.
-const HELD: f64 = 1e-6;
 
 /// Numbers of sensors that are further off than such sensors are, and what could be there in their place.
 pub struct InPlace<'a> {
@@ -60,8 +57,7 @@ impl<'a> Search<'_> {
         for (place, _) in &unusual {
             let free = &mut usual.free[*place];
             usual.at[*place] = free.prior.0;
-            free.prior.1 *= HELD.sqrt();
-            free.bounds = (free.prior.0, free.prior.0);
+            *free = free.held_at(free.prior.0);
         }
         usual.errors = self.errors(&usual.model, &usual.free, &usual.at);
         let Climbed { at, errors, cost, covariance } =
@@ -76,14 +72,8 @@ impl<'a> Search<'_> {
             .collect();
         let (scored, _) = self.scan(&usual, &others, seed);
         // What the numbers could be chosen from, and had not to be told.
-        let freedom: f64 = unusual
-            .iter()
-            .map(|(place, _)| {
-                let variance = state.covariance[(*place, *place)].max(1e-300);
-                (state.free[*place].prior.1.powi(2) / variance).ln().max(0.0)
-            })
-            .sum();
-        let by_numbers = usual.cost - state.cost - freedom;
+        let places = unusual.iter().map(|(place, _)| *place);
+        let by_numbers = usual.cost - state.cost - freedom(&state.free, &state.covariance, places);
         let best: Vec<_> = scored.iter().take(MOST_FITTED).collect();
         let fitted = best.into_par_iter().map(|scored| {
             let refitted = self.refit(&usual, scored);

@@ -78,6 +78,14 @@ const MOST_OF_SIMULATION: usize = 6;
 const LEAST_BESIDE: f64 = 0.1;
 
 impl Beyond {
+    /// Takes a finding, with which the car predicts this. What healthy drives or a simulation have not is unusual whatever it
+    /// is.
+    fn take(&mut self, finding: Finding, predicted: Vec<Predicted>, may_be_usual: bool) {
+        self.is_unusual |= !may_be_usual || finding.kind != Nature::Ordinary;
+        self.findings.push(finding);
+        self.predicted = Some(predicted);
+    }
+
     /// The least evidence of what is told beside a simulation. The car that was fitted only drives like the simulation: what
     /// an effect does to it is not quite what it does to that.
     fn least_beside(&self) -> f64 {
@@ -148,13 +156,10 @@ pub fn beyond(
     if let Some((in_place, best)) = in_place.as_ref().and_then(|it| Some((it, it.likelier()?))) {
         let predicted = search.predicted(&best.model, &best.free, &best.at);
         if !is_worse(drives, &found.predicted, &predicted) {
-            let finding = in_place.finding(&search, best);
             taken.insert(best.trial.name());
-            answer.is_unusual |= finding.kind != Nature::Ordinary;
-            answer.findings.push(finding);
             state = in_place.released(search.with(best));
             repeating = !laws.is_empty() && repeats(&predicted);
-            answer.predicted = Some(predicted);
+            answer.take(in_place.finding(&search, best), predicted, asks_sensors);
         }
     }
     let mut usual = if asks_sensors { search.usual(&state) } else { Vec::new() };
@@ -196,13 +201,11 @@ pub fn beyond(
         }
         taken.insert(best.trial.name());
         let finding = search.finding(&state, best, &tried.evidence());
-        answer.is_unusual |= references > 0 || is_simulated || finding.kind != Nature::Ordinary;
-        answer.findings.push(finding);
         let own = best.free.len() - best.own..best.free.len();
         in_both.push(Taken { trial: best.trial.clone(), own });
         state = search.with(best);
         repeating = !laws.is_empty() && repeats(&predicted);
-        answer.predicted = Some(predicted);
+        answer.take(finding, predicted, asks_sensors);
     }
     if is_simulated && !in_both.is_empty() {
         let again = search.again(state, &mut in_both, &mut answer.findings);

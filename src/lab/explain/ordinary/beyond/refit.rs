@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::super::numbers::{Free, Scope};
 use super::super::run::Track;
 use super::Search;
-use super::climb::{Climbed, State};
+use super::climb::{Climbed, State, freedom};
 use super::colour::{CHANNELS, Series};
 use super::scan::Scored;
 use super::trial::Trial;
@@ -167,9 +167,7 @@ impl Search<'_> {
         // The ordinary numbers may have found a better place on the way, which has nothing to do with the effect.
         let alone = self.climb(state, &state.colour, &state.model, &state.free, at[..first].to_vec());
         let before = state.cost.min(alone.cost);
-        let freedom: f64 = (first..free.len())
-            .map(|place| (free[place].prior.1.powi(2) / covariance[(place, place)].max(1e-300)).ln().max(0.0))
-            .sum();
+        let freedom = freedom(&free, &covariance, first..free.len());
         let tried = self.tried.get(&trial.name()).copied().unwrap_or(1);
         let evidence = before - cost - freedom - 2.0 * (tried as f64).ln();
         Refitted {

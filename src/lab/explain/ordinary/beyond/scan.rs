@@ -57,12 +57,12 @@ impl Search<'_> {
         let shifts: Vec<usize> =
             (0..DECOYS).map(|_| random.random_range(least..(shortest - least).max(least + 1))).collect();
         let tracks = self.tracks(&state.model, &state.free, &state.at);
-        let scored: Vec<(Scored, f64)> = trials
+        let scored: Vec<(Scored, f64, bool)> = trials
             .par_iter()
             .filter_map(|trial| {
                 let (model, free, at) = state.beside(trial);
                 let first = state.free.len();
-                let mut best: Option<(f64, usize, f64)> = None;
+                let mut best: Option<(f64, usize, f64, bool)> = None;
                 let mut decoy = 0.0_f64;
                 for place in first..free.len() {
                     if !trial.is_main(&free[place]) {
@@ -79,7 +79,7 @@ impl Search<'_> {
                         let column = self.white(colour, &rows, &slope, 0);
                         let Some((gain, by)) = score(&column, free[place].prior.1) else { continue };
                         if best.is_none_or(|(most, ..)| gain > most) {
-                            best = Some((gain, place - first, free[place].prior.0 + by));
+                            best = Some((gain, place - first, free[place].prior.0 + by, by > 0.0));
                         }
                         if !trial.has_time() {
                             for shift in &shifts {
@@ -90,22 +90,16 @@ impl Search<'_> {
                         }
                     }
                 }
-                let (gain, number, coordinate) = best?;
-                Some((Scored { trial: trial.clone(), gain, numbers: vec![(number, coordinate)] }, decoy))
+                let (gain, number, coordinate, is_more) = best?;
+                let scored = Scored { trial: trial.clone(), gain, numbers: vec![(number, coordinate)] };
+                Some((scored, decoy, is_more))
             })
             .collect();
-        let null = scored.iter().map(|(_, decoy)| *decoy).fold(0.0, f64::max);
-        // A patch of more friction and one of less are at other places.
-        let side = |scored: &Scored| {
-            let more = |(number, coordinate): &(usize, f64)| {
-                let free = scored.trial.free(&scored.trial.put_into(&state.model));
-                free.get(*number).is_some_and(|free| *coordinate > free.prior.0)
-            };
-            scored.trial.is_patch() && scored.numbers.iter().any(more)
-        };
+        let null = scored.iter().map(|(_, decoy, _)| *decoy).fold(0.0, f64::max);
         let mut best: BTreeMap<(String, bool), Scored> = BTreeMap::new();
-        for (scored, _) in scored {
-            let name = (scored.trial.name(), side(&scored));
+        for (scored, _, is_more) in scored {
+            // A patch of more friction and one of less are at other places.
+            let name = (scored.trial.name(), scored.trial.is_patch() && is_more);
             if best.get(&name).is_none_or(|other| other.gain < scored.gain) {
                 best.insert(name, scored);
             }

@@ -269,11 +269,8 @@ impl Search<'_> {
             neutral[place] = told.neutral;
             self.errors(&state.model, &state.free, &neutral)
         };
-        let mut fixed = *free;
-        fixed.prior = (told.neutral, 1e-9);
-        fixed.bounds = (told.neutral, told.neutral);
         let mut numbers = without.free.clone();
-        numbers.push(fixed);
+        numbers.push(free.held_at(told.neutral));
         let mut from = without.at.clone();
         from.push(told.neutral);
         let climbed = self.climb(&without, &state.colour, &state.model, &numbers, from);

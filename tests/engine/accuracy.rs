@@ -121,7 +121,7 @@ fn changes_of_surface_are_noticed_and_intervals_hold() {
 }
 
 #[test]
-#[ignore = "long: 7 s, 24 drives"]
+#[ignore = "long: 20 s, 24 drives"]
 fn with_torque_with_an_accelerometer_instead_and_without_both_too() {
     let section = Section {
         name: "slope",
@@ -148,10 +148,14 @@ fn half_an_hour_of_one_surface_has_no_change() {
     one_surface(204..205);
 }
 
-#[test]
-#[ignore = "long: 6 s, half an hour three times"]
-fn neither_have_other_half_hours() {
-    one_surface(205..208);
+mod by_hand {
+    use super::*;
+
+    #[test]
+    #[ignore = "by hand: half an hour three times"]
+    fn neither_have_other_half_hours() {
+        one_surface(205..208);
+    }
 }
 
 fn one_surface(seeds: Range<u64>) {

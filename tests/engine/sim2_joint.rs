@@ -54,37 +54,42 @@ fn with_the_defaults_for_real_roads_too() {
     assert!((0..3).all(|check| cell.worst(check) < 0.05));
 }
 
-/// The whole grid; for the numbers.
-#[test]
-#[ignore = "long: 12 s of a processor"]
-fn the_whole_grid() {
-    let mut rows = Vec::new();
-    for (name, config) in
-        [("ideal road", LateralFilterConfig::ideal_road()), ("defaults", LateralFilterConfig::default())]
-    {
-        let (mut worst, mut rms) = ([0.0_f64; 3], [0.0_f64; 3]);
-        for amplitude in AMPLITUDES {
-            for frequency in FREQUENCIES {
-                let cell = Cell::drive(amplitude, frequency, 4, &config).unwrap();
-                print(&cell);
-                for check in 0..3 {
-                    worst[check] = worst[check].max(cell.worst(check));
-                    rms[check] = rms[check].max(cell.rms(check));
-                }
-                if name == "ideal road" {
-                    assert!((0..3).all(|check| cell.worst(check) < 0.065 && cell.rms(check) < 0.03));
+mod by_hand {
+    use super::*;
+
+    /// The whole grid; for the numbers.
+    #[test]
+    #[ignore = "by hand: 25 s of a processor"]
+    fn the_whole_grid() {
+        let mut rows = Vec::new();
+        for (name, config) in
+            [("ideal road", LateralFilterConfig::ideal_road()), ("defaults", LateralFilterConfig::default())]
+        {
+            let (mut worst, mut rms) = ([0.0_f64; 3], [0.0_f64; 3]);
+            for amplitude in AMPLITUDES {
+                for frequency in FREQUENCIES {
+                    let cell = Cell::drive(amplitude, frequency, 4, &config).unwrap();
+                    print(&cell);
+                    for check in 0..3 {
+                        worst[check] = worst[check].max(cell.worst(check));
+                        rms[check] = rms[check].max(cell.rms(check));
+                    }
+                    if name == "ideal road" {
+                        assert!((0..3).all(|check| cell.worst(check) < 0.065 && cell.rms(check) < 0.03));
+                    }
                 }
             }
+            let percent =
+                |values: [f64; 3]| values.map(|value| format!("{:.1} %", 100.0 * value)).join(" | ");
+            rows.push(format!("{name} | {} | {}", percent(worst), percent(rms)));
         }
-        let percent = |values: [f64; 3]| values.map(|value| format!("{:.1} %", 100.0 * value)).join(" | ");
-        rows.push(format!("{name} | {} | {}", percent(worst), percent(rms)));
+        let section = Section {
+            name: "sim2_joint",
+            seed: "4 seeds a cell",
+            tolerance: 0.02,
+            header: "Sim2, joint filter, all amplitudes and frequencies | worst before the change | 5 s after it | 5 s after \
+                     the change back | rms before | after | after the change back",
+        };
+        section.check(&rows);
     }
-    let section = Section {
-        name: "sim2_joint",
-        seed: "4 seeds a cell",
-        tolerance: 0.02,
-        header: "Sim2, joint filter, all amplitudes and frequencies | worst before the change | 5 s after it | 5 s after \
-                 the change back | rms before | after | after the change back",
-    };
-    section.check(&rows);
 }

@@ -48,6 +48,7 @@ mod tests {
     use super::*;
     use physics::Quantity;
     use physics::model::Scenario;
+    use physics::model::effect::named;
 
     /// What a simulation of the bench's drive, as another simulator would write it (no noise, no wheels), leaves out of a
     /// recording with these effects.
@@ -63,7 +64,9 @@ mod tests {
         }
         let (vehicle, recording) = recorded_as(effects, change);
         let recordings = [recording];
-        let case = case(&vehicle, &recordings);
+        let library = ["relaxation_length", "steering_lag", "sensor_delay", "sensor_scale", "payload"];
+        let library = library.map(|kind| named(kind).unwrap());
+        let case = Case { library: &library, ..case(&vehicle, &recordings) };
         case.left_out(&simulation, &|_, _| {}).unwrap().explanation
     }
 

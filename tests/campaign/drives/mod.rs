@@ -33,22 +33,6 @@ fn campaign(first: u64, count: u64) -> Judgement {
     all.into_iter().fold(Judgement::default(), Judgement::and)
 }
 
-#[test]
-#[ignore = "long: 24 s of a processor, 30 drives"]
-fn more_drives_by_the_use_of_friction() {
-    let judgement = campaign(7001, 30);
-    println!("{judgement}");
-    let section = Section {
-        name: "campaign",
-        seed: "seeds 7001 to 7030",
-        tolerance: 0.03,
-        header: "use of friction | samples | truth in the interval | bounded above | mean width | valid | valid and off \
-                 by more than 0.1",
-    };
-    section.check(&judgement.rows());
-    assert!(judgement.covered() > 0.95);
-}
-
 /// What holds today, on a few drives; the whole campaign is the measure of what does not hold yet.
 #[test]
 fn a_few_drives_keep_the_truth_in_the_interval() {
@@ -62,6 +46,22 @@ fn a_few_drives_keep_the_truth_in_the_interval() {
 /// For people, by name: no run of all tests has the time.
 mod by_hand {
     use super::*;
+
+    #[test]
+    #[ignore = "by hand: 30 s of a processor, 30 drives"]
+    fn more_drives_by_the_use_of_friction() {
+        let judgement = campaign(7001, 30);
+        println!("{judgement}");
+        let section = Section {
+            name: "campaign",
+            seed: "seeds 7001 to 7030",
+            tolerance: 0.03,
+            header: "use of friction | samples | truth in the interval | bounded above | mean width | valid | valid and off \
+                     by more than 0.1",
+        };
+        section.check(&judgement.rows());
+        assert!(judgement.covered() > 0.95);
+    }
 
     #[test]
     #[ignore = "by hand: minutes"]

@@ -119,6 +119,8 @@ struct Trace<'t> {
     free: Free,
     /// Change of the coordinate at the ordinary size.
     by: f64,
+    /// How much of it could be on these drives.
+    could_be: f64,
     /// Whitened, for that change; of fitted rows times the root of their weight.
     left: DVector<f64>,
     /// Sum of squares of held-out rows.
@@ -210,6 +212,7 @@ impl Search<'_> {
                 .into_iter()
                 .find(|by| (main.bounds.0..=main.bounds.1).contains(&(at[place] + by)))?;
             let slope = self.slope(&model, &free, (&at, &state.errors), (place, by), None);
+            let could_be = self.could_be(&slope, by);
             let column = self.white(colour, &rows, &slope, 0) * by;
             let with = own.iter().map(|own| own.component_mul(&weights).dot(&column));
             let taken = factor.solve(&DVector::from_iterator(own.len(), with));
@@ -218,7 +221,8 @@ impl Search<'_> {
                 left.axpy(-taken, own, 1.0);
             }
             let held = held_square(&left, &rows);
-            Some(Trace { trial, free: main, by, left: left.component_mul(&weights.map(f64::sqrt)), held })
+            let left = left.component_mul(&weights.map(f64::sqrt));
+            Some(Trace { trial, free: main, by, could_be, left, held })
         };
         chosen.par_iter().filter_map(of).collect()
     }
@@ -236,7 +240,7 @@ impl Search<'_> {
             bars.push(Bar { slope: trace.held.sqrt(), needed: LEAST_HELD_GAIN.sqrt() });
         }
         if self.references > 0 && trace.trial.is_always_there() {
-            bars.push(references::bar(clear, self.references));
+            bars.push(references::bar(clear, trace.could_be, self.references));
         }
         let noticed = bars.iter().map(|bar| bar.share()).fold(0.0, f64::max);
         let rivals = correlations.iter().enumerate().filter(|(other, _)| traces[*other].trial.name() != name);

@@ -10,8 +10,10 @@ use super::super::fit::FreeFit;
 use super::super::numbers::{Free, Number, Scope};
 use super::Search;
 use super::climb::State;
+use super::colour::Series;
 use super::power::Bar;
 use super::refit::Refitted;
+use super::rows::rows;
 use super::scan::Scored;
 use super::trial::Trial;
 use crate::explain::model::Place;
@@ -31,6 +33,11 @@ pub struct Healthy {
 /// that counts as much as so many of them. Tuned: `healthy_beside_healthy` (campaign).
 pub(super) const SPREAD: f64 = 0.1;
 pub(super) const WORTH: f64 = 6.0;
+
+/// What a number could be moves yaw rate and lateral acceleration by no more than this share of what they do: what would
+/// move them by more is a number for gentler drives. Tuned: a steering ratio (`concealed_in_real_drives`), whose usual
+/// curvature, 0.15/rad², would turn the steering round where the wheel is turned by three rad.
+const MOST_MOVED: f64 = 0.3;
 
 /// A number must be so many deviations of that, and of its own, from the references'. Statistical: one in a thousand of
 /// Student's distribution with eight degrees of freedom, for each of some tens of candidates.
@@ -79,6 +86,23 @@ pub fn expected(all: &[Free], at: &[f64], references: usize) -> Vec<Free> {
 }
 
 impl Search<'_> {
+    /// How much of such a change of a number could be on these drives, by how the predictions change with the number.
+    pub(super) fn could_be(&self, slopes: &[Series], by: f64) -> f64 {
+        let moved = self.drives.iter().zip(slopes).flat_map(|(drive, [yaw_rate, lateral, ..])| {
+            let share = |measured: &[f64], slope: &[f64]| {
+                let both = rows(drive).map(|i| measured[i]).zip(slope).filter(|(is, _)| is.is_finite());
+                let squares = both.fold((0.0, 0.0), |(is, by), (a, b)| (is + a * a, by + b * b));
+                if squares.0 > 0.0 { by.abs() * (squares.1 / squares.0).sqrt() } else { 0.0 }
+            };
+            [
+                share(&drive.yaw_rate, yaw_rate),
+                drive.lateral.as_deref().map_or(0.0, |measured| share(measured, lateral)),
+            ]
+        });
+        let most = moved.filter(|share| share.is_finite()).fold(0.0, f64::max);
+        (MOST_MOVED / most.max(1e-9)).min(1.0)
+    }
+
     /// What each reference says of these candidates.
     pub(super) fn healthy(
         &self,
@@ -104,9 +128,10 @@ impl Healthy {
     }
 }
 
-/// How far from so many references' a number must be, where the whole of what it could be is so clear.
-pub fn bar(clear: f64, references: usize) -> Bar {
-    let spread = SPREAD * (1.0 + 1.0 / references.max(1) as f64).sqrt();
+/// How far from so many references' a number must be, where the whole of what it could be is so clear, and this share of
+/// that could be on these drives.
+pub fn bar(clear: f64, could_be: f64, references: usize) -> Bar {
+    let spread = SPREAD * could_be * (1.0 + 1.0 / references.max(1) as f64).sqrt();
     Bar { slope: clear.recip().hypot(spread).recip(), needed: LEAST_DISTANCE }
 }
 
@@ -127,6 +152,7 @@ impl Refitted<'_> {
         let there = references.iter().filter(|healthy| healthy.name == name);
         let mut there: Vec<f64> = there.map(|healthy| healthy.coordinate).collect();
         let (neutral, usual) = self.thought_of_clearest();
+        let usual = self.could_be * usual;
         if there.is_empty() {
             there.push(neutral);
         }

@@ -70,7 +70,7 @@ impl Refitted<'_> {
         self.clearest_place().map_or((0.0, 0.0), |place| self.free[place].prior)
     }
 
-    fn clearest_place(&self) -> Option<usize> {
+    pub fn clearest_place(&self) -> Option<usize> {
         let main = self.own().filter(|place| self.trial.is_main(&self.free[*place]));
         main.max_by(|a, b| self.clear(*a).total_cmp(&self.clear(*b)))
     }

@@ -34,6 +34,8 @@ pub struct Spread {
     pub main: Free,
     /// … and where that is in each drive, from where it makes no difference.
     at: DVector<f64>,
+    /// The share of what it is thought to be that could be on these drives.
+    could_be: f64,
     /// Of the car's numbers one that is in its place everywhere.
     instead_of: Option<usize>,
     /// What a change of it does beside what each of the car's does: numbers × drives.
@@ -97,6 +99,7 @@ impl<'s, 'a> Linear<'s, 'a> {
         let mut spread = Spread {
             main,
             at,
+            could_be: 1.0,
             instead_of,
             with: DMatrix::zeros(self.weighed.len(), drives),
             information: DVector::zeros(drives),
@@ -110,6 +113,7 @@ impl<'s, 'a> Linear<'s, 'a> {
                 (first + drive, main.step),
                 None,
             );
+            spread.could_be = spread.could_be.min(self.search.could_be(&slope, main.prior.1));
             let column = self.search.white(&self.colour, &self.rows, &slope, 0);
             for (number, own) in self.weighed.iter().enumerate() {
                 spread.with[(number, drive)] = own.dot(&column);
@@ -139,6 +143,11 @@ impl<'s, 'a> Linear<'s, 'a> {
         let own = 0.5 * (&own + own.transpose());
         let towards = &spread.gradient - taken.transpose() * gradient + &own * &spread.at;
         let usual = spread.main.prior.1;
-        Some(Profile { information: own, gradient: towards, scatter: SPREAD * usual, usual })
+        Some(Profile {
+            information: own,
+            gradient: towards,
+            scatter: SPREAD * spread.could_be * usual,
+            usual,
+        })
     }
 }

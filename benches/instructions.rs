@@ -2,8 +2,9 @@
 //! machine as on an idle one. Compared with benches/instructions.toml; more by a tenth, and by more than a few, is a failure.
 //!
 //! `cargo bench --profile dev --bench instructions`, with `-- --write` to keep what was counted. That is the build of the
-//! tests, whose arithmetic is checked, as `.ci/run` makes it: a release takes up to an eighth fewer. Without valgrind nothing is
-//! done, and that is said. What a stage needs once is not counted: it runs for n and for 2 n elements, and the difference counts.
+//! tests, whose arithmetic is checked, as `.ci/run` makes it: a release, inlined across pieces and crates, takes fewer.
+//! Without valgrind nothing is done, and that is said. What a stage needs once is not counted: it runs for n and for 2 n
+//! elements, and the difference counts.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a benchmark that cannot be set up may fail loudly")]
 

@@ -73,7 +73,7 @@ fn a_configuration_that_runs_comes_of_one_line() {
     for command in [
         "replay -c my.toml drive.log -o published.log --estimates estimates.csv",
         "plot -c my.toml drive.log --html drive.html",
-        "explain -c my.toml drive.log --to 16 --json explained.json",
+        "explain -c my.toml drive.log --to 22 --json explained.json",
     ] {
         let mut program = gripd();
         let output = program.current_dir(folder).arg("-q").args(command.split(' ')).output().unwrap();

@@ -224,7 +224,6 @@ fn fitted<'a>(state: &State<'a>, it: &Taken) -> Refitted<'a> {
         errors: Vec::new(),
         covariance: DMatrix::from_fn(count, count, |i, j| state.covariance[(order[i], order[j])]),
         cost: state.cost,
-        could_be: 1.0,
         evidence: 0.0,
         held_gain: 0.0,
         gains: [0.0; CHANNELS],

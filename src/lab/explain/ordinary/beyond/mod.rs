@@ -185,7 +185,7 @@ pub fn beyond(
         if asks && !asks_laws && !laws.is_empty() {
             tried.add(&search, &state, &laws, &taken, seed);
         }
-        tried.log(&healthy);
+        tried.log(&search, &healthy);
         if round == 0 {
             answer.ranking = tried.ranking();
         }

@@ -103,6 +103,31 @@ impl Search<'_> {
         (MOST_MOVED / most.max(1e-9)).min(1.0)
     }
 
+    /// Is a candidate beyond what these references have and differ by?
+    pub(super) fn is_beyond(&self, of: &Refitted<'_>, references: &[Healthy]) -> bool {
+        self.distance(of, references).is_none_or(|distance| distance > LEAST_DISTANCE)
+    }
+
+    /// How far its clearest main number is from what the references have, in deviations; none without any, and where it is
+    /// not always there.
+    pub(super) fn distance(&self, of: &Refitted<'_>, references: &[Healthy]) -> Option<f64> {
+        if references.is_empty() || !of.trial.is_always_there() {
+            return None;
+        }
+        let Some(place) = of.clearest_place() else { return Some(0.0) };
+        let Free { step, prior: (neutral, usual), .. } = of.free[place];
+        let own = of.clearest_main();
+        let name = of.trial.name();
+        let there = references.iter().filter(|healthy| healthy.name == name);
+        let mut there: Vec<f64> = there.map(|healthy| healthy.coordinate).collect();
+        if there.is_empty() {
+            there.push(neutral);
+        }
+        let slopes = self.slope(&of.model, &of.free, (&of.at, &of.errors), (place, step), None);
+        let (mean, spread) = spread(&there, SPREAD * self.could_be(&slopes, usual) * usual);
+        Some((own.value - mean).abs() / own.std.hypot(spread))
+    }
+
     /// What each reference says of these candidates.
     pub(super) fn healthy(
         &self,
@@ -136,30 +161,6 @@ pub fn bar(clear: f64, could_be: f64, references: usize) -> Bar {
 }
 
 impl Refitted<'_> {
-    /// Is it beyond what these references have and differ by?
-    pub fn is_beyond(&self, references: &[Healthy]) -> bool {
-        self.distance(references).is_none_or(|distance| distance > LEAST_DISTANCE)
-    }
-
-    /// How far its clearest main number is from what the references have, in deviations; none without any, and where it is
-    /// not always there.
-    pub fn distance(&self, references: &[Healthy]) -> Option<f64> {
-        if references.is_empty() || !self.trial.is_always_there() {
-            return None;
-        }
-        let own = self.clearest_main();
-        let name = self.trial.name();
-        let there = references.iter().filter(|healthy| healthy.name == name);
-        let mut there: Vec<f64> = there.map(|healthy| healthy.coordinate).collect();
-        let (neutral, usual) = self.thought_of_clearest();
-        let usual = self.could_be * usual;
-        if there.is_empty() {
-            there.push(neutral);
-        }
-        let (mean, spread) = spread(&there, SPREAD * usual);
-        Some((own.value - mean).abs() / own.std.hypot(spread))
-    }
-
     /// Its evidence beyond the most that a reference has of the same at any time; of what is always there the distance says
     /// more.
     pub fn evidence_beyond(&self, references: &[Healthy]) -> f64 {

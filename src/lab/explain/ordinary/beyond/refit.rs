@@ -41,8 +41,6 @@ pub struct Refitted<'a> {
     pub covariance: DMatrix<f64>,
     /// The likeliest cost in the colour of these errors.
     pub cost: f64,
-    /// Beside references: the share of what its clearest main number is thought to be that could be on these drives.
-    pub could_be: f64,
     /// Twice the logarithm of the odds for it.
     pub evidence: f64,
     /// By how much −2 ln likelihood of the held-out part falls.
@@ -172,10 +170,9 @@ impl Search<'_> {
         let freedom = freedom(&free, &covariance, first..free.len());
         let tried = self.tried.get(&trial.name()).copied().unwrap_or(1);
         let evidence = before - cost - freedom - 2.0 * (tried as f64).ln();
-        let mut refitted = Refitted {
+        Refitted {
             trial,
             model,
-            could_be: 1.0,
             own: free.len() - first,
             free,
             at,
@@ -185,14 +182,7 @@ impl Search<'_> {
             evidence,
             held_gain: without.held - with.held,
             gains: std::array::from_fn(|channel| without.by_channel[channel] - with.by_channel[channel]),
-        };
-        if let Some(place) = refitted.clearest_place().filter(|_| self.references > 0) {
-            let Refitted { model, free, at, errors, .. } = &refitted;
-            let Free { step, prior, .. } = free[place];
-            let slopes = self.slope(model, free, (at, errors), (place, step), None);
-            refitted.could_be = self.could_be(&slopes, prior.1);
         }
-        refitted
     }
 
     /// The next state.

@@ -109,7 +109,7 @@ impl<'a> Round<'a> {
                 && (references > 0 || of.trial.is_of_every_car() || is_told_from(of, Trial::is_of_every_car))
                 && (!of.trial.is_law() || is_told_from(of, |trial| !trial.is_law()))
                 && (!may_be_forced(&of.trial) || of.evidence > best_law + TOLD_APART)
-                && of.is_beyond(healthy)
+                && search.is_beyond(of, healthy)
                 && of.held_gain > least_held_gain(references, &of.trial)
                 && (of.trial.has_time() || *gain > self.null || search.is_simulated && of.is_above(self.null))
                 && of.clearest() > least_clear(of.held_gain)
@@ -141,13 +141,13 @@ impl<'a> Round<'a> {
     }
 
     /// For who looks on.
-    pub fn log(&self, healthy: &[Healthy]) {
+    pub fn log(&self, search: &Search<'_>, healthy: &[Healthy]) {
         for (gain, refitted) in &self.refitted {
             tracing::debug!(
                 name = refitted.trial.name(),
                 onset = ?refitted.trial.onset(),
                 stretches = ?refitted.trial.stretches(),
-                distance = ?refitted.distance(healthy),
+                distance = ?search.distance(refitted, healthy),
                 gain,
                 null = self.null,
                 evidence = refitted.evidence,

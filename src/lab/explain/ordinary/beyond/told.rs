@@ -65,11 +65,7 @@ impl Refitted<'_> {
         self.clearest_place().map_or(Estimate { value: 0.0, std: 0.0 }, of)
     }
 
-    /// What was thought of that number: where it makes no difference, and its deviation.
-    pub fn thought_of_clearest(&self) -> (f64, f64) {
-        self.clearest_place().map_or((0.0, 0.0), |place| self.free[place].prior)
-    }
-
+    /// Where that number stands.
     pub fn clearest_place(&self) -> Option<usize> {
         let main = self.own().filter(|place| self.trial.is_main(&self.free[*place]));
         main.max_by(|a, b| self.clear(*a).total_cmp(&self.clear(*b)))

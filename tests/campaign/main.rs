@@ -13,6 +13,7 @@ mod long_drives;
 mod over_drives;
 mod real_cars;
 mod soak;
+mod whole_cars;
 
 use testing::allocator::Counting;
 

@@ -51,6 +51,13 @@ impl Candidate {
         is_jump || self.kind.disturbance(self.channel).is_some_and(|course| course.sign == 0.0)
     }
 
+    /// Is it there from the start, of a kind that may as well begin later? Then nobody has taken out what never was in: its
+    /// size is not negative.
+    pub fn is_from_start(&self) -> bool {
+        let begins = |(place, at): &(usize, f64)| Some(*place) == self.kind.onset() && *at >= 0.0;
+        self.kind.search.from_start && !self.fixed.iter().any(begins)
+    }
+
     /// Its name, with its channel.
     pub fn name(&self) -> String {
         match self.channel {

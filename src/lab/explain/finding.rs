@@ -59,6 +59,7 @@ pub fn finding(
     }
     let round = &conclusion.selection.rounds[number];
     Finding {
+        kind: Nature::of_size(candidate.kind, &parameters),
         probability: probability(taken, round),
         indistinguishable_from: rivals(taken, round),
         parameters,

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::candidates::{Candidate, onsets, onsets_within};
 use super::exogenous::follows_motion;
 use super::fit::{Data, Fit, Learn};
-use super::model::{Model, Place};
+use super::model::{Free, Model, Place};
 use super::naming::{Refitted, Scored, refine, refit, scan};
 use super::patches;
 use super::predict::GriddedDrive;
@@ -101,11 +101,14 @@ pub fn select<'a>(
         rounds.push(Round { scanned: Vec::new(), refitted, following: Vec::new() });
         chosen.push(taken);
     }
-    while chosen.len() < TUNING.selection.most_findings {
+    // What every car has leaves room for what is unusual.
+    let is_unusual = |taken: &&Refitted<'a>| !taken.candidate.kind.search.every_car_has;
+    while chosen.iter().filter(is_unusual).count() < TUNING.selection.most_findings {
         progress(if chosen.is_empty() { work::NAMING } else { work::MORE }, 0.0);
         let is_new = |candidate: &Candidate| {
             let same = |other: &Refitted<'_>| {
-                other.candidate.name() == candidate.name() && other.candidate.free == candidate.free
+                let of_it = |place: &usize| candidate.free.contains(place);
+                other.candidate.name() == candidate.name() && other.candidate.free.iter().all(of_it)
             };
             !chosen.iter().any(same)
         };
@@ -132,6 +135,9 @@ pub fn select<'a>(
         {
             round = round.and(look(&data, &extended, &[(&strict, Learn::Nothing)], &library, least));
         }
+        // A course that may be anything takes some of what the equations of everything else miss.
+        let least_of_course = TUNING.selection.further_share_of_course * found;
+        round.refitted.retain(|of| of.candidate.live.is_none() || of.evidence > least_of_course);
         prefer_the_simpler(&mut round.refitted);
         for refitted in &round.refitted {
             tracing::debug!(name = refitted.candidate.name(), evidence = refitted.evidence, "fitted");
@@ -239,13 +245,14 @@ fn fitted<'f, 'a: 'f>(
         }
     });
     let patches = patches(data, before, &all, library);
-    all.retain(|refitted| {
-        patches::is_possible(data, refitted) && is_noteworthy(refitted) && has_the_shape_of(refitted)
-    });
+    let mut all: Vec<Refitted<'a>> =
+        all.into_par_iter().filter_map(|refitted| in_shape(data, before, refitted)).collect();
+    all.retain(|refitted| patches::is_possible(data, refitted) && is_noteworthy(refitted));
     best_of_each(all.into_iter().chain(patches).collect())
 }
 
-/// Is the error large enough to be anybody's mistake? See [`SearchHints`](physics::model::effect::SearchHints).
+/// Is it large enough to be anybody's mistake, and no load that is less than none? See
+/// [`SearchHints`](physics::model::effect::SearchHints).
 fn is_noteworthy(refitted: &Refitted<'_>) -> bool {
     let candidate = &refitted.candidate;
     let of_a_torque = matches!(
@@ -255,16 +262,38 @@ fn is_noteworthy(refitted: &Refitted<'_>) -> bool {
     let number = refitted.fit.model.effects.last().and_then(|effect| effect.numbers.first());
     let least = candidate.kind.search.least_of_torque.filter(|_| of_a_torque);
     least.zip(number).is_none_or(|(least, number)| number.abs() > least)
+        && !(candidate.is_from_start() && number.is_some_and(|number| *number < 0.0))
 }
 
-/// Does what it was found with belong to it? A number beside its size that ends at its bound is none that a car can have: a load that
-/// sloshes is no roll at half of a car's frequency.
-fn has_the_shape_of(refitted: &Refitted<'_>) -> bool {
-    let model = &refitted.fit.model;
-    let Some(effect) = model.effects.len().checked_sub(1) else { return true };
-    let is_main = |place: &usize| refitted.candidate.kind.parameters[*place].is_main;
-    let beside = refitted.candidate.free.iter().filter(|place| !is_main(place));
-    beside.copied().all(|place| !model.is_at_bound(Place::Effect(effect, place)))
+/// A fit whose numbers beside its size a car can have. One that ends at its bound is set to what is usual, unless it is
+/// nothing there: tires need not lose radius with load. If most of the evidence was for that number, this is another thing:
+/// a load that sloshes is no roll at half of a car's frequency.
+fn in_shape<'a>(data: &Data<'_>, before: &Fit<'a>, refitted: Refitted<'a>) -> Option<Refitted<'a>> {
+    let Some(effect) = refitted.fit.model.effects.len().checked_sub(1) else { return Some(refitted) };
+    let is_out = |place: &usize| {
+        let (spec, of) = (&refitted.candidate.kind.parameters[*place], Place::Effect(effect, *place));
+        let is_nothing = refitted.fit.model.get(of) <= 0.0 && spec.bounds.0 == 0.0;
+        !spec.is_main && !is_nothing && refitted.fit.model.is_at_bound(of)
+    };
+    let out: Vec<usize> = refitted.candidate.free.iter().copied().filter(is_out).collect();
+    if out.is_empty() {
+        return Some(refitted);
+    }
+    let usual = refitted.candidate.chosen(0);
+    let mut model = refitted.fit.model.clone();
+    let mut candidate = refitted.candidate.clone();
+    for place in &out {
+        model.effects[effect].numbers[*place] = usual.numbers[*place];
+    }
+    model.effects[effect].free.retain(|place| !out.contains(place));
+    candidate.free.retain(|place| !out.contains(place));
+    let is_free = |free: &&Free| !out.iter().any(|place| free.place == Place::Effect(effect, *place));
+    let free: Vec<Free> = refitted.fit.free.iter().filter(is_free).copied().collect();
+    let fit = data.fit(&model, &free, &refitted.fit.noise, NEXT_ROUNDS);
+    let usual = Refitted::new(before, candidate, fit);
+    tracing::trace!(name = usual.candidate.name(), at_bounds = ?out, of = refitted.evidence, left = usual.evidence, "out of shape");
+    (!usual.candidate.free.is_empty() && usual.evidence > TUNING.selection.left_in_shape * refitted.evidence)
+        .then_some(usual)
 }
 
 /// What lies in patches, within clear edges: each kind of them wherever the course of any kind has some; and each
@@ -355,5 +384,52 @@ pub fn prefer_the_simpler(refitted: &mut [Refitted<'_>]) {
         .position(|other| always(other) && other.evidence > enough && other.candidate.channel.is_none());
     if let Some(place) = simpler {
         refitted[..=place].rotate_right(1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bench::{fitted, recorded, training};
+    use super::super::candidates;
+    use super::super::naming;
+    use super::*;
+    use physics::model::effect::named;
+
+    /// The roll of a body in a drive with one, a number of it at its lower bound: what is free of it then, and its evidence.
+    fn rolling(numbers: &str, at_bound: &str) -> Option<(Vec<&'static str>, f64)> {
+        let kind = named("body_roll").unwrap();
+        let roll = format!("[[effect]]\nkind = \"body_roll\"\nroll_gain_rad_per_mps2 = 0.012\n{numbers}");
+        let (vehicle, recording) = recorded(&roll);
+        let drives = [GriddedDrive::new(&recording, &vehicle)];
+        let data = training(&drives);
+        let plain = fitted(&data, &vehicle);
+        let library = candidates::library(&[kind], &plain.model, |_| true, &[]);
+        let scanned = naming::scan(&data, &plain, &library);
+        let mut refitted = refit(&data, &plain, (&plain, Learn::Noise), &scanned[0], 4);
+        let place = kind.place_of(at_bound).unwrap();
+        refitted.fit.model.put(Place::Effect(0, place), kind.parameters[place].bounds.0);
+        let left = in_shape(&data, &plain, refitted)?;
+        let names = left.candidate.free.iter().map(|place| kind.parameters[*place].name);
+        Some((names.collect(), left.evidence))
+    }
+
+    /// GIVEN a body that rolls, hardly damped WHEN the damping ends at its bound THEN the roll is still named, the damping
+    /// held at what is usual.
+    #[test]
+    #[ignore = "long: a car fitted, and more"]
+    fn a_number_at_its_bound_takes_no_name_away() {
+        let hardly = "roll_damping = 0.1\nroll_frequency_rad_per_s = 9.0";
+        let (free, evidence) = rolling(hardly, "roll_damping").unwrap();
+        assert!(!free.contains(&"roll_damping") && free.contains(&"roll_gain_rad_per_mps2"), "{free:?}");
+        assert!(evidence > 10.0 * LEAST_EVIDENCE, "{evidence}");
+    }
+
+    /// GIVEN what swings far below a car's roll frequency, undamped, as a load does that sloshes THEN it is not named a roll.
+    #[test]
+    #[ignore = "long: a car fitted, and more"]
+    fn what_only_such_a_number_explains_is_another_thing() {
+        let slow = "roll_damping = 0.05\nroll_frequency_rad_per_s = 5.0";
+        let found = rolling(slow, "roll_frequency_rad_per_s");
+        assert!(found.is_none(), "{found:?}");
     }
 }

@@ -28,7 +28,10 @@ pub struct SelectionTuning {
     pub further_evidence: f64,
     /// … and at least this share of the evidence of all findings so far.
     pub further_share: f64,
-    /// Most findings: what is beyond is noise, or another car.
+    /// … of a course that may be anything at least this one. Set by `whole_cars`: beside the load transfer of CommonRoad's
+    /// multi-body car in hard turns, a drift of a wheel that is not there has 3.4 %.
+    pub further_share_of_course: f64,
+    /// Most findings of what not every car has: what is beyond is noise, or another car.
     pub most_findings: usize,
     /// Most candidates of a scan that are fitted together with everything else …
     pub most_refitted: usize,
@@ -40,6 +43,9 @@ pub struct SelectionTuning {
     pub most_rivals: usize,
     /// … and all others with this share of the best evidence.
     pub rival_share: f64,
+    /// With a number beside its size at what is usual, which ended at its bound, a finding keeps at least this share of its
+    /// evidence.
+    pub left_in_shape: f64,
     /// A course of which a larger share follows from the inputs is not of wind or road.
     pub most_following: f64,
     /// To learn when something began, a held-out block within so many seconds of it is fitted to, too.
@@ -150,12 +156,14 @@ pub const TUNING: Tuning = Tuning {
     selection: SelectionTuning {
         further_evidence: 30.0,
         further_share: 0.015,
+        further_share_of_course: 0.05,
         most_findings: 5,
         most_refitted: 5,
         least_share: 0.08,
         least_of_first_order: 0.3,
         most_rivals: 3,
         rival_share: 0.5,
+        left_in_shape: 0.5,
         most_following: 0.4,
         onset_s: 3.0,
         worse_share: 0.02,

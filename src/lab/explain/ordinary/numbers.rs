@@ -158,8 +158,9 @@ pub const DELAY: (f64, f64) = (0.02, 0.1);
 /// The accelerometer is of the same unit as the gyroscope.
 const LATERAL_DELAY: (f64, f64) = (0.0, 0.03);
 
-/// Beyond this a delay is another thing, s: two messages that are late by 0.3 s, one against the other.
-const LONGEST_DELAY_S: f64 = 0.6;
+/// Beyond this a delay is another thing, s: messages are late by 0.3 s at most, and delays are counted from the yaw rate's. A
+/// speed half a second early is an acceleration that changes the tires' loads.
+const LONGEST_DELAY_S: f64 = 0.3;
 
 /// Wheel radii and speed messages are right to some per cent.
 const SPEED_SCALE: (f64, f64) = (1.0, 0.03);

@@ -63,6 +63,14 @@ impl Nature {
             Self::Unusual
         }
     }
+
+    /// The same where its numbers are these: little of some effects is nothing unusual.
+    pub fn of_size(kind: &Kind, numbers: &BTreeMap<String, Estimate>) -> Self {
+        let is_usual = |number: &Estimate| number.value.abs() <= kind.search.usual_up_to;
+        let main = kind.parameters.iter().filter(|spec| spec.is_main);
+        let mut numbers = main.filter_map(|spec| numbers.get(spec.name)).peekable();
+        if numbers.peek().is_some() && numbers.all(is_usual) { Self::Ordinary } else { Self::of(kind) }
+    }
 }
 
 /// Something that is missing in the plain model.
@@ -209,4 +217,22 @@ pub struct Ranked {
     pub score: f64,
     /// Was it fitted together with everything else, or judged to first order only?
     pub refitted: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use physics::model::effect::named;
+
+    #[test]
+    fn a_wheel_that_is_hardly_smaller_is_nothing_unusual() {
+        let of = |kind: &str, number: &str, value: f64| {
+            let numbers = [(number.to_owned(), Estimate { value, std: 1e-4 })];
+            Nature::of_size(named(kind).unwrap(), &numbers.into())
+        };
+        assert_eq!(of("tire_radius", "relative_difference_rl", -0.0007), Nature::Ordinary);
+        assert_eq!(of("tire_radius", "relative_difference_rl", -0.007), Nature::Unusual);
+        assert_eq!(of("sensor_scale", "relative_error", 0.001), Nature::Measurement);
+        assert_eq!(of("load_transfer", "cg_height_m", 0.5), Nature::Ordinary);
+    }
 }

@@ -64,10 +64,14 @@ fn found(findings: &[Finding]) -> String {
     }
 }
 
-/// The first names, and how many more there are.
+/// The first names, and how many more there are. Two wheels of another radius are one name.
 fn names<'f>(findings: impl Iterator<Item = &'f Finding>) -> String {
-    let all: Vec<String> =
-        findings.map(|finding| effect(&finding.effect, finding.channel.as_deref())).collect();
+    let mut all: Vec<String> = Vec::new();
+    for name in findings.map(|finding| effect(&finding.effect, finding.channel.as_deref())) {
+        if !all.contains(&name) {
+            all.push(name);
+        }
+    }
     let mut names = all.clone();
     if all.len() > MOST_NAMES {
         names.truncate(MOST_NAMES - 1);
@@ -177,5 +181,17 @@ pub fn subject(explanation: &Explanation) -> String {
         [] => format!("{long} of recording"),
         [one] => format!("{long} of {one}"),
         several => format!("{long} of {} recordings", several.len()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_wheels_of_another_radius_are_one_name() {
+        let of = |effect: &str| Finding { effect: effect.into(), ..Finding::default() };
+        let all = [of("tire_radius"), of("payload"), of("tire_radius")];
+        assert_eq!(names(all.iter()), "unequal tire radii and payload");
     }
 }

@@ -61,7 +61,8 @@ pub static KIND: Kind = Kind {
             scale: Scale::Linear,
             mean: 0.4,
             std: 0.4,
-            bounds: (0.0, 1.0),
+            // With 1 load changes nothing along, which a fit has to be able to say.
+            bounds: (0.0, 1.5),
             step: 0.05,
             model_error: 0.2,
             is_main: false,

@@ -24,6 +24,9 @@ const fn difference(name: &'static str, words: &'static str) -> Spec {
     }
 }
 
+/// Wear, load and pressure make tires of one set differ by some tenths of a per cent: what is wrong with a wheel is more.
+const USUAL: f64 = 0.003;
+
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
     name: "tire_radius",
@@ -42,7 +45,7 @@ pub static KIND: Kind = Kind {
         difference("relative_difference_rr", "radius, rear right wheel"),
     ],
     course: None,
-    search: SearchHints { each_number_alone: true, ..SearchHints::USUAL },
+    search: SearchHints { each_number_alone: true, usual_up_to: USUAL, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| {
         Box::new(TireRadius { relative_difference: std::array::from_fn(|i| setting.values[i]) })
     },

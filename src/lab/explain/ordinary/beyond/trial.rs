@@ -1,5 +1,8 @@
 //! What could be there beside the ordinary car, and when.
 
+#[cfg(test)]
+mod tests;
+
 use std::collections::BTreeSet;
 
 use super::super::fit::FreeFit;
@@ -303,11 +306,14 @@ impl Trial {
             // A road softens tires; it does not make them stiffer.
             let is_factor = self.is_patch() && spec.scale == Scale::Logarithmic;
             let most = if is_factor { spec.mean } else { spec.bounds.1 };
+            // References may have been loaded, and a simulation may be of a loaded car.
+            let is_size = spec.is_main && self.of == Scope::Car && candidate.is_from_start();
+            let least = if is_size { spec.mean } else { spec.bounds.0 };
             Free {
                 number: Number::Of(Place::Effect(effect, place)),
                 of: self.of,
                 prior: (mean, std),
-                bounds: (spec.bounds.0, most),
+                bounds: (least, most),
                 step: if is_factor { -step } else { step },
             }
         };
@@ -433,37 +439,5 @@ impl Trial {
             }
         }
         all
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::super::super::bench::recorded;
-    use super::super::super::inputs::Held;
-    use super::*;
-    use physics::model::effect;
-
-    /// GIVEN another road from 2 s after the beginning on, for half of the drive, and from the first moment to the last THEN the
-    /// first only is a patch that takes the car's place.
-    #[test]
-    fn a_patch_of_nearly_the_whole_drive_is_there_nearly_always() {
-        let (vehicle, recording) = recorded("");
-        let drive = FreeDrive::new(&recording, &vehicle, Held::EveryThird, 600.0).unwrap();
-        let (first, last) = (drive.time(0), drive.time(drive.points()));
-        let patch = |stretch: [f64; 2]| Trial {
-            what: What::Effect(Candidate {
-                kind: effect::named("friction_change").unwrap(),
-                channel: None,
-                free: vec![0],
-                fixed: Vec::new(),
-                live: None,
-                stretches: vec![stretch],
-            }),
-            of: Scope::Car,
-            inverse_friction: 1.0,
-        };
-        assert!(patch([first + 2.0, f64::INFINITY]).is_nearly_always_there(&drive));
-        assert!(!patch([0.5 * (first + last), f64::INFINITY]).is_nearly_always_there(&drive));
-        assert!(!patch([f64::NEG_INFINITY, f64::INFINITY]).is_nearly_always_there(&drive));
     }
 }

@@ -1,0 +1,239 @@
+//! What `gripd explain` says of whole cars by another author: CommonRoad's multi-body car with one unusual thing in it, or with
+//! nothing but what every car has.
+
+mod by_hand {
+    use std::path::{Path, PathBuf};
+    use std::process::Command;
+
+    use serde_json::{Value, json};
+    use testing::program::{gripd, project, target};
+    use testing::results::Section;
+
+    use crate::found::{Found, findings, told};
+    use crate::kept;
+
+    /// The package's cars: Ford Escort, BMW 320i, VW Vanagon.
+    const VEHICLES: [usize; 3] = [1, 2, 3];
+
+    /// Ways to drive.
+    const SCENARIOS: [&str; 4] = ["mixed", "slalom", "hard", "highway"];
+
+    /// What is put in, as the simulator's command line gives it, what it is called by right, and the scenario that can show
+    /// it, for each vehicle.
+    const CAUSES: [(&str, &str, [&str; 3]); 12] = [
+        ("tire_radius_rl=-0.007", "tire_radius", ["highway", "mixed", "slalom"]),
+        ("yaw_delay=0.05", "sensor_delay:yaw_rate", ["slalom", "hard", "mixed"]),
+        ("yaw_scale=0.05", "sensor_scale:yaw_rate", ["mixed", "slalom", "hard"]),
+        ("lateral_delay=0.05", "sensor_delay:lateral_acceleration", ["slalom", "mixed", "hard"]),
+        ("steering_lag=0.07", "steering_lag", ["slalom", "hard", "mixed"]),
+        ("yaw_jump=0.02 at=45", "sensor_bias:yaw_rate", ["highway", "mixed", "slalom"]),
+        ("steering_jump=0.1 at=45", "sensor_bias:steering_wheel_angle", ["highway", "slalom", "mixed"]),
+        ("friction_patch=0.6 from=30 to=40", "friction_change", ["hard", "slalom", "slalom"]),
+        ("wind=1000 from=30 to=40", "crosswind", ["highway", "highway", "highway"]),
+        ("lateral_bias_drift=0.3", "sensor_drift:lateral_acceleration", ["highway", "mixed", "hard"]),
+        ("brake_pull=150", "brake_yaw_moment", ["hard", "mixed", "hard"]),
+        ("steering_curvature=0.04", "steering_ratio", ["mixed", "hard", "mixed"]),
+    ];
+
+    /// A drive of 90 s.
+    #[derive(Clone, Copy)]
+    struct Drive {
+        vehicle: usize,
+        scenario: &'static str,
+        /// What is hidden and what it is called by right.
+        hidden: Option<(&'static str, &'static str)>,
+        seed: usize,
+    }
+
+    impl Drive {
+        /// First those with nothing unusual.
+        fn all() -> impl Iterator<Item = Self> {
+            let ordinary = VEHICLES.into_iter().flat_map(|vehicle| {
+                let of = move |(place, scenario)| Self {
+                    vehicle,
+                    scenario,
+                    hidden: None,
+                    seed: 10 * vehicle + place,
+                };
+                SCENARIOS.into_iter().enumerate().map(of)
+            });
+            let unusual = VEHICLES.into_iter().flat_map(|vehicle| {
+                let of = move |(place, (what, name, scenarios)): (usize, (_, _, [&'static str; 3]))| Self {
+                    vehicle,
+                    scenario: scenarios[vehicle - 1],
+                    hidden: Some((what, name)),
+                    seed: 100 * vehicle + place,
+                };
+                CAUSES.into_iter().enumerate().map(of)
+            });
+            ordinary.chain(unusual)
+        }
+
+        fn hides(&self) -> &'static str {
+            self.hidden.map_or("", |(what, _)| what)
+        }
+
+        fn is_it(&self, found: &Found) -> bool {
+            self.hidden.is_some_and(|(_, name)| found.name() == name)
+        }
+
+        /// Does the answer say that this could be it as well?
+        fn is_alike(&self, found: &Found) -> bool {
+            self.hidden.is_some_and(|(_, name)| found.alike.iter().any(|other| other == name))
+        }
+    }
+
+    /// `WHOLE_CARS_PYTHON` is a Python with the package commonroad-vehicle-models. What has an answer in the folder
+    /// `WHOLE_CARS_ANSWERS` is not asked again. Then
+    /// `GRIPD_RENEW=1 cargo test --test campaign by_hand::whole_cars_by_another_author -- --ignored`.
+    #[test]
+    #[ignore = "by hand: two hours, and what was interrupted goes on"]
+    fn whole_cars_by_another_author() {
+        let asks = Asks {
+            python: std::env::var("WHOLE_CARS_PYTHON").unwrap_or_else(|_| "python3".into()),
+            answers: std::env::var_os("WHOLE_CARS_ANSWERS")
+                .map_or_else(|| target("whole_cars"), PathBuf::from),
+        };
+        std::fs::create_dir_all(&asks.answers).unwrap();
+        if !asks.has_model() {
+            println!("skipped: {} has no package commonroad-vehicle-models", asks.python);
+            return;
+        }
+        let mut rows = Vec::new();
+        let mut counts = Counts::default();
+        let mut add = |row: String| {
+            println!("{row}");
+            rows.push(row);
+        };
+        for drive in Drive::all() {
+            let answer = asks.answer(drive);
+            let hidden = drive.hidden.map_or("nothing", |(what, _)| what);
+            let (first, found) = match answer["refused"].as_str() {
+                Some(why) => {
+                    counts.add(drive, &[], true);
+                    ("", format!("refused: {}", reason(why)))
+                }
+                None => {
+                    let found = findings(&answer);
+                    let first = counts.add(drive, &found, false);
+                    (first, found.iter().map(told).collect::<Vec<_>>().join("; "))
+                }
+            };
+            let Drive { vehicle, scenario, .. } = drive;
+            add(format!("{vehicle} | {scenario} | {hidden} | {first} | {found} | {}", held_out(&answer)));
+        }
+        add(format!("all | | | {} | {} | ", counts.named(), counts.misled()));
+        Section {
+            name: "whole_cars_by_another_author",
+            seed: "seeds 10 to 33 of ordinary cars, 100 to 311 of others",
+            tolerance: 0.1,
+            header: "vehicle | scenario | hidden | is the first that is not ordinary | found | yaw rate held out, %: plain → \
+                     extended",
+        }
+        .check(&rows);
+    }
+
+    /// Of what was hidden, and of what was said besides.
+    #[derive(Default)]
+    struct Counts {
+        /// With something hidden: all, those where it is named first, those where the first could be it as well.
+        hidden: [usize; 3],
+        /// With nothing hidden: all and silent.
+        ordinary: [usize; 2],
+        /// Something is named that is neither ordinary nor hidden, nor could be what is hidden.
+        misled: usize,
+    }
+
+    impl Counts {
+        /// What the first finding that is not ordinary is.
+        fn add(&mut self, drive: Drive, found: &[Found], is_refused: bool) -> &'static str {
+            let beyond: Vec<&Found> = found.iter().filter(|one| one.kind != "ordinary").collect();
+            self.misled += usize::from(beyond.iter().any(|one| !drive.is_it(one) && !drive.is_alike(one)));
+            if drive.hidden.is_none() {
+                let is_silent = beyond.is_empty() && !is_refused;
+                self.ordinary[0] += 1;
+                self.ordinary[1] += usize::from(is_silent);
+                return if is_silent { "silent" } else { "no" };
+            }
+            let is_it = beyond.first().is_some_and(|one| drive.is_it(one));
+            let is_alike = !is_it && beyond.first().is_some_and(|one| drive.is_alike(one));
+            self.hidden[0] += 1;
+            self.hidden[1] += usize::from(is_it);
+            self.hidden[2] += usize::from(is_alike);
+            match (is_it, is_alike) {
+                (true, _) => "yes",
+                (_, true) => "alike",
+                _ => "no",
+            }
+        }
+
+        fn named(&self) -> String {
+            let ([hidden, named, alike], [ordinary, silent]) = (self.hidden, self.ordinary);
+            format!(
+                "{named} of {hidden} named first, {alike} more as one of what looks alike; nothing hidden: silent {silent} of \
+                 {ordinary}"
+            )
+        }
+
+        fn misled(&self) -> String {
+            format!("something false in {} of {}", self.misled, self.hidden[0] + self.ordinary[0])
+        }
+    }
+
+    /// Why there is no answer, without the recording's name.
+    fn reason(told: &str) -> &str {
+        told.rsplit_once(".log: ").map_or(told, |(_, why)| why)
+    }
+
+    fn held_out(answer: &Value) -> String {
+        let fit = |of: &str| answer["fit"][of]["holdout"]["yaw_rate"].as_f64().unwrap_or(f64::NAN);
+        format!("{:.1} → {:.1}", fit("baseline"), fit("extended"))
+    }
+
+    /// Who asks.
+    struct Asks {
+        python: String,
+        answers: PathBuf,
+    }
+
+    impl Asks {
+        fn has_model(&self) -> bool {
+            let asked = Command::new(&self.python).args(["-c", "import vehiclemodels"]).output();
+            asked.is_ok_and(|output| output.status.success())
+        }
+
+        /// The explanation of a drive, or why there is none.
+        fn answer(&self, drive: Drive) -> Value {
+            let hidden = drive.hidden.map_or("nothing", |(what, _)| what);
+            let name = format!("v{} {} {hidden}", drive.vehicle, drive.scenario);
+            let kept = kept::file(&self.answers, &name, "json");
+            let known = std::fs::read(&kept).ok().and_then(|text| serde_json::from_slice(&text).ok());
+            if let Some(answer) = known {
+                return answer;
+            }
+            let scratch = tempfile::tempdir().unwrap();
+            let answer = self.asked(drive, scratch.path());
+            std::fs::write(&kept, answer.to_string()).unwrap();
+            answer
+        }
+
+        fn asked(&self, drive: Drive, scratch: &Path) -> Value {
+            let (log, car) = (scratch.join("drive.log"), scratch.join("car.toml"));
+            let mut command = Command::new(&self.python);
+            command.arg(project("tests/campaign/whole_cars/multi_body.py")).arg(&log).arg(&car);
+            command.args(["--vehicle", &drive.vehicle.to_string(), "--scenario", drive.scenario]);
+            command.args(["--seconds", "90", "--seed", &drive.seed.to_string()]);
+            let output = command.args(drive.hides().split_whitespace()).output().unwrap();
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            let mut command = gripd();
+            command.args(["-q", "explain", "-c"]).arg(&car).arg(&log).args(["--json", "-"]);
+            let output = command.output().unwrap();
+            let told = String::from_utf8_lossy(&output.stderr);
+            match output.status.code() {
+                Some(0) => serde_json::from_slice(&output.stdout).unwrap(),
+                Some(1) => json!({ "refused": told.trim().lines().last() }),
+                _ => panic!("{told}"),
+            }
+        }
+    }
+}

@@ -68,6 +68,12 @@ pub fn findings(explained: &Value) -> Vec<Found> {
     explained["findings"].as_array().into_iter().flatten().map(of).collect()
 }
 
+/// How well the yaw rate is predicted on held-out driving, %, by the plain model and by the extended one, in a cell of a table.
+pub fn held_out(explained: &Value) -> String {
+    let fit = |of: &str| explained["fit"][of]["holdout"]["yaw_rate"].as_f64().unwrap_or(f64::NAN);
+    format!("{:.1} → {:.1}", fit("baseline"), fit("extended"))
+}
+
 /// A finding in a cell of a table.
 pub fn told(found: &Found) -> String {
     let channel = found.channel.as_ref().map_or(String::new(), |channel| format!(" of {channel}"));

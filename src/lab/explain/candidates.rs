@@ -46,16 +46,18 @@ impl Candidate {
     /// Is it something that is added in the course of time: a drift, a jump of a sensor's zero, wind, the road's bank? Nothing
     /// of it follows from inputs and motion.
     pub fn is_added_in_time(&self) -> bool {
-        let begins = |(place, at): &(usize, f64)| Some(*place) == self.kind.onset() && *at > 0.0;
-        let is_jump = self.kind.is_of_measurement() && self.fixed.iter().any(begins);
+        let is_jump = self.kind.is_of_measurement() && self.begins_later();
         is_jump || self.kind.disturbance(self.channel).is_some_and(|course| course.sign == 0.0)
     }
 
     /// Is it there from the start, of a kind that may as well begin later? Then nobody has taken out what never was in: its
     /// size is not negative.
     pub fn is_from_start(&self) -> bool {
-        let begins = |(place, at): &(usize, f64)| Some(*place) == self.kind.onset() && *at >= 0.0;
-        self.kind.search.from_start && !self.fixed.iter().any(begins)
+        self.kind.search.from_start && !self.begins_later()
+    }
+
+    fn begins_later(&self) -> bool {
+        self.fixed.iter().any(|(place, at)| Some(*place) == self.kind.onset() && *at > 0.0)
     }
 
     /// Its name, with its channel.

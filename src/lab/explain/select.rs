@@ -292,8 +292,7 @@ fn in_shape<'a>(data: &Data<'_>, before: &Fit<'a>, refitted: Refitted<'a>) -> Op
     let fit = data.fit(&model, &free, &refitted.fit.noise, NEXT_ROUNDS);
     let usual = Refitted::new(before, candidate, fit);
     tracing::trace!(name = usual.candidate.name(), at_bounds = ?out, of = refitted.evidence, left = usual.evidence, "out of shape");
-    (!usual.candidate.free.is_empty() && usual.evidence > TUNING.selection.left_in_shape * refitted.evidence)
-        .then_some(usual)
+    (usual.evidence > TUNING.selection.left_in_shape * refitted.evidence).then_some(usual)
 }
 
 /// What lies in patches, within clear edges: each kind of them wherever the course of any kind has some; and each

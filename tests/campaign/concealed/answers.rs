@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::{Value, json};
-use testing::program::{gripd, target};
+use testing::program::gripd;
 
 use super::judge::{Judged, judge};
 use super::plan::{By, Case};
@@ -32,10 +32,7 @@ impl Answers {
     /// None where the recordings are absent.
     pub fn in_folder() -> Option<Self> {
         let recordings = testing::shared("recordings")?;
-        let kept =
-            std::env::var_os("CONCEALED_ANSWERS").map_or_else(|| target("concealed_real"), PathBuf::from);
-        fs::create_dir_all(&kept).unwrap();
-        Some(Self { recordings, kept })
+        Some(Self { recordings, kept: kept::folder("CONCEALED_ANSWERS", "concealed_real") })
     }
 
     /// What is said of a case, or why it cannot be put in.
@@ -73,16 +70,13 @@ impl Answers {
     /// Verdict and findings; traces and courses are many, and not looked at.
     fn explained(&self, config: &str, drive: &str, what: &str, log: &Path, references: &[&str]) -> Value {
         let beside = references.join(" ");
-        let kept = self.file(&[drive, what, &beside], "json");
-        read(&kept).unwrap_or_else(|| {
+        kept::answer(&self.file(&[drive, what, &beside], "json"), || {
             let mut command = self.explain(config);
             for reference in references {
                 command.arg("--reference").arg(self.log(drive).with_file_name(format!("{reference}.log.gz")));
             }
             let answer = json_of(command.arg(log));
-            let answer = json!({ "verdict": answer["verdict"], "findings": answer["findings"] });
-            fs::write(&kept, answer.to_string()).unwrap();
-            answer
+            json!({ "verdict": answer["verdict"], "findings": answer["findings"] })
         })
     }
 
@@ -94,12 +88,9 @@ impl Answers {
 
     /// The chance that the unchanged drive has of telling such an effect by its name.
     fn predicted(&self, case: &Case) -> Option<f64> {
-        let kept = self.file(&[case.drive.name, "sensitivity"], "json");
-        let sensitivity = read(&kept).unwrap_or_else(|| {
+        let sensitivity = kept::answer(&self.file(&[case.drive.name, "sensitivity"], "json"), || {
             let mut command = self.explain(case.drive.config);
-            let answer = json_of(command.arg("--sensitivity").arg(self.log(case.drive.name)));
-            fs::write(&kept, answer.to_string()).unwrap();
-            answer
+            json_of(command.arg("--sensitivity").arg(self.log(case.drive.name)))
         });
         let is_it = |of: &&Value| {
             of["effect"] == case.effect.name
@@ -157,18 +148,18 @@ impl Answers {
 
     /// The change over what the ordinary car leaves, in the channel where it is largest.
     fn strength(&self, case: &Case, changed: &Changed) -> f64 {
-        if let Some(truth) = read(&changed.truth) {
+        if let Some(truth) = kept::read(&changed.truth) {
             return found::strength(&truth);
         }
         // What the ordinary car leaves is told of anything that is put in.
-        let kept = self.file(&[case.drive.name, "left"], "truth");
-        let left = read(&kept).unwrap_or_else(|| {
+        let file = self.file(&[case.drive.name, "left"], "truth");
+        let left = kept::read(&file).unwrap_or_else(|| {
             let any = "kind = 'sensor_bias', channel = 'yaw_rate', bias = 0.01";
-            let out = kept.with_extension("log");
+            let out = file.with_extension("log");
             let output =
-                self.by_gripd(case.drive.config, case.drive.name, any, &out, &kept).output().unwrap();
+                self.by_gripd(case.drive.config, case.drive.name, any, &out, &file).output().unwrap();
             assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-            read(&kept).unwrap()
+            kept::read(&file).unwrap()
         });
         let left = &left["channels"];
         let [before, after] = [&self.log(case.drive.name), &changed.log].map(|log| text(log));
@@ -202,10 +193,6 @@ struct Changed {
     log: PathBuf,
     /// Where `gripd conceal` wrote it.
     truth: PathBuf,
-}
-
-fn read(path: &Path) -> Option<Value> {
-    serde_json::from_slice(&fs::read(path).ok()?).ok()
 }
 
 fn json_of(command: &mut Command) -> Value {

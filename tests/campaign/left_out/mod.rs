@@ -6,11 +6,11 @@ mod by_hand {
     use std::process::Command;
 
     use serde_json::{Value, json};
-    use testing::program::{gripd, project, target};
+    use testing::program::{gripd, project};
     use testing::results::Section;
 
-    use crate::found::{findings, judged, strength, told};
-    use crate::kept;
+    use crate::found::{findings, held_out, judged, strength, told};
+    use crate::{common_road, kept};
 
     /// The recordings' car.
     const CONFIG: &str = "gti/drives.toml";
@@ -72,16 +72,8 @@ mod by_hand {
     #[ignore = "by hand: an hour, and what was interrupted goes on"]
     fn beside_a_single_track() {
         let Some(folder) = testing::shared("recordings") else { return };
-        let asks = Asks {
-            folder,
-            python: std::env::var("LEFT_OUT_PYTHON").unwrap_or_else(|_| "python3".into()),
-            answers: std::env::var_os("LEFT_OUT_ANSWERS").map_or_else(|| target("left_out"), PathBuf::from),
-        };
-        std::fs::create_dir_all(&asks.answers).unwrap();
-        if !asks.has_model() {
-            println!("skipped: {} has no package commonroad-vehicle-models", asks.python);
-            return;
-        }
+        let Some(python) = common_road::python("LEFT_OUT_PYTHON") else { return };
+        let asks = Asks { folder, python, answers: kept::folder("LEFT_OUT_ANSWERS", "left_out") };
         let mut rows = Vec::new();
         let mut counts = Counts::default();
         let mut add = |row: String| {
@@ -100,7 +92,7 @@ mod by_hand {
                 let (new, place) = judged(&answer, &control);
                 let strength = strength(&answer["truth"]);
                 counts.real(strength, place.is_some());
-                let held = held_out(&answer);
+                let held = held_out(&answer["explained"]);
                 add(format!(
                     "recorded | {drive} | {effect} | {strength:.1} | {} | {new} | {held}",
                     yes(place.is_some())
@@ -182,13 +174,7 @@ mod by_hand {
     fn cells(answer: &Value) -> String {
         let found = findings(&answer["explained"]);
         let told: Vec<String> = found.iter().map(told).collect();
-        format!("{} | {}", refused(answer).unwrap_or_else(|| told.join("; ")), held_out(answer))
-    }
-
-    fn held_out(answer: &Value) -> String {
-        let fit =
-            |of: &str| answer["explained"]["fit"][of]["holdout"]["yaw_rate"].as_f64().unwrap_or(f64::NAN);
-        format!("{:.1} → {:.1}", fit("baseline"), fit("extended"))
+        format!("{} | {}", refused(answer).unwrap_or_else(|| told.join("; ")), held_out(&answer["explained"]))
     }
 
     fn refused(answer: &Value) -> Option<String> {
@@ -204,11 +190,6 @@ mod by_hand {
     }
 
     impl Asks {
-        fn has_model(&self) -> bool {
-            let asked = Command::new(&self.python).args(["-c", "import vehiclemodels"]).output();
-            asked.is_ok_and(|output| output.status.success())
-        }
-
         /// The explanation of a drive beside the single-track model, and the truth of what was put in.
         fn answer(&self, drive: &str, case: Case) -> Value {
             let name = match case {
@@ -216,14 +197,7 @@ mod by_hand {
                 Case::Simulated(numbers) => format!("simulated {drive} {numbers}"),
                 Case::Same(seed) => format!("same {drive} seed {seed}"),
             };
-            let kept = kept::file(&self.answers, &name, "json");
-            let known = std::fs::read(&kept).ok().and_then(|text| serde_json::from_slice(&text).ok());
-            if let Some(answer) = known {
-                return answer;
-            }
-            let answer = self.asked(drive, case);
-            std::fs::write(&kept, answer.to_string()).unwrap();
-            answer
+            kept::answer(&kept::file(&self.answers, &name, "json"), || self.asked(drive, case))
         }
 
         fn asked(&self, drive: &str, case: Case) -> Value {

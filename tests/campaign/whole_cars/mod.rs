@@ -2,15 +2,15 @@
 //! nothing but what every car has.
 
 mod by_hand {
-    use std::path::{Path, PathBuf};
+    use std::path::PathBuf;
     use std::process::Command;
 
     use serde_json::{Value, json};
-    use testing::program::{gripd, project, target};
+    use testing::program::{gripd, project};
     use testing::results::Section;
 
-    use crate::found::{Found, findings, told};
-    use crate::kept;
+    use crate::found::{Found, findings, held_out, told};
+    use crate::{common_road, kept};
 
     /// The package's cars: Ford Escort, BMW 320i, VW Vanagon.
     const VEHICLES: [usize; 3] = [1, 2, 3];
@@ -69,8 +69,9 @@ mod by_hand {
             ordinary.chain(unusual)
         }
 
+        /// What is hidden, in words.
         fn hides(&self) -> &'static str {
-            self.hidden.map_or("", |(what, _)| what)
+            self.hidden.map_or("nothing", |(what, _)| what)
         }
 
         fn is_it(&self, found: &Found) -> bool {
@@ -89,16 +90,8 @@ mod by_hand {
     #[test]
     #[ignore = "by hand: two hours, and what was interrupted goes on"]
     fn whole_cars_by_another_author() {
-        let asks = Asks {
-            python: std::env::var("WHOLE_CARS_PYTHON").unwrap_or_else(|_| "python3".into()),
-            answers: std::env::var_os("WHOLE_CARS_ANSWERS")
-                .map_or_else(|| target("whole_cars"), PathBuf::from),
-        };
-        std::fs::create_dir_all(&asks.answers).unwrap();
-        if !asks.has_model() {
-            println!("skipped: {} has no package commonroad-vehicle-models", asks.python);
-            return;
-        }
+        let Some(python) = common_road::python("WHOLE_CARS_PYTHON") else { return };
+        let asks = Asks { python, answers: kept::folder("WHOLE_CARS_ANSWERS", "whole_cars") };
         let mut rows = Vec::new();
         let mut counts = Counts::default();
         let mut add = |row: String| {
@@ -107,20 +100,19 @@ mod by_hand {
         };
         for drive in Drive::all() {
             let answer = asks.answer(drive);
-            let hidden = drive.hidden.map_or("nothing", |(what, _)| what);
+            let found = findings(&answer);
+            let is_open = answer["verdict"] == "unknown_physics" || answer["refused"].is_string();
+            let first = counts.add(drive, &found, is_open);
             let (first, found) = match answer["refused"].as_str() {
-                Some(why) => {
-                    counts.add(drive, &[], true);
-                    ("", format!("refused: {}", reason(why)))
-                }
-                None => {
-                    let found = findings(&answer);
-                    let first = counts.add(drive, &found, false);
-                    (first, found.iter().map(told).collect::<Vec<_>>().join("; "))
-                }
+                Some(why) => ("", format!("refused: {}", kept::reason(why))),
+                None => (first, found.iter().map(told).collect::<Vec<_>>().join("; ")),
             };
             let Drive { vehicle, scenario, .. } = drive;
-            add(format!("{vehicle} | {scenario} | {hidden} | {first} | {found} | {}", held_out(&answer)));
+            add(format!(
+                "{vehicle} | {scenario} | {} | {first} | {found} | {}",
+                drive.hides(),
+                held_out(&answer)
+            ));
         }
         add(format!("all | | | {} | {} | ", counts.named(), counts.misled()));
         Section {
@@ -145,12 +137,13 @@ mod by_hand {
     }
 
     impl Counts {
-        /// What the first finding that is not ordinary is.
-        fn add(&mut self, drive: Drive, found: &[Found], is_refused: bool) -> &'static str {
+        /// What the first finding that is not ordinary is. An answer that leaves it open, or none at all, is
+        /// not silent.
+        fn add(&mut self, drive: Drive, found: &[Found], is_open: bool) -> &'static str {
             let beyond: Vec<&Found> = found.iter().filter(|one| one.kind != "ordinary").collect();
             self.misled += usize::from(beyond.iter().any(|one| !drive.is_it(one) && !drive.is_alike(one)));
             if drive.hidden.is_none() {
-                let is_silent = beyond.is_empty() && !is_refused;
+                let is_silent = beyond.is_empty() && !is_open;
                 self.ordinary[0] += 1;
                 self.ordinary[1] += usize::from(is_silent);
                 return if is_silent { "silent" } else { "no" };
@@ -180,16 +173,6 @@ mod by_hand {
         }
     }
 
-    /// Why there is no answer, without the recording's name.
-    fn reason(told: &str) -> &str {
-        told.rsplit_once(".log: ").map_or(told, |(_, why)| why)
-    }
-
-    fn held_out(answer: &Value) -> String {
-        let fit = |of: &str| answer["fit"][of]["holdout"]["yaw_rate"].as_f64().unwrap_or(f64::NAN);
-        format!("{:.1} → {:.1}", fit("baseline"), fit("extended"))
-    }
-
     /// Who asks.
     struct Asks {
         python: String,
@@ -197,33 +180,23 @@ mod by_hand {
     }
 
     impl Asks {
-        fn has_model(&self) -> bool {
-            let asked = Command::new(&self.python).args(["-c", "import vehiclemodels"]).output();
-            asked.is_ok_and(|output| output.status.success())
-        }
-
         /// The explanation of a drive, or why there is none.
         fn answer(&self, drive: Drive) -> Value {
-            let hidden = drive.hidden.map_or("nothing", |(what, _)| what);
-            let name = format!("v{} {} {hidden}", drive.vehicle, drive.scenario);
-            let kept = kept::file(&self.answers, &name, "json");
-            let known = std::fs::read(&kept).ok().and_then(|text| serde_json::from_slice(&text).ok());
-            if let Some(answer) = known {
-                return answer;
-            }
-            let scratch = tempfile::tempdir().unwrap();
-            let answer = self.asked(drive, scratch.path());
-            std::fs::write(&kept, answer.to_string()).unwrap();
-            answer
+            let name = format!("v{} {} {}", drive.vehicle, drive.scenario, drive.hides());
+            kept::answer(&kept::file(&self.answers, &name, "json"), || self.asked(drive))
         }
 
-        fn asked(&self, drive: Drive, scratch: &Path) -> Value {
-            let (log, car) = (scratch.join("drive.log"), scratch.join("car.toml"));
+        fn asked(&self, drive: Drive) -> Value {
+            let scratch = tempfile::tempdir().unwrap();
+            let [log, car] = ["drive.log", "car.toml"].map(|name| scratch.path().join(name));
             let mut command = Command::new(&self.python);
             command.arg(project("tests/campaign/whole_cars/multi_body.py")).arg(&log).arg(&car);
             command.args(["--vehicle", &drive.vehicle.to_string(), "--scenario", drive.scenario]);
             command.args(["--seconds", "90", "--seed", &drive.seed.to_string()]);
-            let output = command.args(drive.hides().split_whitespace()).output().unwrap();
+            let output = command
+                .args(drive.hidden.iter().flat_map(|(what, _)| what.split_whitespace()))
+                .output()
+                .unwrap();
             assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
             let mut command = gripd();
             command.args(["-q", "explain", "-c"]).arg(&car).arg(&log).args(["--json", "-"]);

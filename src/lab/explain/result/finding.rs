@@ -66,10 +66,12 @@ impl Nature {
 
     /// The same where its numbers are these: little of some effects is nothing unusual.
     pub fn of_size(kind: &Kind, numbers: &BTreeMap<String, Estimate>) -> Self {
-        let is_usual = |number: &Estimate| number.value.abs() <= kind.search.usual_up_to;
         let main = kind.parameters.iter().filter(|spec| spec.is_main);
-        let mut numbers = main.filter_map(|spec| numbers.get(spec.name)).peekable();
-        if numbers.peek().is_some() && numbers.all(is_usual) { Self::Ordinary } else { Self::of(kind) }
+        let sizes = main.filter_map(|spec| Some(numbers.get(spec.name)?.value.abs()));
+        match (sizes.reduce(f64::max), kind.search.usual_up_to) {
+            (Some(largest), Some(usual)) if largest <= usual => Self::Ordinary,
+            _ => Self::of(kind),
+        }
     }
 }
 

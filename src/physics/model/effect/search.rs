@@ -40,8 +40,8 @@ pub struct SearchHints {
     pub from_start: bool,
     /// Every car has some of it: finding it is nothing unusual.
     pub every_car_has: bool,
-    /// No main number larger than this is anything unusual either.
-    pub usual_up_to: f64,
+    /// Of what not every car has: no main number up to this size is anything unusual either.
+    pub usual_up_to: Option<f64>,
     /// Of a torque's channel: the smallest main number that is worth a finding.
     pub least_of_torque: Option<f64>,
 }
@@ -55,7 +55,7 @@ impl SearchHints {
         each_number_alone: false,
         from_start: false,
         every_car_has: false,
-        usual_up_to: 0.0,
+        usual_up_to: None,
         least_of_torque: None,
     };
 }

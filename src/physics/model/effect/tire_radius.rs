@@ -45,7 +45,7 @@ pub static KIND: Kind = Kind {
         difference("relative_difference_rr", "radius, rear right wheel"),
     ],
     course: None,
-    search: SearchHints { each_number_alone: true, usual_up_to: USUAL, ..SearchHints::USUAL },
+    search: SearchHints { each_number_alone: true, usual_up_to: Some(USUAL), ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| {
         Box::new(TireRadius { relative_difference: std::array::from_fn(|i| setting.values[i]) })
     },

@@ -59,7 +59,7 @@ pub fn finding(
     }
     let round = &conclusion.selection.rounds[number];
     Finding {
-        kind: Nature::of_size(candidate.kind, &parameters),
+        kind: Nature::of_size(candidate.kind, candidate.channel, &parameters),
         probability: probability(taken, round),
         indistinguishable_from: rivals(taken, round),
         parameters,

@@ -11,13 +11,12 @@ use super::excerpt::Excerpt;
 use super::fit::{Data, Fit, Learn};
 use super::model::{Free, Model};
 use super::naming::{Refitted, onset};
+use super::precedence::prefer_the_simpler;
 use super::predict::GriddedDrive;
 use super::predict::grid::{STEP_S, points};
 use super::predict::noise::Noise;
 use super::predict::sums::BlockSums;
-use super::select::{
-    Round, Selection, following_share, is_confirmed, least_evidence, prefer_the_simpler, select,
-};
+use super::select::{Round, Selection, following_share, is_confirmed, least_evidence, select};
 use super::signs_and_swaps;
 use super::split::{BLOCK_S, Part};
 use super::tuning::TUNING;
@@ -144,7 +143,8 @@ impl<'a> LongSearch<'_, '_, 'a> {
             fitted.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
             prefer_the_simpler(&mut fitted);
             fitted.retain(|refitted| {
-                has_no_number || following_share(&data, refitted) <= TUNING.selection.most_following
+                let is_own = |share| share <= TUNING.selection.most_following;
+                has_no_number || following_share(&data, refitted).is_none_or(is_own)
             });
             let Some(first) = fitted.first().cloned() else { break };
             let found: f64 = chosen.iter().map(|refitted| refitted.evidence).sum();
@@ -268,7 +268,7 @@ fn beside<'a>(data: &Data<'_>, extended: &Fit<'a>, chosen: &Refitted<'a>) -> Fit
 fn judged<'a>(before: &Fit<'_>, candidate: &Candidate, fit: Fit<'a>) -> Refitted<'a> {
     if candidate.kind.is_all_or_nothing() {
         let evidence = before.cost() - fit.cost();
-        return Refitted { candidate: candidate.clone(), fit, evidence };
+        return Refitted { candidate: candidate.clone(), fit, evidence, follows: None };
     }
     Refitted::new(before, candidate.clone(), fit)
 }

@@ -39,6 +39,8 @@ pub struct Refitted<'a> {
     /// Twice the logarithm of how much more probable the data are with it than without, its prior
     /// counted in.
     pub evidence: f64,
+    /// Of a course: how much of it follows from the driver's inputs, if that was asked.
+    pub follows: Option<f64>,
 }
 
 impl<'a> Refitted<'a> {
@@ -46,7 +48,7 @@ impl<'a> Refitted<'a> {
     pub fn new(before: &Fit<'_>, candidate: Candidate, fit: Fit<'a>) -> Self {
         let new = fit.free.len() - before.free.len();
         let evidence = evidence(before, &fit, new, candidate.live.is_some());
-        Self { candidate, fit, evidence }
+        Self { candidate, fit, evidence, follows: None }
     }
 
     /// When it began, s, if it was not there from the start.

@@ -8,10 +8,12 @@ use rayon::prelude::*;
 use super::candidates::{Candidate, onsets, onsets_within};
 use super::exogenous::follows_motion;
 use super::fit::{Data, Fit, Learn};
-use super::model::{Free, Model, Place};
+use super::model::Model;
 use super::naming::{Refitted, Scored, refine, refit, scan};
 use super::patches;
+use super::precedence::{put_in_order, settled};
 use super::predict::GriddedDrive;
+use super::shape::in_shape;
 use super::smooth::courses;
 use super::split::{BLOCK_S, Part, Split};
 use super::tuning::TUNING;
@@ -28,10 +30,9 @@ pub const LEAST_EVIDENCE: f64 = 24.0;
 /// Rounds of fitting without learning any noise. Numerical: Gauss–Newton steps, here and below.
 const STRICT_ROUNDS: usize = 4;
 
-/// Rounds of a first fit, of one that may win, and of the one that is kept.
+/// Rounds of a first fit, and of one that may win.
 const FIRST_ROUNDS: usize = 2;
 const NEXT_ROUNDS: usize = 3;
-const LAST_ROUNDS: usize = 8;
 
 /// One round of choosing.
 #[derive(Clone, Debug)]
@@ -115,7 +116,22 @@ pub fn select<'a>(
         let library: Vec<Candidate> = library(&extended.model, &onsets).into_iter().filter(is_new).collect();
         let found: f64 = chosen.iter().map(|refitted| refitted.evidence).sum();
         // An excerpt tells as much less: what passes here must pass again on everything.
-        let least = least_evidence(data.share, !chosen.is_empty(), found);
+        let is_further = !chosen.is_empty();
+        let least = least_evidence(data.share, is_further, found);
+        let of_course = |of: &Refitted<'_>| {
+            // What does not depend on the driving is hardly what the equations of the rest miss.
+            let is_independent = of.follows.is_some_and(|share| share < TUNING.selection.independent);
+            let share = if is_independent {
+                TUNING.selection.further_share_of_independent
+            } else {
+                TUNING.selection.further_share_of_course
+            };
+            f64::max(data.share * TUNING.selection.further_evidence, share * found)
+        };
+        let is_enough = |of: &Refitted<'_>| {
+            let is_further_course = is_further && of.candidate.live.is_some();
+            of.evidence > if is_further_course { of_course(of) } else { least }
+        };
         // Equations that hardly err as they are would only say the same again.
         let least_diffusion = data.strict(&extended.noise).diffusion;
         let errs =
@@ -127,22 +143,20 @@ pub fn select<'a>(
         } else {
             look(&data, &extended, &[learnt], &library, least)
         };
-        let shows = |round: &Round<'_>| round.refitted.first().is_some_and(|first| first.evidence > least);
+        let shows = |round: &Round<'_>| round.refitted.iter().any(is_enough);
         // Beside what was found, the rest mostly shows without.
-        if !chosen.is_empty()
+        if is_further
             && !shows(&round)
             && let Some(strict) = strictly()
         {
             round = round.and(look(&data, &extended, &[(&strict, Learn::Nothing)], &library, least));
         }
-        // A course that may be anything takes some of what the equations of everything else miss.
-        let least_of_course = TUNING.selection.further_share_of_course * found;
-        round.refitted.retain(|of| of.candidate.live.is_none() || of.evidence > least_of_course);
-        prefer_the_simpler(&mut round.refitted);
+        round.refitted.retain(|of| of.candidate.live.is_none() || is_enough(of));
+        put_in_order(&data, &extended, &mut round.refitted);
         for refitted in &round.refitted {
             tracing::debug!(name = refitted.candidate.name(), evidence = refitted.evidence, "fitted");
         }
-        let best = round.refitted.first().filter(|_| shows(&round)).cloned();
+        let best = round.refitted.iter().find(|of| is_enough(of)).cloned();
         rounds.push(round);
         let Some(mut first) = best else { break };
         if let Some(split) = first.onset().and_then(|at| data.split.released(at, TUNING.selection.onset_s)) {
@@ -157,9 +171,7 @@ pub fn select<'a>(
             first = Refitted::new(&extended, first.candidate, again(&fit));
             first = refine(&data, &extended, &first, NEXT_ROUNDS);
         }
-        let (after, noise) = (&first.fit, &first.fit.noise);
-        let polished = data.fit(&after.model, &after.free, noise, LAST_ROUNDS);
-        let fit = if polished.cost() < after.cost() { polished } else { after.clone() };
+        let fit = settled(&data, &first.fit);
         let held = data.of(Part::Holdout);
         let gain = held.minus_two_ln(&extended.sums) - held.minus_two_ln(&fit.sums);
         let confirmed = is_confirmed(gain, first.evidence, !chosen.is_empty());
@@ -205,10 +217,12 @@ fn look<'a>(
 ) -> Round<'a> {
     let scans: Vec<Vec<Scored>> = grounds.iter().map(|(at, _)| scan(data, at, library)).collect();
     tracing::trace!(candidates = library.len(), grounds = grounds.len(), "scanned");
-    let (refitted, refused): (Vec<_>, Vec<_>) =
-        fitted(data, before, grounds.iter().zip(&scans), library, least)
-            .into_iter()
-            .partition(|refitted| following_share(data, refitted) <= TUNING.selection.most_following);
+    let mut all = fitted(data, before, grounds.iter().zip(&scans), library, least);
+    for of in &mut all {
+        of.follows = following_share(data, of);
+    }
+    let is_own = |of: &Refitted<'_>| of.follows.is_none_or(|share| share <= TUNING.selection.most_following);
+    let (refitted, refused): (Vec<_>, Vec<_>) = all.into_iter().partition(is_own);
     let following = refused.into_iter().map(|refused| (refused.candidate, refused.evidence)).collect();
     Round { scanned: scans.into_iter().next().unwrap_or_default(), refitted, following }
 }
@@ -265,36 +279,6 @@ fn is_noteworthy(refitted: &Refitted<'_>) -> bool {
         && !(candidate.is_from_start() && number.is_some_and(|number| *number < 0.0))
 }
 
-/// A fit whose numbers beside its size a car can have. One that ends at its bound is set to what is usual, unless it is
-/// nothing there: tires need not lose radius with load. If most of the evidence was for that number, this is another thing:
-/// a load that sloshes is no roll at half of a car's frequency.
-fn in_shape<'a>(data: &Data<'_>, before: &Fit<'a>, refitted: Refitted<'a>) -> Option<Refitted<'a>> {
-    let Some(effect) = refitted.fit.model.effects.len().checked_sub(1) else { return Some(refitted) };
-    let is_out = |place: &usize| {
-        let (spec, of) = (&refitted.candidate.kind.parameters[*place], Place::Effect(effect, *place));
-        let is_nothing = refitted.fit.model.get(of) <= 0.0 && spec.bounds.0 == 0.0;
-        !spec.is_main && !is_nothing && refitted.fit.model.is_at_bound(of)
-    };
-    let out: Vec<usize> = refitted.candidate.free.iter().copied().filter(is_out).collect();
-    if out.is_empty() {
-        return Some(refitted);
-    }
-    let usual = refitted.candidate.chosen(0);
-    let mut model = refitted.fit.model.clone();
-    let mut candidate = refitted.candidate.clone();
-    for place in &out {
-        model.effects[effect].numbers[*place] = usual.numbers[*place];
-    }
-    model.effects[effect].free.retain(|place| !out.contains(place));
-    candidate.free.retain(|place| !out.contains(place));
-    let is_free = |free: &&Free| !out.iter().any(|place| free.place == Place::Effect(effect, *place));
-    let free: Vec<Free> = refitted.fit.free.iter().filter(is_free).copied().collect();
-    let fit = data.fit(&model, &free, &refitted.fit.noise, NEXT_ROUNDS);
-    let usual = Refitted::new(before, candidate, fit);
-    tracing::trace!(name = usual.candidate.name(), at_bounds = ?out, of = refitted.evidence, left = usual.evidence, "out of shape");
-    (usual.evidence > TUNING.selection.left_in_shape * refitted.evidence).then_some(usual)
-}
-
 /// What lies in patches, within clear edges: each kind of them wherever the course of any kind has some; and each
 /// kind of slippery ones where wheels slide.
 fn patches<'a>(
@@ -346,16 +330,14 @@ fn best_of_each(mut refitted: Vec<Refitted<'_>>) -> Vec<Refitted<'_>> {
     refitted
 }
 
-/// How much of a candidate's course follows from the driver's inputs.
-pub fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> f64 {
-    if refitted.candidate.live.is_none() {
-        return 0.0;
-    }
-    let Some(length) = refitted.fit.noise.live.last().map(|live| live.length_s) else { return 0.0 };
+/// How much of a candidate's course follows from the driver's inputs; none of what is no course.
+pub fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> Option<f64> {
+    refitted.candidate.live?;
+    let length = refitted.fit.noise.live.last()?.length_s;
     let model = &refitted.fit.model;
     // Slippery patches show where the driver makes them show.
     if patches::is_patchy(&refitted.candidate) {
-        return 0.0;
+        return None;
     }
     let shares = data.drives.iter().map(|drive| {
         let courses = courses(drive, model, &refitted.fit.noise, Default::default());
@@ -365,70 +347,5 @@ pub fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> f64 {
     let shares: Vec<f64> = shares.collect();
     let share = shares.iter().sum::<f64>() / shares.len().max(1) as f64;
     tracing::trace!(name = refitted.candidate.name(), share, "follows the driver");
-    share
-}
-
-/// A number that is the same all the time is the simpler explanation than a course that could be anything, or
-/// something that begins at a moment of its choice: where both explain about the same, it goes first.
-pub fn prefer_the_simpler(refitted: &mut [Refitted<'_>]) {
-    // A jump before the beginning is one all the same.
-    let jumps = |candidate: &Candidate| candidate.channel.is_some() && candidate.kind.onset().is_some();
-    let always = |other: &Refitted<'_>| {
-        other.candidate.live.is_none() && other.onset().is_none() && !jumps(&other.candidate)
-    };
-    let Some(best) = refitted.first().filter(|best| !always(best)) else { return };
-    let enough = 0.9 * best.evidence;
-    let simpler = refitted
-        .iter()
-        .position(|other| always(other) && other.evidence > enough && other.candidate.channel.is_none());
-    if let Some(place) = simpler {
-        refitted[..=place].rotate_right(1);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::bench::{fitted, recorded, training};
-    use super::super::candidates;
-    use super::super::naming;
-    use super::*;
-    use physics::model::effect::named;
-
-    /// The roll of a body in a drive with one, a number of it at its lower bound: what is free of it then, and its evidence.
-    fn rolling(numbers: &str, at_bound: &str) -> Option<(Vec<&'static str>, f64)> {
-        let kind = named("body_roll").unwrap();
-        let roll = format!("[[effect]]\nkind = \"body_roll\"\nroll_gain_rad_per_mps2 = 0.012\n{numbers}");
-        let (vehicle, recording) = recorded(&roll);
-        let drives = [GriddedDrive::new(&recording, &vehicle)];
-        let data = training(&drives);
-        let plain = fitted(&data, &vehicle);
-        let library = candidates::library(&[kind], &plain.model, |_| true, &[]);
-        let scanned = naming::scan(&data, &plain, &library);
-        let mut refitted = refit(&data, &plain, (&plain, Learn::Noise), &scanned[0], 4);
-        let place = kind.place_of(at_bound).unwrap();
-        refitted.fit.model.put(Place::Effect(0, place), kind.parameters[place].bounds.0);
-        let left = in_shape(&data, &plain, refitted)?;
-        let names = left.candidate.free.iter().map(|place| kind.parameters[*place].name);
-        Some((names.collect(), left.evidence))
-    }
-
-    /// GIVEN a body that rolls, hardly damped WHEN the damping ends at its bound THEN the roll is still named, the damping
-    /// held at what is usual.
-    #[test]
-    #[ignore = "long: a car fitted, and more"]
-    fn a_number_at_its_bound_takes_no_name_away() {
-        let hardly = "roll_damping = 0.1\nroll_frequency_rad_per_s = 9.0";
-        let (free, evidence) = rolling(hardly, "roll_damping").unwrap();
-        assert!(!free.contains(&"roll_damping") && free.contains(&"roll_gain_rad_per_mps2"), "{free:?}");
-        assert!(evidence > 10.0 * LEAST_EVIDENCE, "{evidence}");
-    }
-
-    /// GIVEN what swings far below a car's roll frequency, undamped, as a load does that sloshes THEN it is not named a roll.
-    #[test]
-    #[ignore = "long: a car fitted, and more"]
-    fn what_only_such_a_number_explains_is_another_thing() {
-        let slow = "roll_damping = 0.05\nroll_frequency_rad_per_s = 5.0";
-        let found = rolling(slow, "roll_frequency_rad_per_s");
-        assert!(found.is_none(), "{found:?}");
-    }
+    Some(share)
 }

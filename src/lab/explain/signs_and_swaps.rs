@@ -54,7 +54,7 @@ pub fn taken<'a>(
         if gain > TUNING.selection.least_gain_of_a_sign {
             cost -= gain;
             model = with;
-            taken.push(Refitted { candidate: candidate.clone(), fit, evidence: gain });
+            taken.push(Refitted { candidate: candidate.clone(), fit, evidence: gain, follows: None });
         }
     }
     taken

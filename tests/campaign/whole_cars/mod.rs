@@ -103,26 +103,35 @@ mod by_hand {
             let found = findings(&answer);
             let is_open = answer["verdict"] == "unknown_physics" || answer["refused"].is_string();
             let first = counts.add(drive, &found, is_open);
-            let (first, found) = match answer["refused"].as_str() {
+            let (ordinary, unusual): (Vec<&Found>, Vec<&Found>) =
+                found.iter().partition(|one| is_ordinary(one));
+            let (first, unusual) = match answer["refused"].as_str() {
                 Some(why) => ("", format!("refused: {}", kept::reason(why))),
-                None => (first, found.iter().map(told).collect::<Vec<_>>().join("; ")),
+                None => (first, unusual.into_iter().map(told).collect::<Vec<_>>().join("; ")),
             };
+            let ordinary: Vec<String> = ordinary.into_iter().map(Found::name).collect();
             let Drive { vehicle, scenario, .. } = drive;
             add(format!(
-                "{vehicle} | {scenario} | {} | {first} | {found} | {}",
+                "{vehicle} | {scenario} | {} | {first} | {unusual} | {} | {}",
                 drive.hides(),
+                ordinary.join(", "),
                 held_out(&answer)
             ));
         }
-        add(format!("all | | | {} | {} | ", counts.named(), counts.misled()));
+        add(format!("all | | | {} | {} | | ", counts.named(), counts.misled()));
         Section {
             name: "whole_cars_by_another_author",
             seed: "seeds 10 to 33 of ordinary cars, 100 to 311 of others",
             tolerance: 0.1,
-            header: "vehicle | scenario | hidden | is the first that is not ordinary | found | yaw rate held out, %: plain → \
-                     extended",
+            header: "vehicle | scenario | hidden | is the first that is not ordinary | found | what every car has | yaw rate \
+                     held out, %: plain → extended",
         }
         .check(&rows);
+    }
+
+    /// Is it what every car has?
+    fn is_ordinary(found: &Found) -> bool {
+        found.kind == "ordinary"
     }
 
     /// Of what was hidden, and of what was said besides.
@@ -140,7 +149,7 @@ mod by_hand {
         /// What the first finding that is not ordinary is. An answer that leaves it open, or none at all, is
         /// not silent.
         fn add(&mut self, drive: Drive, found: &[Found], is_open: bool) -> &'static str {
-            let beyond: Vec<&Found> = found.iter().filter(|one| one.kind != "ordinary").collect();
+            let beyond: Vec<&Found> = found.iter().filter(|one| !is_ordinary(one)).collect();
             self.misled += usize::from(beyond.iter().any(|one| !drive.is_it(one) && !drive.is_alike(one)));
             if drive.hidden.is_none() {
                 let is_silent = beyond.is_empty() && !is_open;

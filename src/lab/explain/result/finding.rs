@@ -64,12 +64,14 @@ impl Nature {
         }
     }
 
-    /// The same where its numbers are these: little of some effects is nothing unusual.
-    pub fn of_size(kind: &Kind, numbers: &BTreeMap<String, Estimate>) -> Self {
+    /// The same of a channel, where its numbers are these: little of some effects is nothing unusual.
+    pub fn of_size(kind: &Kind, channel: Option<Channel>, numbers: &BTreeMap<String, Estimate>) -> Self {
+        let quantity = channel.and_then(Channel::quantity);
+        let usual = kind.search.usual.filter(|usual| usual.of.is_none() || usual.of == quantity);
         let main = kind.parameters.iter().filter(|spec| spec.is_main);
-        let sizes = main.filter_map(|spec| Some(numbers.get(spec.name)?.value.abs()));
-        match (sizes.reduce(f64::max), kind.search.usual_up_to) {
-            (Some(largest), Some(usual)) if largest <= usual => Self::Ordinary,
+        let mut values = main.filter_map(|spec| numbers.get(spec.name)).map(|number| number.value);
+        match usual.map(|usual| usual.bounds) {
+            Some((least, most)) if values.all(|value| (least..=most).contains(&value)) => Self::Ordinary,
             _ => Self::of(kind),
         }
     }
@@ -224,17 +226,31 @@ pub struct Ranked {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use physics::Quantity;
     use physics::model::effect::named;
 
     #[test]
     fn a_wheel_that_is_hardly_smaller_is_nothing_unusual() {
         let of = |kind: &str, number: &str, value: f64| {
             let numbers = [(number.to_owned(), Estimate { value, std: 1e-4 })];
-            Nature::of_size(named(kind).unwrap(), &numbers.into())
+            Nature::of_size(named(kind).unwrap(), None, &numbers.into())
         };
         assert_eq!(of("tire_radius", "relative_difference_rl", -0.0007), Nature::Ordinary);
         assert_eq!(of("tire_radius", "relative_difference_rl", -0.007), Nature::Unusual);
         assert_eq!(of("sensor_scale", "relative_error", 0.001), Nature::Measurement);
         assert_eq!(of("load_transfer", "cg_height_m", 0.5), Nature::Ordinary);
+    }
+
+    /// A body that dives and squats tilts the accelerometer: along the car, and to one side only.
+    #[test]
+    fn an_accelerometer_that_pitches_is_nothing_unusual() {
+        let of = |quantity, value: f64| {
+            let numbers = [("relative_error".to_owned(), Estimate { value, std: 1e-3 })];
+            Nature::of_size(named("sensor_scale").unwrap(), Some(Channel::One(quantity)), &numbers.into())
+        };
+        assert_eq!(of(Quantity::LongitudinalAcceleration, 0.04), Nature::Ordinary);
+        assert_eq!(of(Quantity::LongitudinalAcceleration, -0.04), Nature::Measurement);
+        assert_eq!(of(Quantity::LongitudinalAcceleration, 0.08), Nature::Measurement);
+        assert_eq!(of(Quantity::LateralAcceleration, 0.04), Nature::Measurement);
     }
 }

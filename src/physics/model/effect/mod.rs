@@ -65,7 +65,7 @@ pub use course::{Course, Series};
 pub use disturbance::Disturbance;
 pub use kind::{Kind, Setting};
 pub use list::EffectList;
-pub use search::{Growth, Needs, SearchHints};
+pub use search::{Growth, Needs, SearchHints, Usual};
 pub use spec::{OF_CHANNEL, Scale, Spec};
 pub use surroundings::{Acting, Before, Felt, Now, Readings, Recorded};
 

@@ -24,6 +24,15 @@ pub enum Needs {
     KnownTorque,
 }
 
+/// What is usual of an effect that not every car has.
+#[derive(Clone, Copy, Debug)]
+pub struct Usual {
+    /// Of this channel alone; none: of any.
+    pub of: Option<Quantity>,
+    /// Its main numbers are within these.
+    pub bounds: (f64, f64),
+}
+
 /// How an explanation searches for an effect.
 #[derive(Clone, Copy, Debug)]
 pub struct SearchHints {
@@ -40,8 +49,8 @@ pub struct SearchHints {
     pub from_start: bool,
     /// Every car has some of it: finding it is nothing unusual.
     pub every_car_has: bool,
-    /// Of what not every car has: no main number up to this size is anything unusual either.
-    pub usual_up_to: Option<f64>,
+    /// Of what not every car has: little of it is nothing unusual either.
+    pub usual: Option<Usual>,
     /// Of a torque's channel: the smallest main number that is worth a finding.
     pub least_of_torque: Option<f64>,
 }
@@ -55,7 +64,7 @@ impl SearchHints {
         each_number_alone: false,
         from_start: false,
         every_car_has: false,
-        usual_up_to: None,
+        usual: None,
         least_of_torque: None,
     };
 }

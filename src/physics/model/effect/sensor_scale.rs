@@ -1,6 +1,6 @@
 //! A sensor with a wrong scale.
 
-use super::{Effect, Felt, Kind, Now, Readings, Recorded, Scale, SearchHints, Setting, Spec, channel};
+use super::{Effect, Felt, Kind, Now, Readings, Recorded, Scale, SearchHints, Setting, Spec, Usual, channel};
 use crate::Quantity;
 
 /// A sensor reads too much in proportion.
@@ -18,6 +18,10 @@ const STEERING_AND_WHEELS: &[Quantity] = &[
     Quantity::WheelSpeedRl,
     Quantity::WheelSpeedRr,
 ];
+
+/// Bodies dive and squat by up to 3.5° per g (Reimpell, The Automotive Chassis, ch. 6.3): so much gravity the
+/// accelerometer feels along the car, and reads up to 6 % too much.
+const PITCH: Usual = Usual { of: Some(Quantity::LongitudinalAcceleration), bounds: (0.0, 0.06) };
 
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
@@ -44,7 +48,12 @@ pub static KIND: Kind = Kind {
     }],
     course: None,
     // Maps tell torques, and pads change: a scale of theirs that is off by less is nobody's mistake.
-    search: SearchHints { not_of: STEERING_AND_WHEELS, least_of_torque: Some(0.01), ..SearchHints::USUAL },
+    search: SearchHints {
+        not_of: STEERING_AND_WHEELS,
+        least_of_torque: Some(0.01),
+        usual: Some(PITCH),
+        ..SearchHints::USUAL
+    },
     make: |setting: &Setting<'_>| {
         Box::new(SensorScale { quantity: setting.quantity(), relative_error: setting.values[0] })
     },

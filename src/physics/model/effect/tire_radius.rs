@@ -1,6 +1,6 @@
 //! Tires of unequal radius.
 
-use super::{Acting, Effect, Kind, Now, Scale, SearchHints, Setting, Spec};
+use super::{Acting, Effect, Kind, Now, Scale, SearchHints, Setting, Spec, Usual};
 
 /// Each wheel's rolling radius, relative to the one of the vehicle table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +25,7 @@ const fn difference(name: &'static str, words: &'static str) -> Spec {
 }
 
 /// Wear, load and pressure make tires of one set differ by some tenths of a per cent: what is wrong with a wheel is more.
-const USUAL: f64 = 0.003;
+const USUAL: Usual = Usual { of: None, bounds: (-0.003, 0.003) };
 
 /// See [`super::KINDS`].
 pub static KIND: Kind = Kind {
@@ -45,7 +45,7 @@ pub static KIND: Kind = Kind {
         difference("relative_difference_rr", "radius, rear right wheel"),
     ],
     course: None,
-    search: SearchHints { each_number_alone: true, usual_up_to: Some(USUAL), ..SearchHints::USUAL },
+    search: SearchHints { each_number_alone: true, usual: Some(USUAL), ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| {
         Box::new(TireRadius { relative_difference: std::array::from_fn(|i| setting.values[i]) })
     },

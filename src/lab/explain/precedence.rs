@@ -1,0 +1,116 @@
+//! Which of the candidates that come close goes first: what is simpler, and what every car has.
+
+use rayon::prelude::*;
+
+use super::candidates::Candidate;
+use super::fit::{Data, Fit};
+use super::model::{Free, Model};
+use super::naming::Refitted;
+use super::tuning::TUNING;
+
+/// Rounds of fitting for a decision. Numerical: Gauss–Newton steps.
+const ROUNDS: usize = 8;
+
+/// Puts the candidates of a round, best first, into the order in which they are taken.
+pub fn put_in_order<'a>(data: &Data<'_>, before: &Fit<'a>, refitted: &mut [Refitted<'a>]) {
+    polish(data, before, refitted);
+    prefer_the_simpler(refitted);
+    prefer_the_ordinary(data, refitted);
+}
+
+/// Goes on with the fits of those that come close to the best: a few rounds do not decide between them.
+fn polish<'a>(data: &Data<'_>, before: &Fit<'a>, refitted: &mut [Refitted<'a>]) {
+    let Some(enough) = close(refitted) else { return };
+    let is_close = |of: &Refitted<'_>| of.evidence > enough && of.candidate.live.is_none();
+    if !refitted.iter().skip(1).any(is_close) {
+        return;
+    }
+    refitted.par_iter_mut().filter(|of| is_close(of)).for_each(|of| {
+        let fit = data.fit(&of.fit.model, &of.fit.free, &of.fit.noise, ROUNDS);
+        if fit.cost() < of.fit.cost() {
+            let polished = Refitted::new(before, of.candidate.clone(), fit);
+            (of.fit, of.evidence) = (polished.fit, polished.evidence);
+        }
+    });
+    refitted.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+}
+
+/// The evidence that comes close to that of the best.
+fn close(refitted: &[Refitted<'_>]) -> Option<f64> {
+    Some(TUNING.selection.rival_share * refitted.first()?.evidence)
+}
+
+/// A number that is the same all the time is a simpler explanation than something that begins at a moment of its choice,
+/// and that is simpler than a course that could be anything: where the simpler one explains about the same, it goes first.
+pub fn prefer_the_simpler(refitted: &mut [Refitted<'_>]) {
+    // A jump before the beginning is one all the same.
+    let jumps = |candidate: &Candidate| candidate.channel.is_some() && candidate.kind.onset().is_some();
+    let always = |other: &Refitted<'_>| {
+        other.candidate.live.is_none() && other.onset().is_none() && !jumps(&other.candidate)
+    };
+    let Some(best) = refitted.first().filter(|best| !always(best)) else { return };
+    let enough = 0.9 * best.evidence;
+    let of_course = best.candidate.live.map(|_| best.candidate.channel);
+    let is_simpler = |other: &Refitted<'_>| {
+        let is_of_channel = of_course == Some(other.candidate.channel) && other.candidate.live.is_none();
+        is_of_channel || always(other) && other.candidate.channel.is_none()
+    };
+    let simpler = refitted.iter().position(|other| other.evidence > enough && is_simpler(other));
+    if let Some(place) = simpler {
+        refitted[..=place].rotate_right(1);
+    }
+}
+
+/// What every car has goes first where it comes close to the best, and the data want it beside that one, too, or hardly want
+/// that one beside it.
+fn prefer_the_ordinary(data: &Data<'_>, refitted: &mut [Refitted<'_>]) {
+    let is_ordinary = |of: &Refitted<'_>| of.candidate.kind.search.every_car_has;
+    let Some(best) = refitted.first().filter(|best| !is_ordinary(best)) else { return };
+    let Some(enough) = close(refitted) else { return };
+    let Some(place) = refitted.iter().position(|of| of.evidence > enough && is_ordinary(of)) else { return };
+    let ordinary = &refitted[place];
+    let Some(effect) = ordinary.fit.model.effects.last() else { return };
+    let model = best.fit.model.with(effect.clone());
+    let own = model.free_of_effect(model.effects.len() - 1);
+    let free: Vec<Free> = best.fit.free.iter().copied().chain(own).collect();
+    let both = data.fit(&model, &free, &best.fit.noise, ROUNDS);
+    let left_of_best = ordinary.fit.cost() - both.cost();
+    let left_of_ordinary = Refitted::new(&best.fit, ordinary.candidate.clone(), both).evidence;
+    tracing::trace!(
+        best = best.candidate.name(),
+        ordinary = ordinary.candidate.name(),
+        left_of_best,
+        left_of_ordinary,
+        "one beside the other"
+    );
+    let least = TUNING.selection.further_evidence;
+    if left_of_ordinary > least || left_of_best < least {
+        refitted[..=place].rotate_right(1);
+    }
+}
+
+/// The last fit of what is taken. What was taken before had to imitate it: the numbers beside its size begin anew, too.
+pub fn settled<'a>(data: &Data<'_>, of: &Fit<'a>) -> Fit<'a> {
+    let from = |model: &Model<'a>| data.fit(model, &of.free, &of.noise, ROUNDS);
+    let anew = begun_anew(&of.model);
+    let (on, anew) = rayon::join(|| from(&of.model), || anew.map(|anew| from(&anew)));
+    [Some(on), anew].into_iter().flatten().fold(
+        of.clone(),
+        |best, fit| {
+            if fit.cost() < best.cost() { fit } else { best }
+        },
+    )
+}
+
+/// The model with the numbers of all effects but the last at what is usual, but for their sizes.
+fn begun_anew<'a>(model: &Model<'a>) -> Option<Model<'a>> {
+    let mut anew = model.clone();
+    let (_, earlier) = anew.effects.split_last_mut()?;
+    for effect in earlier.iter_mut() {
+        let specs: Vec<_> = effect.specs().collect();
+        for place in effect.free.iter().filter(|place| !specs[**place].is_main) {
+            effect.numbers[*place] = specs[*place].mean;
+        }
+    }
+    (!earlier.is_empty()).then_some(anew)
+}

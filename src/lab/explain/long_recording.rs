@@ -147,8 +147,7 @@ impl<'a> LongSearch<'_, '_, 'a> {
                 has_no_number || following_share(&data, refitted).is_none_or(is_own)
             });
             let Some(first) = fitted.first().cloned() else { break };
-            let found: f64 = chosen.iter().map(|refitted| refitted.evidence).sum();
-            let least = least_evidence(1.0, !chosen.is_empty(), found);
+            let least = least_evidence(1.0, &chosen);
             let held = data.of(Part::Holdout);
             let gain = held.minus_two_ln(&extended.sums) - held.minus_two_ln(&first.fit.sums);
             let confirmed = has_no_number

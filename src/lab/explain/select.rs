@@ -117,7 +117,7 @@ pub fn select<'a>(
         let found: f64 = chosen.iter().map(|refitted| refitted.evidence).sum();
         // An excerpt tells as much less: what passes here must pass again on everything.
         let is_further = !chosen.is_empty();
-        let least = least_evidence(data.share, is_further, found);
+        let least = least_evidence(data.share, &chosen);
         let of_course = |of: &Refitted<'_>| {
             // What does not depend on the driving is hardly what the equations of the rest miss.
             let is_independent = of.follows.is_some_and(|share| share < TUNING.selection.independent);
@@ -192,13 +192,20 @@ pub fn select<'a>(
     Selection { baseline, extended, chosen, rounds, split: data.split }
 }
 
-/// Evidence that is needed in a share of the recordings, after so much has been found or nothing.
-pub fn least_evidence(share: f64, is_further: bool, found: f64) -> f64 {
-    if is_further {
-        f64::max(share * TUNING.selection.further_evidence, TUNING.selection.further_share * found)
-    } else {
-        share * LEAST_EVIDENCE
+/// Evidence that is needed in a share of the recordings, after so much has been chosen or nothing.
+pub fn least_evidence(share: f64, chosen: &[Refitted<'_>]) -> f64 {
+    if chosen.is_empty() {
+        return share * LEAST_EVIDENCE;
     }
+    let of_found = |taken: &Refitted<'_>| {
+        let by = if taken.candidate.kind.search.every_car_has {
+            TUNING.selection.further_share_of_ordinary
+        } else {
+            TUNING.selection.further_share
+        };
+        by * taken.evidence
+    };
+    f64::max(share * TUNING.selection.further_evidence, chosen.iter().map(of_found).sum())
 }
 
 /// Does what it is fitted to confirm the held-out part? It must not make the prediction of what it has not seen

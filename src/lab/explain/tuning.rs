@@ -26,8 +26,11 @@ pub struct Tuning {
 pub struct SelectionTuning {
     /// Evidence, 2 ln odds, that a finding beside others needs: odds of e^15.
     pub further_evidence: f64,
-    /// … and at least this share of the evidence of all findings so far.
+    /// … and at least this share of the evidence of all findings so far …
     pub further_share: f64,
+    /// … of those that every car has, this one. Set by `whole_cars`: beside the load transfer of hard turns a yaw rate that is 50 ms
+    /// late has 1.0 %, and where nothing is hidden what is left has 0.5 %.
+    pub further_share_of_ordinary: f64,
     /// … of a course that may be anything at least this one. Set by `whole_cars`: beside the load transfer of CommonRoad's
     /// multi-body car in hard turns, a drift of a wheel that is not there has 3.4 %.
     pub further_share_of_course: f64,
@@ -162,6 +165,7 @@ pub const TUNING: Tuning = Tuning {
     selection: SelectionTuning {
         further_evidence: 30.0,
         further_share: 0.015,
+        further_share_of_ordinary: 0.007,
         further_share_of_course: 0.05,
         further_share_of_independent: 0.01,
         most_findings: 5,

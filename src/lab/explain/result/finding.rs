@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use physics::model::effect::law::Law;
-use physics::model::effect::{Channel, Kind};
+use physics::model::effect::{Channel, Kind, Usual};
 use serde::Serialize;
 
 use super::{ByChannel, SecondPass};
@@ -69,11 +69,10 @@ impl Nature {
         let quantity = channel.and_then(Channel::quantity);
         let usual = kind.search.usual.filter(|usual| usual.of.is_none() || usual.of == quantity);
         let main = kind.parameters.iter().filter(|spec| spec.is_main);
-        let mut values = main.filter_map(|spec| numbers.get(spec.name)).map(|number| number.value);
-        match usual.map(|usual| usual.bounds) {
-            Some((least, most)) if values.all(|value| (least..=most).contains(&value)) => Self::Ordinary,
-            _ => Self::of(kind),
-        }
+        let mut values = main.filter_map(|spec| numbers.get(spec.name)).map(|number| number.value).peekable();
+        let is_told = values.peek().is_some();
+        let is_usual = |usual: &Usual| values.all(|value| (usual.bounds.0..=usual.bounds.1).contains(&value));
+        if is_told && usual.as_ref().is_some_and(is_usual) { Self::Ordinary } else { Self::of(kind) }
     }
 }
 
@@ -239,6 +238,7 @@ mod tests {
         assert_eq!(of("tire_radius", "relative_difference_rl", -0.007), Nature::Unusual);
         assert_eq!(of("sensor_scale", "relative_error", 0.001), Nature::Measurement);
         assert_eq!(of("load_transfer", "cg_height_m", 0.5), Nature::Ordinary);
+        assert_eq!(Nature::of_size(named("tire_radius").unwrap(), None, &BTreeMap::new()), Nature::Unusual);
     }
 
     /// A body that dives and squats tilts the accelerometer: along the car, and to one side only.

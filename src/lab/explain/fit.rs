@@ -197,6 +197,12 @@ impl<'d> Data<'d> {
         self.search(model, free, noise, rounds, Learn::Noise)
     }
 
+    /// Goes on with a fit to the same drives: what it ended with is known.
+    pub fn go_on<'a>(&self, fit: &Fit<'a>, rounds: usize) -> Fit<'a> {
+        let from = (fit.model.clone(), fit.noise.clone(), fit.sums.clone());
+        self.steps(from, &fit.free, rounds, Learn::Noise)
+    }
+
     /// Goes on with a fit to an excerpt.
     pub fn fit_again<'a>(&self, fit: &Fit<'a>, rounds: usize) -> Fit<'a> {
         self.search(&fit.model, &fit.free, &fit.noise, rounds, Learn::Rest)
@@ -223,13 +229,24 @@ impl<'d> Data<'d> {
         rounds: usize,
         learn: Learn,
     ) -> Fit<'a> {
-        let mut model = model.clone();
-        let mut noise = noise.clone();
-        let derived = |model: &Model<'a>, noise: &Noise| {
-            self.pass(model, &free.iter().map(|free| model.varied(free)).collect::<Vec<_>>(), noise)
-        };
-        // Always those of model and noise as they are.
-        let mut sums = derived(&model, &noise);
+        let sums = self.derived(model, free, noise);
+        self.steps((model.clone(), noise.clone(), sums), free, rounds, learn)
+    }
+
+    /// One pass over all drives with the derivatives by the free numbers.
+    fn derived(&self, model: &Model<'_>, free: &[Free], noise: &Noise) -> Vec<BlockSums> {
+        self.pass(model, &free.iter().map(|free| model.varied(free)).collect::<Vec<_>>(), noise)
+    }
+
+    /// A search from a model and noise with their derivatives.
+    fn steps<'a>(
+        &self,
+        (mut model, mut noise, mut sums): (Model<'a>, Noise, Vec<BlockSums>),
+        free: &[Free],
+        rounds: usize,
+        learn: Learn,
+    ) -> Fit<'a> {
+        // The sums are always those of model and noise as they are.
         let mut last = None;
         let mut is_stuck = false;
         for round in 0..rounds {
@@ -260,7 +277,7 @@ impl<'d> Data<'d> {
             }
             is_stuck = gained == 0.0 && value == before;
             if !is_stuck {
-                sums = derived(&model, &noise);
+                sums = self.derived(&model, free, &noise);
             }
             if gained < 0.5 && (round > 2 || learn == Learn::Nothing) {
                 break;

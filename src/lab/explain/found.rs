@@ -2,7 +2,7 @@
 
 use super::result::Finding;
 use physics::model::Uncertain;
-use physics::model::effect::{Channel, Course, EffectConfig, EffectError, Kind, named};
+use physics::model::effect::{Channel, Course, EffectConfig, EffectError, Kind, Series, named};
 
 /// Findings as the configuration's tables.
 ///
@@ -27,9 +27,16 @@ fn effect(finding: &Finding) -> Option<Result<EffectConfig, EffectError>> {
         let value = known.map_or(spec.value(spec.mean), |known| known.value.clamp(low, high));
         Uncertain { value: rounded(value), std: rounded(known.map_or(0.0, |known| known.std)) }
     });
-    let course = match kind.course {
-        Some(_) => Course::Stretches { intervals: finding.place.intervals.clone(), value: 1.0 },
-        None => Course::None,
+    let course = match (&finding.series, kind.course) {
+        (Some(series), Some(_)) => {
+            let of = kind.disturbance(channel).map(|course| course.range());
+            // Smoothed, it may swing beyond what it can be.
+            let value = |value: &f64| rounded(of.map_or(*value, |(low, high)| value.clamp(low, high)));
+            let value = series.value.iter().map(value).collect();
+            Course::Series(Series { t: series.t.clone(), value })
+        }
+        (None, Some(_)) => Course::Stretches { intervals: finding.place.intervals.clone(), value: 1.0 },
+        (_, None) => Course::None,
     };
     Some(EffectConfig::new(kind, channel, numbers.collect(), course))
 }
@@ -42,4 +49,23 @@ fn takes(kind: &Kind, channel: &Channel) -> bool {
 /// Six significant digits are more than anyone knows.
 pub fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::result::CourseEstimate;
+    use super::*;
+
+    #[test]
+    fn a_course_that_was_found_is_one_of_the_configuration() {
+        let mut drift =
+            Finding { effect: "sensor_drift".into(), channel: Some("yaw_rate".into()), ..Finding::default() };
+        let (t, unit) = (vec![0.0, 10.0, 20.0], "rad/s".to_owned());
+        drift.series = Some(CourseEstimate { t, value: vec![0.01, -0.02, 99.0], std: vec![0.001; 3], unit });
+        let written = effects([&drift]).unwrap();
+        let Course::Series(series) = written[0].course() else { panic!("{:?}", written[0]) };
+        assert_eq!((&series.t[..], &series.value[..2]), (&[0.0, 10.0, 20.0][..], &[0.01, -0.02][..]));
+        // No sensor drifts as far as that.
+        assert!(series.value[2] <= 1.0, "{series:?}");
+    }
 }

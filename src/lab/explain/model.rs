@@ -4,7 +4,7 @@ use super::predict::delay::{Delayed, Delays};
 use super::predict::{ExtendedCar, Settings};
 use super::tuning::TUNING;
 use crate::identify::{Parameter, Values};
-use physics::model::effect::{Channel, Course, EffectConfig, KINDS, Kind, Setting, Spec};
+use physics::model::effect::{Channel, Course, EffectConfig, KINDS, Kind, Series, Setting, Spec};
 use physics::model::{TireKind, Vehicle};
 use physics::{Quantity, Wheel};
 
@@ -72,6 +72,14 @@ impl Chosen {
         self.kind.onset().map_or(f64::NEG_INFINITY, |place| self.numbers[place])
     }
 
+    /// Its course, where that is points in time.
+    pub fn series(&self) -> Option<&Series> {
+        match &self.course {
+            Course::Series(series) => Some(series),
+            _ => None,
+        }
+    }
+
     /// Its numbers in their units.
     pub fn values(&self) -> Vec<f64> {
         self.specs().zip(&self.numbers).map(|(spec, number)| spec.value(*number)).collect()
@@ -112,6 +120,8 @@ pub enum Place {
     BendAlong,
     /// Of an effect: which effect, which number.
     Effect(usize, usize),
+    /// Of the course of an effect: which effect, which of its points.
+    Course(usize, usize),
 }
 
 /// A free number: its place, its prior and a step, all in the coordinate that is searched.
@@ -239,6 +249,9 @@ impl<'a> Model<'a> {
             Place::Delay(late) => self.delays[late as usize],
             Place::BendAlong => self.bend_along,
             Place::Effect(effect, number) => self.effects[effect].numbers[number],
+            Place::Course(effect, point) => {
+                self.effects[effect].series().map_or(0.0, |series| series.value[point])
+            }
         }
     }
 
@@ -252,7 +265,7 @@ impl<'a> Model<'a> {
             }
             Place::Delay(late) => (late.name().into(), self.delays[late as usize], 1.0),
             Place::BendAlong => ("longitudinal_bend".into(), self.bend_along, 1.0),
-            Place::Effect(..) => return None,
+            Place::Effect(..) | Place::Course(..) => return None,
         })
     }
 
@@ -277,6 +290,7 @@ impl<'a> Model<'a> {
                 let spec = chosen.kind.spec(number, chosen.channel);
                 spec.map_or((f64::NEG_INFINITY, f64::INFINITY), |spec| spec.bounds)
             }
+            Place::Course(..) => (f64::NEG_INFINITY, f64::INFINITY),
         }
     }
 
@@ -301,6 +315,11 @@ impl<'a> Model<'a> {
             Place::Delay(late) => self.delays[late as usize] = coordinate,
             Place::BendAlong => self.bend_along = coordinate,
             Place::Effect(effect, number) => self.effects[effect].numbers[number] = coordinate,
+            Place::Course(effect, point) => {
+                if let Course::Series(series) = &mut self.effects[effect].course {
+                    series.value[point] = coordinate;
+                }
+            }
         }
     }
 
@@ -324,6 +343,14 @@ impl<'a> Model<'a> {
             .flatten()
             .map(Chosen::onset)
             .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Between which moments, s, a point of a course makes a difference; none of other numbers.
+    pub fn course_between(&self, place: Place) -> Option<[f64; 2]> {
+        let Place::Course(effect, point) = place else { return None };
+        let t = &self.effects[effect].series()?.t;
+        let before = point.checked_sub(1).map_or(f64::NEG_INFINITY, |before| t[before]);
+        Some([before, t.get(point + 1).copied().unwrap_or(f64::INFINITY)])
     }
 
     /// The same, one number changed by so much (in the other direction at its bound). Returns the change

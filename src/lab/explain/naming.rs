@@ -210,7 +210,7 @@ pub fn refine<'a>(data: &Data<'_>, before: &Fit<'a>, refitted: &Refitted<'a>, ro
     let at = |model: &Model<'_>, place: usize| model.effects[effect].numbers[place];
     let place = candidate.kind.onset().filter(|place| at(&fit.model, *place) > 0.0);
     let refined = match place {
-        None => again(&fit.model, rounds),
+        None => data.go_on(fit, rounds),
         Some(place) => {
             let nearby = again(&onset(data, fit, effect, place), rounds);
             let closer = onset(data, &nearby, effect, place);

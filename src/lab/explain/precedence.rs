@@ -26,7 +26,7 @@ fn polish<'a>(data: &Data<'_>, before: &Fit<'a>, refitted: &mut [Refitted<'a>]) 
         return;
     }
     refitted.par_iter_mut().filter(|of| is_close(of)).for_each(|of| {
-        let fit = data.fit(&of.fit.model, &of.fit.free, &of.fit.noise, ROUNDS);
+        let fit = data.go_on(&of.fit, ROUNDS);
         if fit.cost() < of.fit.cost() {
             let polished = Refitted::new(before, of.candidate.clone(), fit);
             (of.fit, of.evidence) = (polished.fit, polished.evidence);
@@ -91,9 +91,9 @@ fn prefer_the_ordinary(data: &Data<'_>, refitted: &mut [Refitted<'_>]) {
 
 /// The last fit of what is taken. What was taken before had to imitate it: the numbers beside its size begin anew, too.
 pub fn settled<'a>(data: &Data<'_>, of: &Fit<'a>) -> Fit<'a> {
-    let from = |model: &Model<'a>| data.fit(model, &of.free, &of.noise, ROUNDS);
+    let from = |model: Model<'a>| data.fit(&model, &of.free, &of.noise, ROUNDS);
     let anew = begun_anew(&of.model);
-    let (on, anew) = rayon::join(|| from(&of.model), || anew.map(|anew| from(&anew)));
+    let (on, anew) = rayon::join(|| data.go_on(of, ROUNDS), || anew.map(from));
     [Some(on), anew].into_iter().flatten().fold(
         of.clone(),
         |best, fit| {

@@ -27,6 +27,16 @@ pub enum Number {
     SpeedDelayChange,
 }
 
+impl Number {
+    /// Where it stands in the model.
+    pub fn place(self) -> Option<Place> {
+        match self {
+            Self::Of(place) | Self::Change(place) => Some(place),
+            _ => None,
+        }
+    }
+}
+
 /// Which recordings a number is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scope {

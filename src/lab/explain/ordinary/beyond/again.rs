@@ -227,6 +227,7 @@ fn fitted<'a>(state: &State<'a>, it: &Taken) -> Refitted<'a> {
         evidence: 0.0,
         held_gain: 0.0,
         gains: [0.0; CHANNELS],
+        share: 0.0,
     }
 }
 

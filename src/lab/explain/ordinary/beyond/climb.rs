@@ -1,6 +1,7 @@
 //! Where a model predicts best, for noise of a given colour.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::super::fit::FreeFit;
 use super::super::numbers::{Free, Number, Scope};
@@ -22,8 +23,10 @@ const TRIES: usize = 6;
 /// A search ends where a step gains less, −2 ln likelihood.
 const LEAST_STEP: f64 = 0.3;
 
-/// Rounds of learning the noise's colour of the ordinary car. Numerical.
-const BEGINNINGS: usize = 2;
+/// Rounds of learning the noise's colour of the ordinary car at most, and what one gains at least. Numerical: what it has not
+/// learned, every candidate would gain.
+const BEGINNINGS: usize = 6;
+const LEAST_BEGINNING: f64 = 1.0;
 
 /// Wheels may differ by a per cent in radius before anybody looks for a reason, and tracks by two per cent from what is
 /// written. With a third of that a wheel that is 1.5 % small was taken for a slippery road.
@@ -68,6 +71,14 @@ pub fn freedom(free: &[Free], covariance: &DMatrix<f64>, places: impl Iterator<I
     places.map(of).sum()
 }
 
+/// The same of all of them together: neighbours on a course are not known apart.
+pub fn freedom_together(free: &[Free], covariance: &DMatrix<f64>, places: std::ops::Range<usize>) -> f64 {
+    let before: f64 = free[places.clone()].iter().map(|free| 2.0 * free.prior.1.ln()).sum();
+    let block = covariance.view((places.start, places.start), (places.len(), places.len()));
+    let after = block.clone_owned().cholesky().map(|factor| factor.l().diagonal().map(f64::ln).sum());
+    after.map_or(0.0, |after| (before - 2.0 * after).max(0.0))
+}
+
 /// Where a search ended.
 pub struct Climbed {
     /// The coordinates.
@@ -97,16 +108,17 @@ impl Search<'_> {
             cost: f64::INFINITY,
             covariance: DMatrix::zeros(0, 0),
         };
-        for _ in 0..BEGINNINGS {
-            let Climbed { at, errors, .. } =
+        for round in 0.. {
+            let Climbed { at, errors, cost, covariance } =
                 self.climb(&state, &state.colour, &state.model, &state.free, state.at.clone());
-            state.colour = self.colour(&errors);
-            state.slopes = self.slopes(&state.model, &state.free, &at, &errors);
-            (state.at, state.errors) = (at, errors);
+            let gained = state.cost - cost;
+            (state.at, state.errors, state.cost, state.covariance) = (at, errors, cost, covariance);
+            if round >= BEGINNINGS || gained < LEAST_BEGINNING {
+                break;
+            }
+            state.colour = self.colour(&state.errors);
+            state.slopes = self.slopes(&state.model, &state.free, &state.at, &state.errors);
         }
-        let Climbed { at, errors, cost, covariance } =
-            self.climb(&state, &state.colour, &state.model, &state.free, state.at.clone());
-        (state.at, state.errors, state.cost, state.covariance) = (at, errors, cost, covariance);
         state
     }
 
@@ -158,11 +170,17 @@ impl Search<'_> {
         let mut covariance = DMatrix::identity(count, count);
         let mut damping = 0.0;
         for _ in 0..STEPS {
-            let mut columns = kept.clone();
-            for place in kept.len()..count {
-                let slope = self.slope(model, free, (&at, &errors), (place, free[place].step), None);
-                columns.push(self.white(colour, &rows, &slope, 0));
-            }
+            let between =
+                |place: usize| free[place].number.place().and_then(|place| model.course_between(place));
+            let has_course = (kept.len()..count).any(|place| between(place).is_some());
+            let tracks = has_course.then(|| self.tracks(model, free, &at));
+            let own = (kept.len()..count).into_par_iter().map(|place| {
+                let branch = tracks.as_deref().zip(between(place));
+                let slope = self.slope(model, free, (&at, &errors), (place, free[place].step), branch);
+                self.white(colour, &rows, &slope, 0)
+            });
+            let own: Vec<DVector<f64>> = own.collect();
+            let columns: Vec<DVector<f64>> = kept.iter().cloned().chain(own).collect();
             let (information, gradient) = normal(&columns, &white, &rows, free, &at);
             let before = cost;
             // Levenberg's and Marquardt's.

@@ -16,6 +16,7 @@
 mod again;
 mod climb;
 mod colour;
+mod course;
 mod history;
 mod in_place;
 mod planned;
@@ -99,6 +100,8 @@ struct Search<'s> {
     vehicle: &'s Vehicle,
     /// How often each name is tried: at so many times.
     tried: BTreeMap<String, usize>,
+    /// What varies as it likes and moves the car across: one looks like the other.
+    across: Vec<String>,
     /// Squared errors of yaw rate and lateral acceleration of the plain model, on held-out rows.
     plain: [f64; 2],
     /// So many recordings, the first ones, are references.
@@ -147,7 +150,11 @@ pub fn beyond(
         return answer;
     }
     let laws = if references > 0 { Vec::new() } else { trial::laws(drives, Scope::Car) };
-    let search = Search { drives, vehicle, tried: tried(&trials, &laws), plain, references, is_simulated };
+    let courses =
+        if is_simulated { Vec::new() } else { course::courses(found, drives, kinds, question.scope()) };
+    let across = courses.iter().filter(|course| course.moves_across()).map(Trial::name).collect();
+    let search =
+        Search { drives, vehicle, tried: tried(&trials, &laws), across, plain, references, is_simulated };
     let mut state = search.start(found);
     let mut taken = BTreeSet::new();
     // Of a car's numbers and sensors the references have the same; beside a simulation they are searched like the rest.
@@ -174,7 +181,9 @@ pub fn beyond(
             tried.add(&search, &state, &laws, &taken, seed);
         }
         tried.add(&search, &state, &trials, &taken, seed);
-        let healthy = search.healthy(&state, &trials, &tried.names(), seed);
+        tried.add(&search, &state, &courses, &taken, seed);
+        let asked: Vec<Trial> = trials.iter().chain(&courses).cloned().collect();
+        let healthy = search.healthy(&state, &asked, &tried.names(), seed);
         tried.count_against(&healthy);
         // What seems unusual may be another thing's shadow; what a simulation leaves out is first of all what every car has.
         let is_forced = |best: &Refitted<'_>| !best.trial.is_of_every_car() && !best.trial.is_number();
@@ -285,7 +294,7 @@ mod tests {
     use super::super::numbers::free;
     use super::super::{Asked, Ordinary, with_bend};
     use super::*;
-    use physics::model::effect::{KINDS, named};
+    use physics::model::effect::{self, KINDS, named};
 
     /// A library of these only: each test has a cause and what could be taken for it. All of it is asked in `causes`.
     fn among(names: &[&str]) -> Vec<&'static Kind> {
@@ -316,6 +325,7 @@ mod tests {
             drives: &drives,
             vehicle: &own,
             tried: BTreeMap::new(),
+            across: Vec::new(),
             plain: [0.0; 2],
             references: 0,
             is_simulated: false,
@@ -370,6 +380,32 @@ mod tests {
             assert!((first.parameters["at_s"].value - at).abs() < 1.0, "{:?}", first.parameters);
             assert!(beyond.is_unusual && first.explained_share["yaw_rate"] > 0.05, "{first:?}");
         }
+    }
+
+    /// GIVEN a gyroscope whose zero drifts, beside wheels that turn as they should THEN the drift is named, with its size and
+    /// its course.
+    #[test]
+    #[ignore = "long: a car fitted, and more"]
+    fn a_drifting_gyroscope_is_told_from_the_road() {
+        let drift = "[[effect]]\nkind = \"sensor_drift\"\nchannel = \"yaw_rate\"\n\
+                     series = { t = [0.0, 10.0, 22.0, 35.0, 45.0], value = [0.02, -0.03, 0.04, -0.03, 0.02] }\n";
+        let library = among(&["sensor_bias", "sensor_drift", "road_bank", "crosswind"]);
+        let beyond = found(drift, &library);
+        let first = &beyond.findings[0];
+        assert_eq!((first.effect.as_str(), first.channel.as_deref()), ("sensor_drift", Some("yaw_rate")));
+        let rms = first.parameters["drift_rms"];
+        assert!((rms.value - 0.019).abs() < 0.004 && rms.std < 0.004, "{rms:?}");
+        let course = first.series.as_ref().unwrap();
+        let drifted = effect::Series { t: course.t.clone(), value: course.value.clone() };
+        let [low, high, again] = [10.0, 22.0, 35.0].map(|t| drifted.at(t));
+        assert!(high - low > 0.04 && high - again > 0.04, "{course:?}");
+        assert!(!first.place.intervals.is_empty(), "{:?}", first.place);
+        // Nothing else is named that no ordinary car has, and no jump.
+        assert!(
+            beyond.findings.iter().skip(1).all(|other| other.kind == Nature::Ordinary),
+            "{:?}",
+            beyond.findings
+        );
     }
 
     /// GIVEN an accelerometer far ahead of the centre of gravity, which the ordinary car can only take for one that comes

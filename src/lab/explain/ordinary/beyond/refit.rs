@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::super::numbers::{Free, Scope};
 use super::super::run::Track;
 use super::Search;
-use super::climb::{Climbed, State, freedom};
+use super::climb::{Climbed, State, freedom, freedom_together};
 use super::colour::{CHANNELS, Series};
 use super::scan::Scored;
 use super::trial::Trial;
@@ -47,6 +47,8 @@ pub struct Refitted<'a> {
     pub held_gain: f64,
     /// By how much that of the training part falls, by channel.
     pub gains: [f64; CHANNELS],
+    /// The largest share of the plain model's held-out squares that it explains of a channel.
+    pub share: f64,
 }
 
 impl Refitted<'_> {
@@ -158,18 +160,28 @@ impl Search<'_> {
             State { slopes, ..state.clone() }
         });
         let state = there.as_ref().unwrap_or(state);
-        // With the noise as it is beside it.
-        let colour = &self.colour(&errors);
+        // With the noise as it is beside it; a zero that wanders is no noise.
+        let of_zero = trial.is_of_zero();
+        let colour = &if of_zero { self.short_colour(&errors) } else { self.colour(&errors) };
         let Climbed { at, errors, cost, covariance } = self.climb(state, colour, &model, &free, at);
         let rows = self.rows(colour, &state.errors);
         let with = self.cost(colour, &rows, &self.white(colour, &rows, &errors, 0));
         let without = self.cost(colour, &rows, &self.white(colour, &rows, &state.errors, 0));
         // The ordinary numbers may have found a better place on the way, which has nothing to do with the effect.
-        let alone = self.climb(state, &state.colour, &state.model, &state.free, at[..first].to_vec());
-        let before = state.cost.min(alone.cost);
-        let freedom = freedom(&free, &covariance, first..free.len());
+        let without_it = if of_zero { &short } else { &state.colour };
+        let alone =
+            |from: &[f64]| self.climb(state, without_it, &state.model, &state.free, from.to_vec()).cost;
+        let before = if of_zero { alone(&state.at) } else { state.cost };
+        let before = before.min(alone(&at[..first]));
+        let own = first..free.len();
+        let freedom = if trial.is_course() {
+            freedom_together(&free, &covariance, own)
+        } else {
+            freedom(&free, &covariance, own)
+        };
         let tried = self.tried.get(&trial.name()).copied().unwrap_or(1);
         let evidence = before - cost - freedom - 2.0 * (tried as f64).ln();
+        let share = self.share(&state.errors, &errors).into_values().fold(0.0, f64::max);
         Refitted {
             trial,
             model,
@@ -182,6 +194,7 @@ impl Search<'_> {
             evidence,
             held_gain: without.held - with.held,
             gains: std::array::from_fn(|channel| without.by_channel[channel] - with.by_channel[channel]),
+            share,
         }
     }
 

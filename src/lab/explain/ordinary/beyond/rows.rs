@@ -176,7 +176,7 @@ impl Search<'_> {
     pub(super) fn rows(&self, colour: &Colour, errors: &[Series]) -> Rows {
         let mut all = Rows { places: Vec::new(), held: Vec::new() };
         for (number, (drive, errors)) in self.drives.iter().zip(errors).enumerate() {
-            for (channel, errors) in errors.iter().enumerate() {
+            for channel in 0..CHANNELS {
                 for (row, error) in colour.whitened(channel, errors).into_iter().enumerate() {
                     if error.is_finite() && drive.counts[row * EVERY] {
                         all.places.push((number, channel, row));
@@ -198,7 +198,7 @@ impl Search<'_> {
     ) -> DVector<f64> {
         let white: Vec<Vec<Vec<f64>>> = series
             .iter()
-            .map(|series| (0..CHANNELS).map(|channel| colour.whitened(channel, &series[channel])).collect())
+            .map(|series| (0..CHANNELS).map(|channel| colour.whitened(channel, series)).collect())
             .collect();
         let of = |(drive, channel, row): &(usize, usize, usize)| {
             let all = &white[*drive][*channel];

@@ -2,14 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::DVector;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
+use super::super::run::Track;
 use super::Search;
 use super::climb::State;
-use super::rows::{EVERY, normal, weights};
+use super::colour::Colour;
+use super::rows::{EVERY, Rows, normal, weights};
 use super::trial::Trial;
 
 /// Decoys. Statistical: the largest of twenty, of all candidates together.
@@ -28,73 +30,144 @@ pub struct Scored {
     pub numbers: Vec<(usize, f64)>,
 }
 
+/// The state that candidates are scored beside: its normal equations, in the colour of what does not last.
+struct Ground<'g> {
+    search: &'g Search<'g>,
+    state: &'g State<'g>,
+    colour: Colour,
+    rows: Rows,
+    /// Each ordinary number's slope and the errors, weighed.
+    weighed: Vec<DVector<f64>>,
+    errors: DVector<f64>,
+    weights: DVector<f64>,
+    factor: Cholesky<f64, Dyn>,
+    gradient: DVector<f64>,
+    tracks: Vec<Track>,
+}
+
+impl<'g> Ground<'g> {
+    /// None where the ordinary numbers have no solution.
+    fn new(search: &'g Search<'g>, state: &'g State<'g>) -> Option<Self> {
+        let colour = search.short_colour(&state.errors);
+        let rows = search.rows(&colour, &state.errors);
+        let white = search.white(&colour, &rows, &state.errors, 0);
+        let own: Vec<DVector<f64>> =
+            state.slopes.iter().map(|slopes| search.white(&colour, &rows, slopes, 0)).collect();
+        let (information, gradient) = normal(&own, &white, &rows, &state.free, &state.at);
+        let factor = information.cholesky()?;
+        let weights = weights(&white, &rows);
+        let weighed = own.iter().map(|own| own.component_mul(&weights)).collect();
+        let errors = white.component_mul(&weights);
+        let tracks = search.tracks(&state.model, &state.free, &state.at);
+        Some(Self { search, state, colour, rows, weighed, errors, weights, factor, gradient, tracks })
+    }
+
+    /// Gain and step along a column, all ordinary numbers refitted.
+    fn score(&self, column: &DVector<f64>, std: f64) -> Option<(f64, f64)> {
+        let with = DVector::from_iterator(self.weighed.len(), self.weighed.iter().map(|own| own.dot(column)));
+        let taken = self.factor.solve(&with);
+        let slope = self.errors.dot(column) - taken.dot(&self.gradient);
+        let own = column.component_mul(column).dot(&self.weights);
+        let information = own - taken.dot(&with) + std.powi(-2);
+        (information > 0.0 && own > 0.0).then(|| (slope * slope / information, slope / information))
+    }
+
+    /// The same of columns that are taken together. What so many numbers gain by chance is no gain.
+    fn score_together(&self, columns: &[DVector<f64>], stds: &[f64]) -> Option<(f64, DVector<f64>)> {
+        let count = columns.len();
+        let with =
+            DMatrix::from_fn(self.weighed.len(), count, |own, place| self.weighed[own].dot(&columns[place]));
+        let taken = self.factor.solve(&with);
+        let slope = DVector::from_fn(count, |place, _| self.errors.dot(&columns[place]));
+        let slope = slope - taken.tr_mul(&self.gradient);
+        let mut information = -with.tr_mul(&taken);
+        for (i, column) in columns.iter().enumerate() {
+            let column = column.component_mul(&self.weights);
+            for (j, other) in columns.iter().enumerate() {
+                information[(i, j)] += column.dot(other);
+            }
+            information[(i, i)] += stds[i].powi(-2);
+        }
+        let factor = information.cholesky()?;
+        let by = factor.solve(&slope);
+        let freedom: f64 = factor.l().diagonal().iter().zip(stds).map(|(l, std)| (l * std).ln()).sum();
+        Some((slope.dot(&by) - 2.0 * freedom.max(0.0), by))
+    }
+
+    /// A trial's main numbers each alone, of which the best counts, beside decoys at other times; with whether it is more.
+    fn alone(&self, trial: &Trial, shifts: &[usize]) -> Option<(Scored, f64, bool)> {
+        let (model, free, at) = self.state.beside(trial);
+        let first = self.state.free.len();
+        let mut best: Option<(f64, usize, f64, bool)> = None;
+        let mut decoy = 0.0_f64;
+        for place in first..free.len() {
+            if !trial.is_main(&free[place]) {
+                continue;
+            }
+            let std = free[place].prior.1;
+            for share in trial.ways() {
+                let step = share.map_or(free[place].step, |share| share * std);
+                let (low, high) = free[place].bounds;
+                if !(low..=high).contains(&(at[place] + step)) {
+                    continue;
+                }
+                let branch = trial.acts().map(|between| (&self.tracks[..], between));
+                let slope =
+                    self.search.slope(&model, &free, (&at, &self.state.errors), (place, step), branch);
+                let white = |shift: usize| self.search.white(&self.colour, &self.rows, &slope, shift);
+                let Some((gain, by)) = self.score(&white(0), std) else { continue };
+                if best.is_none_or(|(most, ..)| gain > most) {
+                    best = Some((gain, place - first, free[place].prior.0 + by, by > 0.0));
+                }
+                if !trial.has_time() {
+                    for shift in shifts {
+                        let gain = self.score(&white(*shift), std).map_or(0.0, |(gain, _)| gain);
+                        decoy = decoy.max(gain);
+                    }
+                }
+            }
+        }
+        let (gain, number, coordinate, is_more) = best?;
+        let numbers = vec![(number, coordinate)];
+        Some((Scored { trial: trial.clone(), gain, numbers }, decoy, is_more))
+    }
+
+    /// A course: all its points together.
+    fn course(&self, trial: &Trial) -> Option<Scored> {
+        let (model, free, at) = self.state.beside(trial);
+        let first = self.state.free.len();
+        let places: Vec<usize> = (first..free.len()).filter(|place| trial.is_main(&free[*place])).collect();
+        let column = |place: &usize| {
+            let between = model.course_between(free[*place].number.place()?);
+            let branch = between.map(|between| (&self.tracks[..], between));
+            let step = (*place, free[*place].step);
+            let slope = self.search.slope(&model, &free, (&at, &self.state.errors), step, branch);
+            Some(self.search.white(&self.colour, &self.rows, &slope, 0))
+        };
+        let columns: Vec<DVector<f64>> = places.iter().map(column).collect::<Option<_>>()?;
+        let stds: Vec<f64> = places.iter().map(|place| free[*place].prior.1).collect();
+        let (gain, by) = self.score_together(&columns, &stds)?;
+        let numbers = places.iter().zip(by.iter());
+        let numbers = numbers.map(|(place, by)| (place - first, free[*place].prior.0 + by)).collect();
+        Some(Scored { trial: trial.clone(), gain, numbers })
+    }
+}
+
 impl Search<'_> {
     /// All candidates to first order, best first, the best one of each name (of a patch, of either side); and the most that a
     /// decoy gains.
     pub(super) fn scan(&self, state: &State<'_>, trials: &[Trial], seed: u64) -> (Vec<Scored>, f64) {
-        let colour = &self.short_colour(&state.errors);
-        let rows = self.rows(colour, &state.errors);
-        let white = self.white(colour, &rows, &state.errors, 0);
-        let own: Vec<DVector<f64>> =
-            state.slopes.iter().map(|slopes| self.white(colour, &rows, slopes, 0)).collect();
-        let (information, gradient) = normal(&own, &white, &rows, &state.free, &state.at);
-        let Some(factor) = information.cholesky() else { return (Vec::new(), f64::INFINITY) };
-        let weights = weights(&white, &rows);
-        let weighed: Vec<DVector<f64>> = own.iter().map(|own| own.component_mul(&weights)).collect();
-        let errors = white.component_mul(&weights);
-        // Gain and step along a column, all ordinary numbers refitted.
-        let score = |column: &DVector<f64>, std: f64| -> Option<(f64, f64)> {
-            let with = DVector::from_iterator(weighed.len(), weighed.iter().map(|own| own.dot(column)));
-            let taken = factor.solve(&with);
-            let slope = errors.dot(column) - taken.dot(&gradient);
-            let own = column.component_mul(column).dot(&weights);
-            let information = own - taken.dot(&with) + std.powi(-2);
-            (information > 0.0 && own > 0.0).then(|| (slope * slope / information, slope / information))
-        };
+        let Some(ground) = Ground::new(self, state) else { return (Vec::new(), f64::INFINITY) };
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let shortest = self.drives.iter().map(|drive| drive.points() / EVERY).min().unwrap_or(1);
         let least = LEAST_SHIFT.min(shortest / 4);
         let shifts: Vec<usize> =
             (0..DECOYS).map(|_| random.random_range(least..(shortest - least).max(least + 1))).collect();
-        let tracks = self.tracks(&state.model, &state.free, &state.at);
-        let scored: Vec<(Scored, f64, bool)> = trials
-            .par_iter()
-            .filter_map(|trial| {
-                let (model, free, at) = state.beside(trial);
-                let first = state.free.len();
-                let mut best: Option<(f64, usize, f64, bool)> = None;
-                let mut decoy = 0.0_f64;
-                for place in first..free.len() {
-                    if !trial.is_main(&free[place]) {
-                        continue;
-                    }
-                    for share in trial.ways() {
-                        let step = share.map_or(free[place].step, |share| share * free[place].prior.1);
-                        let (low, high) = free[place].bounds;
-                        if !(low..=high).contains(&(at[place] + step)) {
-                            continue;
-                        }
-                        let branch = trial.acts().map(|between| (&tracks[..], between));
-                        let slope = self.slope(&model, &free, (&at, &state.errors), (place, step), branch);
-                        let column = self.white(colour, &rows, &slope, 0);
-                        let Some((gain, by)) = score(&column, free[place].prior.1) else { continue };
-                        if best.is_none_or(|(most, ..)| gain > most) {
-                            best = Some((gain, place - first, free[place].prior.0 + by, by > 0.0));
-                        }
-                        if !trial.has_time() {
-                            for shift in &shifts {
-                                let column = self.white(colour, &rows, &slope, *shift);
-                                decoy = decoy
-                                    .max(score(&column, free[place].prior.1).map_or(0.0, |(gain, _)| gain));
-                            }
-                        }
-                    }
-                }
-                let (gain, number, coordinate, is_more) = best?;
-                let scored = Scored { trial: trial.clone(), gain, numbers: vec![(number, coordinate)] };
-                Some((scored, decoy, is_more))
-            })
-            .collect();
+        let of = |trial: &Trial| match trial.is_course() {
+            true => ground.course(trial).map(|scored| (scored, 0.0, false)),
+            false => ground.alone(trial, &shifts),
+        };
+        let scored: Vec<(Scored, f64, bool)> = trials.par_iter().filter_map(of).collect();
         let null = scored.iter().map(|(_, decoy, _)| *decoy).fold(0.0, f64::max);
         let mut best: BTreeMap<(String, bool), Scored> = BTreeMap::new();
         for (scored, _, is_more) in scored {

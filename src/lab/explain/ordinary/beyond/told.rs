@@ -9,6 +9,7 @@ use super::super::numbers::{Free, Number, Scope};
 use super::Search;
 use super::climb::State;
 use super::colour::{CHANNELS, Series};
+use super::course::clear_stretches;
 use super::refit::Refitted;
 use super::round::LEAST_CLEAR;
 use super::trial::{What, is_of_sensor};
@@ -98,6 +99,7 @@ impl Refitted<'_> {
             .filter_map(|place| self.number(place))
             .map(|(name, is)| (name.to_owned(), is))
             .collect();
+        all.extend(self.course_size().map(|(name, is)| (name.to_owned(), is)));
         if let Some((at, name)) = self.trial.onset() {
             all.insert(name.to_owned(), Estimate { value: at, std: ONSET_STD_S });
         }
@@ -173,10 +175,17 @@ impl Search<'_> {
     pub(super) fn finding(&self, state: &State<'_>, best: &Refitted<'_>, all: &[(String, f64)]) -> Finding {
         let own = best.trial.name();
         let others = || all.iter().filter(|(name, _)| *name != own);
-        let rivals = others().filter(|(_, evidence)| *evidence > best.evidence - TOLD_APART);
+        let moves_across = best.trial.moves_across();
+        let is_alike = |name: &String| moves_across && self.across.contains(name);
+        let rivals = others()
+            .filter(|(name, evidence)| *evidence > best.evidence - TOLD_APART && !is_alike(name))
+            .map(|(name, _)| name);
+        let alike = self.across.iter().filter(|name| **name != own && is_alike(name));
+        let course = best.course();
         let end = self.drives.iter().map(|drive| drive.time(drive.points())).fold(0.0, f64::max);
         let intervals = match best.trial.onset() {
             Some((at, _)) => vec![[at, end]],
+            None if course.is_some() => course.iter().flat_map(clear_stretches).collect(),
             None => best.trial.stretches().iter().map(|[from, to]| [from.max(0.0), to.min(end)]).collect(),
         };
         let mut gains: Vec<(Quantity, f64)> = SHOWN_IN.into_iter().zip(best.gains).collect();
@@ -190,7 +199,8 @@ impl Search<'_> {
         finding.reference_value = best.unchanged();
         finding.probability = probability_among(best.evidence, others().map(|(_, evidence)| *evidence));
         finding.evidence = best.evidence;
-        finding.indistinguishable_from = rivals.map(|(name, _)| name.clone()).collect();
+        finding.indistinguishable_from = rivals.chain(alike).cloned().collect();
+        finding.series = course;
         finding.parameters = best.parameters();
         let channel = best.trial.candidate().and_then(|candidate| candidate.channel);
         if let (Some(Channel::Law(law)), Some(coefficient)) = (channel, finding.parameters.values().next()) {

@@ -13,7 +13,7 @@ use crate::explain::model::{Chosen, Model, Place};
 use crate::explain::naming::ways;
 use crate::identify::Parameter;
 use physics::Quantity;
-use physics::model::effect::{Kind, Scale, Spec, named};
+use physics::model::effect::{Course, Kind, Scale, Series, Spec, named};
 
 /// Patches of another road are tried at every so many seconds …
 const PATCH_EVERY_S: f64 = 3.0;
@@ -45,6 +45,8 @@ pub struct Trial {
     pub of: Scope,
     /// Of a patch, one over the friction beside it.
     inverse_friction: f64,
+    /// Of a course, the moments, s, between which it is a straight line.
+    pub(super) points: Vec<f64>,
 }
 
 /// What could be.
@@ -62,12 +64,12 @@ pub enum What {
 }
 
 /// The recordings that a search is about.
-fn own(drives: &[FreeDrive], of: Scope) -> impl Iterator<Item = &FreeDrive> {
+pub(super) fn own(drives: &[FreeDrive], of: Scope) -> impl Iterator<Item = &FreeDrive> {
     drives.iter().enumerate().filter(move |(number, _)| of.has(*number)).map(|(_, drive)| drive)
 }
 
 /// Do they have a quantity?
-fn has(drives: &[FreeDrive], of: Scope, quantity: Quantity) -> bool {
+pub(super) fn has(drives: &[FreeDrive], of: Scope, quantity: Quantity) -> bool {
     match quantity {
         Quantity::LateralAcceleration => own(drives, of).any(|drive| drive.lateral.is_some()),
         Quantity::YawRate | Quantity::SteeringWheelAngle => true,
@@ -81,7 +83,7 @@ fn has(drives: &[FreeDrive], of: Scope, quantity: Quantity) -> bool {
 /// All laws of a grammar that no library has.
 pub fn laws(drives: &[FreeDrive], of: Scope) -> Vec<Trial> {
     let candidates = candidates::laws(|quantity| has(drives, of, quantity));
-    let trial = |candidate| Trial { what: What::Effect(candidate), of, inverse_friction: 0.0 };
+    let trial = |candidate| Trial::new(What::Effect(candidate), of, 0.0);
     candidates.into_iter().map(trial).collect()
 }
 
@@ -97,11 +99,11 @@ pub fn trials(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind]
     let mut patches = BTreeSet::new();
     for candidate in library(&kinds, &model, has, &onsets(seconds)) {
         let Some(course) = candidate.kind.course else {
-            all.push(Trial { what: What::Effect(candidate), of, inverse_friction });
+            all.push(Trial::new(What::Effect(candidate), of, inverse_friction));
             continue;
         };
-        // A course that may be anything looks like the road does. Left and right apart take the wheels' torques; without
-        // them that imitates the load transfer of an ordinary car.
+        // What varies as it likes is searched apart (`courses`). Left and right apart take the wheels' torques; without them
+        // that imitates the load transfer of an ordinary car.
         let sides = candidate.kind.parameters.iter().filter(|spec| spec.is_main).count();
         if course.sign == 0.0 || sides > 1 || !patches.insert(candidate.kind.name) {
             continue;
@@ -117,13 +119,13 @@ pub fn trials(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind]
                 stretches: vec![stretch],
                 ..candidate.clone()
             };
-            all.push(Trial { what: What::Effect(candidate), of, inverse_friction });
+            all.push(Trial::new(What::Effect(candidate), of, inverse_friction));
         }
     }
     if of != Scope::Car {
         let changes =
             found.free.iter().zip(&found.at).filter_map(|(free, at)| changed(found, (free, *at), of));
-        all.extend(changes.chain(speed_changed(of)).map(|what| Trial { what, of, inverse_friction }));
+        all.extend(changes.chain(speed_changed(of)).map(|what| Trial::new(what, of, inverse_friction)));
     }
     all
 }
@@ -144,7 +146,7 @@ fn changed(found: &FreeFit<'_>, (free, at): (&Free, f64), of: Scope) -> Option<W
         },
         // What breaks or is replaced may be further off than cars of the class are from each other.
         Place::Effect(..) => 2.0 * free.prior.1,
-        Place::Delay(_) | Place::BendAlong => return None,
+        Place::Delay(_) | Place::BendAlong | Place::Course(..) => return None,
     };
     let name = match place {
         Place::Ordinary(Parameter::SteeringRatio) => format!("sensor_scale:{}", Quantity::SteeringWheelAngle),
@@ -196,6 +198,10 @@ fn stretches(seconds: f64) -> Vec<[f64; 2]> {
 }
 
 impl Trial {
+    pub(super) fn new(what: What, of: Scope, inverse_friction: f64) -> Self {
+        Self { what, of, inverse_friction, points: Vec::new() }
+    }
+
     /// Its name, with its channel.
     pub fn name(&self) -> String {
         match &self.what {
@@ -218,6 +224,10 @@ impl Trial {
             for (place, spec) in candidate.kind.parameters.iter().enumerate() {
                 chosen.numbers[place] = self.neutral(spec);
             }
+        }
+        if self.is_course() {
+            let (t, value) = (self.points.clone(), vec![0.0; self.points.len()]);
+            chosen.course = Course::Series(Series { t, value });
         }
         chosen
     }
@@ -254,14 +264,18 @@ impl Trial {
         self.candidate().is_some_and(|candidate| !candidate.stretches.is_empty())
     }
 
-    /// Is it there from a moment on, or within stretches? Then decoys at other times are no decoys.
+    /// Is it there from a moment on, or within stretches, or at any time? Then decoys at other times are no decoys.
     pub fn has_time(&self) -> bool {
-        self.is_patch() || self.candidate().is_some_and(|candidate| candidate.kind.onset().is_some())
+        self.is_patch()
+            || self.is_course()
+            || self.candidate().is_some_and(|candidate| candidate.kind.onset().is_some())
     }
 
     /// Is it there from the first to the last moment?
     pub fn is_always_there(&self) -> bool {
-        self.onset().is_none() && self.stretches().iter().all(|[from, _]| *from == f64::NEG_INFINITY)
+        !self.is_course()
+            && self.onset().is_none()
+            && self.stretches().iter().all(|[from, _]| *from == f64::NEG_INFINITY)
     }
 
     /// Is it there for nearly all of a drive, though not always? Then it is no patch: it takes the place of the car's own number,
@@ -318,7 +332,8 @@ impl Trial {
             }
         };
         let is_free = |(place, _): &(usize, Spec)| candidate.free.contains(place);
-        model.effects[effect].specs().enumerate().filter(is_free).map(of).collect()
+        let numbers = model.effects[effect].specs().enumerate().filter(is_free).map(of);
+        numbers.chain(self.free_points(effect)).collect()
     }
 
     /// Does it vanish with this number of it?
@@ -360,7 +375,7 @@ impl Trial {
                         let chosen = &model.effects[effect];
                         chosen.kind.spec(number, chosen.channel).map_or("", |spec| spec.unit)
                     }
-                    Place::Delay(_) | Place::BendAlong => "",
+                    Place::Delay(_) | Place::BendAlong | Place::Course(..) => "",
                 };
                 (name.rsplit('.').next().unwrap_or_default().into(), unit.into(), (then - now).abs())
             }

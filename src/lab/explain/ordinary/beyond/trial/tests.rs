@@ -21,7 +21,7 @@ fn nobody_takes_out_what_never_was_in() {
             live: None,
             stretches: Vec::new(),
         };
-        let trial = Trial { what: What::Effect(candidate), of, inverse_friction: 1.0 };
+        let trial = Trial::new(What::Effect(candidate), of, 1.0);
         let free = trial.free(&trial.put_into(&Model::plain(&vehicle, true)));
         free.iter().find(|free| trial.is_main(free)).unwrap().bounds.0
     };
@@ -36,17 +36,16 @@ fn a_patch_of_nearly_the_whole_drive_is_there_nearly_always() {
     let (vehicle, recording) = recorded("");
     let drive = FreeDrive::new(&recording, &vehicle, Held::EveryThird, 600.0).unwrap();
     let (first, last) = (drive.time(0), drive.time(drive.points()));
-    let patch = |stretch: [f64; 2]| Trial {
-        what: What::Effect(Candidate {
+    let patch = |stretch: [f64; 2]| {
+        let candidate = Candidate {
             kind: effect::named("friction_change").unwrap(),
             channel: None,
             free: vec![0],
             fixed: Vec::new(),
             live: None,
             stretches: vec![stretch],
-        }),
-        of: Scope::Car,
-        inverse_friction: 1.0,
+        };
+        Trial::new(What::Effect(candidate), Scope::Car, 1.0)
     };
     assert!(patch([first + 2.0, f64::INFINITY]).is_nearly_always_there(&drive));
     assert!(!patch([0.5 * (first + last), f64::INFINITY]).is_nearly_always_there(&drive));

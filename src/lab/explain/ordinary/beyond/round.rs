@@ -108,12 +108,15 @@ impl<'a> Round<'a> {
         let laws = all().filter(|of| of.trial.is_law()).map(|of| of.evidence);
         let best_law = laws.fold(f64::NEG_INFINITY, f64::max);
         let may_be_forced = |trial: &Trial| !trial.is_law() && !trial.is_of_every_car() && !trial.is_number();
+        // A motion that the model misses is in a zero's errors, too.
+        let across = self.scored.iter().filter(|scored| scored.trial.moves_across());
+        let across = across.map(|scored| scored.gain).fold(0.0, f64::max);
         let is_sure = |(gain, of): &&(f64, Refitted<'a>)| {
             of.evidence > LEAST_EVIDENCE
                 && (references > 0 || of.trial.is_of_every_car() || is_told_from(of, Trial::is_of_every_car))
                 && (!of.trial.is_law()
                     || of.share > LEAST_SHARE_OF_LAW && is_told_from(of, |trial| !trial.is_law()))
-                && (!of.trial.is_course() || of.trial.moves_across() || is_told_from(of, Trial::moves_across))
+                && (!of.trial.is_of_zero() || of.evidence > across + TOLD_APART)
                 && (!may_be_forced(&of.trial) || of.evidence > best_law + TOLD_APART)
                 && search.is_beyond(of, healthy)
                 && of.held_gain > least_held_gain(references, &of.trial)

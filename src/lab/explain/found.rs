@@ -29,16 +29,22 @@ fn effect(finding: &Finding) -> Option<Result<EffectConfig, EffectError>> {
     });
     let course = match (&finding.series, kind.course) {
         (Some(series), Some(_)) => {
-            let of = kind.disturbance(channel).map(|course| course.range());
-            // Smoothed, it may swing beyond what it can be.
-            let value = |value: &f64| rounded(of.map_or(*value, |(low, high)| value.clamp(low, high)));
-            let value = series.value.iter().map(value).collect();
-            Course::Series(Series { t: series.t.clone(), value })
+            let value = series.value.iter().map(|value| rounded(*value)).collect();
+            Course::Series(within_range(kind, channel, Series { t: series.t.clone(), value }))
         }
         (None, Some(_)) => Course::Stretches { intervals: finding.place.intervals.clone(), value: 1.0 },
         (_, None) => Course::None,
     };
     Some(EffectConfig::new(kind, channel, numbers.collect(), course))
+}
+
+/// A course within what it can be: smoothed, it may swing beyond.
+pub fn within_range(kind: &Kind, channel: Option<Channel>, mut series: Series) -> Series {
+    if let Some(known) = kind.disturbance(channel) {
+        let (low, high) = known.range();
+        series.value.iter_mut().for_each(|value| *value = value.clamp(low, high));
+    }
+    series
 }
 
 /// How a message of the speed is measured has no table.

@@ -65,13 +65,7 @@ fn effects(answer: &Answer<'_>) -> Result<Vec<EffectConfig>, Failure> {
         });
         let course = match &chosen.course {
             Course::Series(series) => {
-                let mut series = thinned(series);
-                // Smoothed, it may swing beyond what it can be.
-                if let Some(known) = chosen.kind.disturbance(chosen.channel) {
-                    let (low, high) = known.range();
-                    series.value.iter_mut().for_each(|value| *value = value.clamp(low, high));
-                }
-                Course::Series(series)
+                Course::Series(found::within_range(chosen.kind, chosen.channel, thinned(series)))
             }
             other => other.clone(),
         };

@@ -5,7 +5,7 @@ use super::super::fit::FreeFit;
 use super::super::inputs::FreeDrive;
 use super::super::numbers::{Free, Number, Scope};
 use super::refit::Refitted;
-use super::trial::{Trial, What, has, own};
+use super::trial::{Trial, What, has, new_kinds, own};
 use crate::explain::candidates::{Candidate, library};
 use crate::explain::model::Place;
 use crate::explain::result::{CourseEstimate, Estimate};
@@ -41,7 +41,8 @@ pub fn courses(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind
         trial.points = points;
         Some(trial)
     };
-    let candidates = library(kinds, &found.model, |quantity| has(drives, of, quantity), &[]);
+    let kinds = new_kinds(kinds, &found.model);
+    let candidates = library(&kinds, &found.model, |quantity| has(drives, of, quantity), &[]);
     candidates.into_iter().filter_map(trial).collect()
 }
 

@@ -138,15 +138,8 @@ pub fn powers_with(
 ) -> (Powers, Vec<Option<Powers>>) {
     let Question { kinds, references, plain, .. } = question;
     let all = trials(found, drives, kinds, question.scope());
-    let search = Search {
-        drives,
-        vehicle,
-        tried: super::tried(&all, &[]),
-        across: Vec::new(),
-        plain,
-        references,
-        is_simulated: false,
-    };
+    let search =
+        Search { drives, vehicle, tried: super::tried(&all, &[]), plain, references, is_simulated: false };
     let state = search.start(found);
     let then = planned.into_par_iter().map(|planned| {
         let (found, drives) = with_planned(found, (&state, vehicle), drives, planned?)?;

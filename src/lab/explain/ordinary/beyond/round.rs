@@ -97,6 +97,23 @@ impl<'a> Round<'a> {
         self.refitted.iter().map(|(_, of)| (of.trial.name(), of.evidence)).collect()
     }
 
+    /// What varies as it likes and moves the car across.
+    fn across(&self) -> impl Iterator<Item = &Scored> {
+        self.scored.iter().filter(|scored| scored.trial.moves_across())
+    }
+
+    /// Of what moves the car across, one looks like the other, whatever their evidence.
+    pub fn tell_alike(&self, best: &Refitted<'_>, alike: &mut Vec<String>) {
+        if !best.trial.moves_across() {
+            return;
+        }
+        let own = best.trial.name();
+        let others = self.across().map(|scored| scored.trial.name()).filter(|name| *name != own);
+        let across: BTreeSet<String> = others.collect();
+        alike.retain(|name| !across.contains(name));
+        alike.extend(across);
+    }
+
     /// The likeliest of what is there for sure.
     pub fn sure(&self, search: &Search<'_>, healthy: &[Healthy]) -> Option<&Refitted<'a>> {
         let references = search.references;
@@ -109,8 +126,7 @@ impl<'a> Round<'a> {
         let best_law = laws.fold(f64::NEG_INFINITY, f64::max);
         let may_be_forced = |trial: &Trial| !trial.is_law() && !trial.is_of_every_car() && !trial.is_number();
         // A motion that the model misses is in a zero's errors, too.
-        let across = self.scored.iter().filter(|scored| scored.trial.moves_across());
-        let across = across.map(|scored| scored.gain).fold(0.0, f64::max);
+        let across = self.across().map(|scored| scored.gain).fold(0.0, f64::max);
         let is_sure = |(gain, of): &&(f64, Refitted<'a>)| {
             of.evidence > LEAST_EVIDENCE
                 && (references > 0 || of.trial.is_of_every_car() || is_told_from(of, Trial::is_of_every_car))

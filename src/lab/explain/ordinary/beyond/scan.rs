@@ -163,9 +163,11 @@ impl Search<'_> {
         let least = LEAST_SHIFT.min(shortest / 4);
         let shifts: Vec<usize> =
             (0..DECOYS).map(|_| random.random_range(least..(shortest - least).max(least + 1))).collect();
-        let of = |trial: &Trial| match trial.is_course() {
-            true => ground.course(trial).map(|scored| (scored, 0.0, false)),
-            false => ground.alone(trial, &shifts),
+        let of = |trial: &Trial| {
+            if trial.is_course() {
+                return ground.course(trial).map(|scored| (scored, 0.0, false));
+            }
+            ground.alone(trial, &shifts)
         };
         let scored: Vec<(Scored, f64, bool)> = trials.par_iter().filter_map(of).collect();
         let null = scored.iter().map(|(_, decoy, _)| *decoy).fold(0.0, f64::max);

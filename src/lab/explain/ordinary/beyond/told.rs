@@ -7,12 +7,13 @@ use rayon::prelude::*;
 
 use super::super::numbers::{Free, Number, Scope};
 use super::Search;
+use super::changed::is_of_sensor;
 use super::climb::State;
 use super::colour::{CHANNELS, Series};
 use super::course::clear_stretches;
 use super::refit::Refitted;
 use super::round::LEAST_CLEAR;
-use super::trial::{What, is_of_sensor};
+use super::trial::What;
 use crate::explain::finding::{TOLD_APART, probability_among};
 use crate::explain::model::Place;
 use crate::explain::predict::delay::Delayed;
@@ -175,12 +176,7 @@ impl Search<'_> {
     pub(super) fn finding(&self, state: &State<'_>, best: &Refitted<'_>, all: &[(String, f64)]) -> Finding {
         let own = best.trial.name();
         let others = || all.iter().filter(|(name, _)| *name != own);
-        let moves_across = best.trial.moves_across();
-        let is_alike = |name: &String| moves_across && self.across.contains(name);
-        let rivals = others()
-            .filter(|(name, evidence)| *evidence > best.evidence - TOLD_APART && !is_alike(name))
-            .map(|(name, _)| name);
-        let alike = self.across.iter().filter(|name| **name != own && is_alike(name));
+        let rivals = others().filter(|(_, evidence)| *evidence > best.evidence - TOLD_APART);
         let course = best.course();
         let end = self.drives.iter().map(|drive| drive.time(drive.points())).fold(0.0, f64::max);
         let intervals = match best.trial.onset() {
@@ -199,7 +195,7 @@ impl Search<'_> {
         finding.reference_value = best.unchanged();
         finding.probability = probability_among(best.evidence, others().map(|(_, evidence)| *evidence));
         finding.evidence = best.evidence;
-        finding.indistinguishable_from = rivals.chain(alike).cloned().collect();
+        finding.indistinguishable_from = rivals.map(|(name, _)| name.clone()).collect();
         finding.series = course;
         finding.parameters = best.parameters();
         let channel = best.trial.candidate().and_then(|candidate| candidate.channel);

@@ -7,7 +7,8 @@ use std::collections::BTreeSet;
 
 use super::super::fit::FreeFit;
 use super::super::inputs::FreeDrive;
-use super::super::numbers::{DELAY, Free, Number, Scope, placed};
+use super::super::numbers::{Free, Number, Scope, placed};
+use super::changed::{changed, is_of_sensor, speed_changed};
 use crate::explain::candidates::{self, Candidate, library, onsets};
 use crate::explain::model::{Chosen, Model, Place};
 use crate::explain::naming::ways;
@@ -29,12 +30,6 @@ const EARLIEST_S: f64 = 2.5;
 
 /// A patch's friction is thought to be off by this share.
 const PATCH_FRICTION: f64 = 0.5;
-
-/// Numbers of a car that wear, load and repair change, and by what share they may. Its mass is the payload's, its centre of
-/// gravity moves with that, a changed friction is the road's, and a changed ratio of the steering is the scale of its
-/// sensor.
-const CHANGING: [(Parameter, f64); 3] =
-    [(Parameter::LateralFront, 0.2), (Parameter::LateralRear, 0.2), (Parameter::SteeringRatio, 0.1)];
 
 /// Something that could be, and of which recordings.
 #[derive(Clone)]
@@ -87,13 +82,18 @@ pub fn laws(drives: &[FreeDrive], of: Scope) -> Vec<Trial> {
     candidates.into_iter().map(trial).collect()
 }
 
+/// The kinds that a model does not have.
+pub(super) fn new_kinds(kinds: &[&'static Kind], model: &Model<'_>) -> Vec<&'static Kind> {
+    let is_new = |kind: &&'static Kind| model.effects.iter().all(|chosen| chosen.kind != *kind);
+    kinds.iter().copied().filter(is_new).collect()
+}
+
 /// All that could be there of a fitted car in these recordings.
 pub fn trials(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind], of: Scope) -> Vec<Trial> {
     let (model, _) = placed(&found.model, &found.free, &found.at, 0);
     let has = |quantity: Quantity| has(drives, of, quantity);
     let seconds = own(drives, of).map(|drive| drive.time(drive.points())).fold(0.0, f64::max);
-    let is_new = |kind: &&'static Kind| model.effects.iter().all(|chosen| chosen.kind != *kind);
-    let kinds: Vec<&'static Kind> = kinds.iter().copied().filter(is_new).collect();
+    let kinds = new_kinds(kinds, &model);
     let inverse_friction = model.values.get(Parameter::Friction).recip();
     let mut all: Vec<Trial> = Vec::new();
     let mut patches = BTreeSet::new();
@@ -129,59 +129,6 @@ pub fn trials(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind]
     }
     all
 }
-
-/// A number of the car as one that could have changed.
-fn changed(found: &FreeFit<'_>, (free, at): (&Free, f64), of: Scope) -> Option<What> {
-    let Number::Of(place) = free.number else { return None };
-    if free.of != Scope::Car {
-        return None;
-    }
-    let std = match place {
-        // The search is for its logarithm.
-        Place::Ordinary(parameter) => match CHANGING.iter().find(|(of, _)| *of == parameter) {
-            Some((_, std)) => *std,
-            // Of somebody's simulation any number may be wrong.
-            None if of == Scope::Since(0) => free.prior.1,
-            None => return None,
-        },
-        // What breaks or is replaced may be further off than cars of the class are from each other.
-        Place::Effect(..) => 2.0 * free.prior.1,
-        Place::Delay(_) | Place::BendAlong | Place::Course(..) => return None,
-    };
-    let name = match place {
-        Place::Ordinary(Parameter::SteeringRatio) => format!("sensor_scale:{}", Quantity::SteeringWheelAngle),
-        _ => free.named(&found.model, free.prior.0).0,
-    };
-    let mut bounds = (-MOST_CHANGE * std, MOST_CHANGE * std);
-    // A simulation may have none of what every car has, and no car has less than none.
-    if of == Scope::Since(0) && matches!(place, Place::Effect(..)) {
-        bounds = (bounds.0.max(free.bounds.0 - at).min(0.0), bounds.1.min(free.bounds.1 - at).max(0.0));
-    }
-    let change = Free { number: Number::Change(place), of, prior: (0.0, std), bounds, step: free.step };
-    Some(What::Number { name, change })
-}
-
-/// Is a changed number named as what a sensor does?
-pub fn is_of_sensor(name: &str) -> bool {
-    name.contains(':')
-}
-
-/// A tire's radius loses 2 % over its life.
-const WEAR: f64 = 0.015;
-
-/// All radii, or the message of the speed.
-fn speed_changed(of: Scope) -> [What; 2] {
-    let speed = Quantity::VehicleSpeed;
-    let scale = (Number::SpeedScaleChange, format!("sensor_scale:{speed}"), WEAR);
-    let delay = (Number::SpeedDelayChange, format!("sensor_delay:{speed}"), DELAY.1);
-    [scale, delay].map(|(number, name, std)| {
-        let bounds = (-MOST_CHANGE * std, MOST_CHANGE * std);
-        What::Number { name, change: Free { number, of, prior: (0.0, std), bounds, step: 1e-3 } }
-    })
-}
-
-/// No number changes by more of its deviations. Numerical.
-const MOST_CHANGE: f64 = 5.0;
 
 /// Of a drive a patch covers no more than this share. Tuned by `shared/trials/realistic`, where one of 98 % took the place of tires that
 /// the ordinary car took for too soft.

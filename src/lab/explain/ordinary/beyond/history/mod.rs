@@ -117,8 +117,7 @@ pub fn history(
     let mut trials = trial::trials(found, drives, kinds, Scope::Since(first));
     trials.retain(Trial::is_always_there);
     let tried = super::tried(&trials, &[]);
-    let search =
-        Search { drives, vehicle, tried, across: Vec::new(), plain, references, is_simulated: false };
+    let search = Search { drives, vehicle, tried, plain, references, is_simulated: false };
     let moments = first..drives.len();
     // Moments, and at each a step or growth.
     let price = 2.0 * ((Shape::ALL.len() * moments.len()) as f64).ln();

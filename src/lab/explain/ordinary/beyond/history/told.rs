@@ -1,10 +1,11 @@
 //! Numbers over the drives as they are told: in their units, since when, and whether they grow.
 
 use super::super::Search;
+use super::super::changed::is_of_sensor;
 use super::super::climb::State;
 use super::super::power::NINE_OF_TEN;
 use super::super::references::LEAST_DISTANCE;
-use super::super::trial::{Trial, What, is_of_sensor};
+use super::super::trial::{Trial, What};
 use super::over_drives::Profile;
 use super::profiles::Linear;
 use super::{OverDrives, Since};

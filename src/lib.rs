@@ -17,10 +17,12 @@
 //! | `physics` | `src/physics` | [`time`], [`sample`], [`estimates`], [`faults`], [`filter`], [`model`], [`estimate`] |
 //! | `bus` | `src/bus` | [`new_file`], [`plain_file`], [`can`], [`dbc`], [`signals`], [`propose`], [`tire_file`], [`config`], [`service`], [`watch`] |
 //! | `fmu` | `src/fmu` | the simulated car as an FMU, FMUs of other programs |
-//! | `lab` | `src/lab` | [`report`], [`identify`], [`explain`], [`reproduce`], [`pages`] |
+//! | `identify` | `src/identify` | [`identify`]: the vehicle's parameters from recordings |
+//! | `predict` | `src/predict` | a car along a recording, and the filter that holds it there |
+//! | `lab` | `src/lab` | [`report`], [`explain`], [`reproduce`], [`pages`] |
 //! | `gripd` | `src/cli` | [`cli`]: one file or folder for each command |
 //!
-//! `bus`, `fmu` and `lab` know `physics` and not each other. This crate gives all rooms out again, for tests and other programs.
+//! `bus`, `fmu` and `lab` know `physics` and not each other; `lab` stands on `identify` and `predict`. This crate gives all rooms out again, for tests and other programs.
 //! What may depend on what within a crate: [`guide::contributing`].
 //!
 //! What to do with it, task by task: [`guide`].
@@ -38,7 +40,9 @@ pub use bus::{propose, watch};
 #[cfg(feature = "desk")]
 pub use fmu;
 #[cfg(feature = "desk")]
-pub use lab::{explain, identify, pages, report, reproduce};
+pub use identify;
+#[cfg(feature = "desk")]
+pub use lab::{explain, pages, report, reproduce};
 pub use physics::{
     Estimates, Faults, Micros, Quantity, Sample, Sensors, Wheel, estimate, estimates, faults, filter, model,
     sample, time,

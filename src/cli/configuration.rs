@@ -7,7 +7,7 @@ use bus::config::ConfigError;
 #[cfg(feature = "desk")]
 use fmu::foreign::FmuConfig;
 #[cfg(feature = "desk")]
-use lab::identify::IdentifyConfig;
+use identify::IdentifyConfig;
 use physics::estimate::PlainReadings;
 
 /// What the bus's side reads; the tables of the others are checked, too, where this build has them.

@@ -2,7 +2,6 @@
 
 pub mod chance;
 pub mod explain;
-pub mod identify;
 pub mod pages;
 pub mod report;
 pub mod reproduce;

@@ -10,8 +10,8 @@ use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike,
 use super::map::relative;
 use crate::cli::Failure;
 use bus::Config;
+use identify::Doubt;
 use lab::explain::found::rounded;
-use lab::identify::Doubt;
 use lab::report::wrapped;
 use physics::model::Uncertain;
 use physics::model::effect::EffectConfig;

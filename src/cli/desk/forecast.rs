@@ -1,6 +1,6 @@
 //! How much of a long work is done, and how long the rest takes.
 
-use lab::identify::Stage;
+use identify::Stage;
 
 /// What is not in a table takes so much of the first stage.
 const USUAL: f64 = 0.5;

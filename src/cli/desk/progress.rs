@@ -6,9 +6,9 @@ use std::sync::{Arc, Mutex, mpsc};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use identify::Stage;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use lab::explain::Work;
-use lab::identify::Stage;
 
 use super::forecast::Forecast;
 

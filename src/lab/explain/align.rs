@@ -3,7 +3,7 @@
 use physics::Quantity;
 
 use super::ordinary::{Incomparable, resampled_every};
-use super::predict::Recording;
+use predict::Recording;
 
 /// Seconds between the points that are compared. Numerical.
 const STEP_S: f64 = 0.05;

@@ -12,14 +12,14 @@ use super::fit::Fit;
 use super::lateness::against_the_earliest;
 use super::locate::{EQUATIONS, Gains, gains, innovations, regimes};
 use super::model::{Free, Place};
-use super::predict::sums::{Comparison, Innovation};
-use super::predict::{GriddedDrive, grid::COMPARED};
 use super::proof::{self, Comparisons};
 use super::result::{
-    Block, Estimate, Explanation, Finding, Missing, Models, Parts, ToDrive, Trace, Verdict, Where,
+    Block, Driven, Estimate, Explanation, Finding, Missing, Models, Parts, ToDrive, Trace, Verdict, Where,
 };
 use super::split::Part;
 use super::used::Used;
+use predict::sums::{Comparison, Innovation};
+use predict::{GriddedDrive, grid::COMPARED};
 
 /// The innovations of each drive.
 type Innovations = Vec<Vec<Innovation>>;
@@ -114,7 +114,7 @@ impl<'a> Conclusion<'_, 'a> {
         explanation.seconds = usable;
         explanation.traces = traces;
         explanation.vehicle = Some(self.case.vehicle.clone());
-        explanation.driven = self.drives.iter().map(GriddedDrive::driven).collect();
+        explanation.driven = self.drives.iter().map(Driven::of).collect();
         if let Some((ordinary, decided)) = self.ordinary {
             explanation.take_ordinary(ordinary, decided);
         }

@@ -4,11 +4,11 @@
 use super::case::Case;
 use super::fit::{Data, Fit};
 use super::model::Model;
-use super::predict::noise::Noise;
-use super::predict::{GriddedDrive, Recording};
 use super::split::{Part, Split};
 use physics::model::effect::KINDS;
 use physics::model::{Scenario, Uncertain, Vehicle};
+use predict::noise::Noise;
+use predict::{GriddedDrive, Recording};
 
 /// Steering, driving and braking, for forty-five seconds.
 const DRIVE: &str = include_str!("../../../tests/data/steered.toml");

@@ -1,14 +1,14 @@
 //! The candidates: every effect of the library that this bus and this drive could show.
 
 use super::model::{Chosen, Model};
-use super::predict::GriddedDrive;
-use super::predict::grid::STEP_S;
-use super::predict::noise::Live;
 use super::tuning::TUNING;
 use physics::model::TireKind;
 use physics::model::effect::law::{self, Law};
 use physics::model::effect::{Channel, Course, Kind, Needs};
 use physics::{Quantity, Wheel};
+use predict::GriddedDrive;
+use predict::grid::STEP_S;
+use predict::noise::Live;
 
 /// One thing that could be missing.
 #[derive(Clone, Debug)]

@@ -3,10 +3,10 @@
 use super::chain::ChainReport;
 use super::model::Model;
 use super::ordinary::{Asked, Ordinary};
-use super::predict::Recording;
 use super::result::Explanation;
 use physics::model::Vehicle;
 use physics::model::effect::{EffectConfig, Kind};
+use predict::Recording;
 
 /// What there is to explain.
 #[derive(Debug)]

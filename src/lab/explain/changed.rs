@@ -74,11 +74,11 @@ const ANOTHER_CAR: &str = "nothing was compared: one car with sensors of each dr
 #[cfg(test)]
 mod tests {
     use super::super::bench::{case, recorded_as};
-    use super::super::predict::Recording;
     use super::super::result::Finding;
     use super::*;
     use physics::model::Scenario;
     use physics::model::effect::named;
+    use predict::Recording;
 
     /// What has changed in a drive since a healthy one.
     fn changed(effects: &str, change: impl FnOnce(&mut Scenario)) -> Explanation {

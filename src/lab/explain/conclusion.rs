@@ -3,9 +3,9 @@
 use super::case::Case;
 use super::fit::{Data, Fit};
 use super::ordinary::Ordinary;
-use super::predict::GriddedDrive;
 use super::result::Verdict;
 use super::select::Selection;
+use predict::GriddedDrive;
 
 /// Everything that an answer is made of.
 pub struct Conclusion<'c, 'a> {

@@ -5,10 +5,10 @@ use serde::Serialize;
 use super::case::Case;
 use super::found::effects;
 use super::ordinary::{Asked, Ordinary};
-use super::predict::Recording;
 use super::result::{ByChannel, Finding, Nature};
 use physics::model::Uncertain;
 use physics::model::effect::{EffectConfig, EffectError};
+use predict::Recording;
 
 /// Another drive of the car, and what was found.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -5,8 +5,8 @@
 
 use super::fit::{Data, Fit};
 use super::model::Chosen;
-use super::predict::noise::Live;
 use physics::model::effect::{Acting, Course, Effect, Kind, Now, SearchHints, Setting};
+use predict::noise::Live;
 
 /// An unknown force or moment.
 #[derive(Clone, Debug)]

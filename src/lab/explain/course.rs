@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use super::candidates::Candidate;
 use super::fit::Fit;
-use super::predict::noise::{Live, Noise};
-use super::predict::{GriddedDrive, grid::points};
 use super::result::{self, Estimate, Finding};
 use super::smooth::{Smoothed, courses};
 use super::tuning::TUNING;
 use physics::model::effect;
+use predict::noise::{Live, Noise};
+use predict::{GriddedDrive, grid::points};
 
 /// A course over the recording in which it is clearest.
 #[derive(Clone, Debug)]

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::predict::Recording;
 use super::result::{Explanation, Where};
 use physics::model::effect::Spec;
 use physics::time::Clock;
+use predict::Recording;
 
 /// Recordings by their names.
 struct Clocks<'r>(&'r [Recording]);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::fit::Fit;
 use super::model::Free;
 use super::result::{Estimate, Finding};
-use crate::identify::{Doubt, Parameter};
+use identify::{Doubt, Parameter};
 use physics::model::Vehicle;
 
 /// Why a number of this name is not to be taken over; none where it can be. Only the vehicle's own numbers are in a table.

@@ -8,12 +8,12 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::fit::{Data, Fit};
 use super::locate::{rate, steering_rate, turn};
-use super::predict::GriddedDrive;
-use super::predict::grid::{STEP_S, points};
-use super::predict::sums::BlockSums;
 use super::split::BLOCK_S;
 use super::tuning::TUNING;
 use physics::Quantity;
+use predict::GriddedDrive;
+use predict::grid::{STEP_S, points};
+use predict::sums::BlockSums;
 
 /// A unit, s: two blocks that are fitted to and one that is held out ([`super::split`]).
 const UNIT_S: f64 = 3.0 * BLOCK_S;

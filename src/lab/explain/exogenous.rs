@@ -7,9 +7,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 use super::play::lost_in_play;
-use super::predict::GriddedDrive;
-use super::predict::grid::{STEP_S, points};
 use super::smooth::Smoothed;
+use predict::GriddedDrive;
+use predict::grid::{STEP_S, points};
 
 /// Distance of the points that are compared, grid points. Numerical: courses change more slowly.
 const EVERY: usize = points(0.1);

@@ -9,8 +9,6 @@ use super::fit::Data;
 use super::long_recording::LongSearch;
 use super::model::Model;
 use super::ordinary::{FittedCars, Ordinary, with_bend};
-use super::predict::noise::{Live, Noise};
-use super::predict::{GriddedDrive, grid::STEP_S};
 use super::put_right::put_right;
 use super::result::{Explanation, Verdict};
 use super::select::{Selection, select};
@@ -20,6 +18,8 @@ use super::used::Used;
 use super::verdict::Gains;
 use super::work;
 use physics::Quantity;
+use predict::noise::{Live, Noise};
+use predict::{GriddedDrive, grid::STEP_S};
 
 /// Seconds that must be usable. Tuned, no test on record.
 const LEAST_SECONDS: f64 = 15.0;

@@ -9,11 +9,11 @@ use super::course::SmoothedCourse;
 use super::fit::Fit;
 use super::model::Place;
 use super::naming::{Refitted, onset_std};
-use super::predict::GriddedDrive;
 use super::result::{Estimate, Finding, Nature, Ranked, ToDrive, Where};
 use super::select::{Round, Selection};
 use physics::Quantity;
 use physics::model::effect::{Kind, Spec, named};
+use predict::GriddedDrive;
 
 /// A rival whose evidence is less than so far behind cannot be told from what was chosen.
 /// Statistical: odds of 33 to 1.

@@ -4,12 +4,12 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::model::{Free, Model};
-use super::predict::GriddedDrive;
-use super::predict::car::BODY_STATES;
-use super::predict::noise::Noise;
-use super::predict::pass::{Beside, Other, pass_run};
-use super::predict::sums::{BlockSums, PassOptions};
 use super::split::{Part, Split};
+use predict::GriddedDrive;
+use predict::car::BODY_STATES;
+use predict::noise::Noise;
+use predict::pass::{Beside, Other, pass_run};
+use predict::sums::{BlockSums, PassOptions};
 
 /// The drives and which of their blocks may be looked at.
 #[derive(Clone, Debug)]
@@ -376,8 +376,8 @@ pub fn prior(model: &Model<'_>, free: &[Free]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::bench::{fitted, recorded, training};
-    use super::super::predict::delay::Delayed;
     use super::*;
+    use predict::delay::Delayed;
 
     #[test]
     fn a_fit_finds_the_car_and_says_how_sure_it_is() {

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::ordinary::{OverDrives, Since};
-use super::predict::Recording;
 use super::result::Estimate;
+use predict::Recording;
 
 /// The drives, and what changed on the way.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -4,9 +4,9 @@ use rayon::prelude::*;
 
 use super::fit::Data;
 use super::model::Model;
-use super::predict::noise::{Noise, floor};
-use super::predict::sums::BlockSums;
 use physics::Quantity;
+use predict::noise::{Noise, floor};
+use predict::sums::BlockSums;
 
 impl Data<'_> {
     /// The noise with the sensors' as the innovations have it, or as their readings look, if either is more

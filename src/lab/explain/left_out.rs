@@ -4,9 +4,9 @@ use super::case::{Answer, Case};
 use super::finding::told_apart;
 use super::model::Model;
 use super::ordinary::{Incomparable, Ordinary, Remaining};
-use super::predict::Recording;
 use super::result::{Explanation, Verdict};
 use super::work;
+use predict::Recording;
 
 impl<'a> Case<'a> {
     /// Explains what the first recording has that a simulation of the same drive has not.

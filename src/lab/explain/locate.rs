@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use super::model::Model;
-use super::predict::GriddedDrive;
-use super::predict::car::BODY_STATES;
-use super::predict::grid::{STEP_S, points};
-use super::predict::noise::Noise;
-use super::predict::pass::{Beside, pass};
-use super::predict::sums::{Innovation, PassOptions};
 use physics::Quantity;
+use predict::GriddedDrive;
+use predict::car::BODY_STATES;
+use predict::grid::{STEP_S, points};
+use predict::noise::Noise;
+use predict::pass::{Beside, pass};
+use predict::sums::{Innovation, PassOptions};
 
 /// Seconds of one bin. Numerical: resolution of what is shown.
 pub const BIN_S: f64 = 0.5;

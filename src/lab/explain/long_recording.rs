@@ -12,15 +12,15 @@ use super::fit::{Data, Fit, Learn};
 use super::model::{Free, Model};
 use super::naming::{Refitted, onset};
 use super::precedence::prefer_the_simpler;
-use super::predict::GriddedDrive;
-use super::predict::grid::{STEP_S, points};
-use super::predict::noise::Noise;
-use super::predict::sums::BlockSums;
 use super::select::{Round, Selection, following_share, is_confirmed, least_evidence, select};
 use super::signs_and_swaps;
 use super::split::{BLOCK_S, Part};
 use super::tuning::TUNING;
 use super::work;
+use predict::GriddedDrive;
+use predict::grid::{STEP_S, points};
+use predict::noise::Noise;
+use predict::sums::BlockSums;
 
 /// Rounds of the plain model's first fit, of fits to a larger excerpt, and of fits to everything.
 /// Numerical: Gauss–Newton steps.

@@ -47,7 +47,6 @@ pub mod ordinary;
 mod patches;
 mod play;
 mod precedence;
-mod predict;
 mod proof;
 mod put_right;
 mod result;
@@ -69,7 +68,7 @@ pub use dates::begins;
 pub use history::{Change, Drive, History, InDrive, Order, Unchanged, order};
 pub use model::{Chosen, Model};
 pub use ordinary::{Incomparable, Simulated, speed_of};
-pub use predict::Recording;
+pub use predict::{Recording, Work};
 pub use result::{
     Block, ByChannel, Chance, CourseEstimate, Disturbance, Driven, Estimate, Explanation, Finding, FoundLaw,
     Missing, Models, Nature, OffBy, Parts, Ranked, SecondPass, Term, ToDrive, Trace, Verdict, Where, Without,
@@ -77,4 +76,4 @@ pub use result::{
 pub use sensitivity::{Detectable, Isolability, Rival, Sensitivity};
 pub use used::{Unused, Used};
 pub use verify::{Bin, Known, LeftOut, Outcome, Try, Verified};
-pub use work::{FIT_STAGES, STAGES, Work};
+pub use work::{FIT_STAGES, STAGES};

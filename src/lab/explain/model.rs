@@ -1,12 +1,12 @@
 //! A model of the car as a search sees it: its numbers, its effects, and which of them are free.
 
-use super::predict::delay::{Delayed, Delays};
-use super::predict::{ExtendedCar, Settings};
 use super::tuning::TUNING;
-use crate::identify::{Parameter, Values};
+use identify::{Parameter, Values};
 use physics::model::effect::{Channel, Course, EffectConfig, KINDS, Kind, Series, Setting, Spec};
 use physics::model::{TireKind, Vehicle};
 use physics::{Quantity, Wheel};
+use predict::delay::{Delayed, Delays};
+use predict::{ExtendedCar, Settings};
 
 /// An effect with its numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -190,11 +190,11 @@ impl<'a> Model<'a> {
     /// offsets.
     pub fn ordinary(&self, has: impl Fn(Quantity) -> bool) -> Vec<Free> {
         let drive = if self.knows_torque {
-            crate::identify::LongitudinalInput::Torque
+            identify::LongitudinalInput::Torque
         } else if Wheel::ALL.into_iter().any(|wheel| has(Quantity::wheel_speed(wheel))) {
-            crate::identify::LongitudinalInput::WheelSpeeds
+            identify::LongitudinalInput::WheelSpeeds
         } else {
-            crate::identify::LongitudinalInput::Speed
+            identify::LongitudinalInput::Speed
         };
         let is_slip_offset = |p: &Parameter| {
             use Parameter::{SlipOffsetFl, SlipOffsetFr, SlipOffsetRl, SlipOffsetRr};
@@ -384,7 +384,12 @@ fn is_logarithmic(parameter: Parameter) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::bench::recorded;
     use super::*;
+    use physics::Quantity;
+    use physics::model::effect::{Channel, Course, KINDS, Setting};
+    use predict::pass::{Beside, Other, pass};
+    use predict::{GriddedDrive, noise::Noise, sums::PassOptions};
 
     #[test]
     fn a_linear_tire_bends_along_as_it_likes_once_it_has_a_limit() {
@@ -399,5 +404,48 @@ mod tests {
         assert_eq!(limited.same_until(&limited.varied(bend).0), f64::NEG_INFINITY);
         // Without a torque its slips are measured.
         assert!(Model::plain(&vehicle, false).ordinary(|_| true).iter().all(|f| f.place != Place::BendAlong));
+    }
+
+    #[test]
+    fn what_begins_late_needs_no_lane_until_then() {
+        let (vehicle, recording) = recorded("");
+        let drives = [GriddedDrive::new(&recording, &vehicle)];
+        let plain = Model::plain(&vehicle, true);
+        let kind = KINDS.iter().find(|kind| kind.name == "sensor_bias").unwrap();
+        let steering = Some(Channel::One(Quantity::SteeringWheelAngle));
+        let mut jump = Chosen::usual(kind, steering, Course::None);
+        jump.numbers[kind.onset().unwrap()] = 22.0;
+        jump.numbers[kind.place_of("bias").unwrap()] = 0.02;
+        let jumps = plain.with(jump);
+        assert_eq!(plain.same_until(&jumps), 22.0);
+        assert_eq!(jumps.same_until(&jumps), f64::INFINITY);
+        let sums = |same_until: f64| {
+            let others = [Other { car: jumps.car(), by: 0.02, same_until }];
+            let beside = Beside { together: &others, alone: &others };
+            pass((0, &drives[0]), &plain.car(), beside, &Noise::first(&drives), PassOptions::default())
+        };
+        let (own, late) = (sums(f64::NEG_INFINITY), sums(22.0));
+        for (own, late) in own.iter().zip(&late) {
+            assert!((&own.gram - &late.gram).amax() <= 1e-9 * own.gram.amax(), "{:?}", own.t);
+            assert_eq!(own.gram[(1, 1)] > 0.0, own.t.1 > 22.0, "{:?}", own.t);
+            // Alone, it has the same products with the innovations, with itself together with others, and with itself.
+            let expected = [late.gram[(1, 0)], late.gram[(1, 1)], late.gram[(1, 1)]];
+            for (product, expected) in late.alone.iter().zip(expected) {
+                assert!((product - expected).abs() <= 1e-9 * expected.abs(), "{:?}", late.t);
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_that_begins_late_has_states_of_its_own() {
+        let late: Vec<_> = KINDS.iter().filter(|kind| kind.onset().is_some()).collect();
+        assert!(late.len() >= 3);
+        for kind in late {
+            let channel = kind.channels.first().copied();
+            let chosen = Chosen::usual(kind, channel, Course::None);
+            let values = chosen.values();
+            let effect = kind.effect(&Setting { values: &values, channel, course: &chosen.course });
+            assert_eq!(effect.states(), 0, "{}", kind.name);
+        }
     }
 }

@@ -11,10 +11,10 @@ use rayon::prelude::*;
 use super::candidates::Candidate;
 use super::fit::{Data, Fit, Learn, Varied, within_bounds};
 use super::model::{Free, Model, Place};
-use super::predict::grid::STEP_S;
-use super::predict::noise::{Live, Noise};
 use super::tuning::TUNING;
 use physics::model::effect::{Growth, Kind};
+use predict::grid::STEP_S;
+use predict::noise::{Live, Noise};
 
 /// A candidate with its score.
 #[derive(Clone, Debug)]
@@ -296,7 +296,7 @@ fn evidence(before: &Fit<'_>, after: &Fit<'_>, new: usize, is_live: bool) -> f64
 struct Normal {
     /// Products of the innovations with the ordinary numbers' derivatives.
     gradient: DVector<f64>,
-    /// [`BlockSums::alone`](super::predict::sums::BlockSums::alone).
+    /// [`BlockSums::alone`](predict::sums::BlockSums::alone).
     alone: DMatrix<f64>,
     /// Covariance of the ordinary numbers.
     inverse: DMatrix<f64>,
@@ -341,9 +341,9 @@ impl Normal {
 mod tests {
     use super::super::bench::{fitted, recorded, training};
     use super::super::candidates::{library, onsets};
-    use super::super::predict::GriddedDrive;
     use super::*;
     use physics::model::effect::KINDS;
+    use predict::GriddedDrive;
 
     /// Scans a drive with effects concealed, and fits the best candidate.
     fn best(effects: &str) -> (String, f64, Vec<f64>) {

@@ -8,14 +8,14 @@ use rayon::prelude::*;
 
 use super::fit::Fit;
 use super::model::Model;
-use super::predict::free::run;
-use super::predict::sums::{Comparison, UsedReadings};
-use super::predict::{GriddedDrive, grid::COMPARED};
 use super::result::{ByChannel, Parts};
 use super::smooth::courses;
 use super::split::Split;
 use physics::Quantity;
 use physics::model::effect::{Course, Series};
+use predict::free::run;
+use predict::sums::{Comparison, UsedReadings};
+use predict::{GriddedDrive, grid::COMPARED};
 
 /// What a free simulation says of all drives.
 pub type Comparisons = Vec<Vec<Comparison>>;

@@ -7,9 +7,9 @@
 use std::borrow::Cow;
 
 use super::chain::{AuditFinding, ChainReport, Confidence};
-use super::predict::Recording;
 use physics::Quantity;
 use physics::model::effect::Channel;
+use predict::Recording;
 
 /// The recordings, what the audit says of each beside them.
 pub fn put_right<'r>(recordings: &'r [Recording], chain: &[ChainReport]) -> Cow<'r, [Recording]> {

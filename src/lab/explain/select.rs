@@ -12,7 +12,6 @@ use super::model::Model;
 use super::naming::{Refitted, Scored, refine, refit, scan};
 use super::patches;
 use super::precedence::{put_in_order, settled};
-use super::predict::GriddedDrive;
 use super::shape::in_shape;
 use super::smooth::courses;
 use super::split::{BLOCK_S, Part, Split};
@@ -20,6 +19,7 @@ use super::tuning::TUNING;
 use super::work;
 use physics::Quantity;
 use physics::model::effect::{Channel, Growth, Kind};
+use predict::GriddedDrive;
 
 /// Evidence (twice the logarithm of the odds) that the first finding needs. The odds must beat those of
 /// some fifty candidates, each with a small chance of its own.

@@ -65,10 +65,10 @@ mod tests {
     use super::super::candidates;
     use super::super::fit::Learn;
     use super::super::naming::{refit, scan};
-    use super::super::predict::GriddedDrive;
     use super::super::select::LEAST_EVIDENCE;
     use super::*;
     use physics::model::effect::named;
+    use predict::GriddedDrive;
 
     /// The roll of a body in a drive with one, a number of it at its lower bound: what is free of it then, and its evidence.
     fn rolling(numbers: &str, at_bound: &str) -> Option<(Vec<&'static str>, f64)> {

@@ -6,9 +6,9 @@ use super::chain::{ChainReport, Confidence};
 use super::fit::{Data, Fit};
 use super::model::{Chosen, Free, Model};
 use super::naming::Refitted;
-use super::predict::noise::Noise;
 use super::tuning::TUNING;
 use physics::model::effect::{Channel, Course, Kind, named};
+use predict::noise::Noise;
 
 /// What the audit suggests.
 pub fn suggested(chain: &[ChainReport]) -> Vec<Candidate> {

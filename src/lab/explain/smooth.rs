@@ -4,13 +4,13 @@ use nalgebra::{DMatrix, DVector};
 
 use super::locate::merged;
 use super::model::Model;
-use super::predict::FILTERED;
-use super::predict::GriddedDrive;
-use super::predict::car::BODY_STATES;
-use super::predict::grid::STEP_S;
-use super::predict::noise::Noise;
-use super::predict::pass::pass_backwards;
-use super::predict::sums::{Filtered, UsedReadings};
+use predict::FILTERED;
+use predict::GriddedDrive;
+use predict::car::BODY_STATES;
+use predict::grid::STEP_S;
+use predict::noise::Noise;
+use predict::pass::pass_backwards;
+use predict::sums::{Filtered, UsedReadings};
 
 /// A course with its uncertainty, at grid points.
 #[derive(Clone, Debug, Default, PartialEq)]

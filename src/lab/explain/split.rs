@@ -1,6 +1,6 @@
 //! The split into training and held-out blocks. It is fixed before any model is fitted.
 
-use super::predict::GriddedDrive;
+use predict::GriddedDrive;
 
 /// A part of the recordings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -13,8 +13,6 @@ pub struct Tuning {
     pub selection: SelectionTuning,
     /// Where patches of another surface begin and end.
     pub patches: PatchTuning,
-    /// Which wheels slide, so that the model cannot have their readings.
-    pub sliding: SlidingTuning,
     /// How a long recording is searched.
     pub long: LongTuning,
     /// How much may be left, or missing, in each verdict. Amounts are 2 ln likelihood.
@@ -99,21 +97,6 @@ pub struct PatchTuning {
     pub edge_steps_s: [f64; 5],
 }
 
-/// Which wheels slide, so that the model cannot have their readings.
-#[derive(Clone, Copy, Debug)]
-pub struct SlidingTuning {
-    /// Wheels of an axle slide if they turn by more than this share slower or faster than those of the other. No tire
-    /// grips with so much slip.
-    pub apart: f64,
-    /// So long before and after that, s, they slip too much for a wheel that follows its force. With less, wrong effects
-    /// were found beside the friction of a simulated road.
-    pub margin_s: f64,
-    /// Shorter slides are none, s: a wheel that hops.
-    pub shortest_s: f64,
-    /// Wheels that slide for more than this share of a drive do not: their scale is wrong.
-    pub most: f64,
-}
-
 /// How a long recording is searched.
 #[derive(Clone, Copy, Debug)]
 pub struct LongTuning {
@@ -196,7 +179,6 @@ pub const TUNING: Tuning = Tuning {
         most: 8,
         edge_steps_s: [2.0, 0.8, 0.4, 0.2, 0.1],
     },
-    sliding: SlidingTuning { apart: 0.25, margin_s: 0.4, shortest_s: 0.15, most: 0.15 },
     long: LongTuning {
         longest_s: 300.0,
         varied_s: 200.0,

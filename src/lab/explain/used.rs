@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::predict::GriddedDrive;
-use super::predict::grid::{SLOWEST_MPS, STEP_S};
+use predict::grid::{SLOWEST_MPS, STEP_S};
+use predict::{GriddedDrive, Why};
 
 /// Of one recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -27,29 +27,14 @@ pub struct Unused {
     pub why: String,
 }
 
-/// Why a grid point is not used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Why {
-    /// The car stands, or is too slow.
-    Slow,
-    /// An input is missing.
-    Unknown,
-    /// Wheels come back from sliding.
-    Sliding,
-    /// What is left between two such is too short.
-    Short,
-}
+const ALL: [Why; 4] = [Why::Slow, Why::Unknown, Why::Sliding, Why::Short];
 
-impl Why {
-    const ALL: [Self; 4] = [Self::Slow, Self::Unknown, Self::Sliding, Self::Short];
-
-    fn words(self) -> String {
-        match self {
-            Self::Slow => format!("standing, or slower than {SLOWEST_MPS} m/s"),
-            Self::Unknown => "without steering wheel angle, speed or a torque that is configured".into(),
-            Self::Sliding => "just after wheels had slid".into(),
-            Self::Short => "in pieces of less than 3 s between such".into(),
-        }
+fn words(why: Why) -> String {
+    match why {
+        Why::Slow => format!("standing, or slower than {SLOWEST_MPS} m/s"),
+        Why::Unknown => "without steering wheel angle, speed or a torque that is configured".into(),
+        Why::Sliding => "just after wheels had slid".into(),
+        Why::Short => "in pieces of less than 3 s between such".into(),
     }
 }
 
@@ -58,10 +43,10 @@ impl Used {
     pub fn of(drive: &GriddedDrive) -> Self {
         let of = |why: Why| {
             let count = drive.unused.iter().filter(|unused| **unused == why).count();
-            Unused { seconds: count as f64 * STEP_S, why: why.words() }
+            Unused { seconds: count as f64 * STEP_S, why: words(why) }
         };
         // A grid point more or less is nobody's loss.
-        let mut left_out: Vec<Unused> = Why::ALL.map(of).into_iter().filter(|it| it.seconds >= 0.5).collect();
+        let mut left_out: Vec<Unused> = ALL.map(of).into_iter().filter(|it| it.seconds >= 0.5).collect();
         left_out.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
         // Without any run the sum is −0.
         let used_s = drive.used_seconds() + 0.0;

@@ -2,11 +2,11 @@
 
 use super::fit::{Data, Fit};
 use super::naming::OF_A_COURSE;
-use super::predict::car::BODY_STATES;
 use super::result::Verdict;
 use super::select::Selection;
 use super::tuning::TUNING;
 use physics::Quantity;
+use predict::car::BODY_STATES;
 
 /// What the sizes and lengths of the unknown forces and the moment are worth, which were searched for.
 const FREEDOM: f64 = 3.0 * OF_A_COURSE;

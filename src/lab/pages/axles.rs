@@ -1,7 +1,7 @@
 //! The cornering stiffness of each axle, said the same way by every command.
 
-use crate::identify::{AxleStiffness, CorneringStiffness, understeer};
 use crate::report::{Page, number};
+use identify::{AxleStiffness, CorneringStiffness, understeer};
 use physics::model::Uncertain;
 
 /// What it is.

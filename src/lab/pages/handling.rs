@@ -1,8 +1,8 @@
 //! The handling curve: what steering the tires want beyond the geometry of the curve.
 
-use crate::identify::understeer::{self, Gradient, Moment};
 use crate::report::Color;
 use crate::report::interactive::{Figure, Line, Numbers, Points, Shape, Source};
+use identify::understeer::{self, Gradient, Moment};
 use physics::model::{GRAVITY, Uncertain, Vehicle};
 
 /// What there is to draw.

@@ -7,13 +7,13 @@ use serde::Serialize;
 
 use crate::explain::ordinary::{Number, Ordinary};
 use crate::explain::{ByChannel, Driven, Parts};
-use crate::identify::CorneringStiffness;
 use crate::pages::axles;
 use crate::pages::beside::{Beside, Channel, Drive, Model, Said};
 use crate::pages::clocks;
 use crate::pages::explain::words;
 use crate::pages::file_name as file;
 use crate::report::{Color, Page, wrapped};
+use identify::CorneringStiffness;
 use physics::model::Vehicle;
 
 /// What it predicts and what it leaves, a line each.

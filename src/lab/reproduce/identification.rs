@@ -2,10 +2,10 @@
 
 use super::numeric::within;
 use super::{Claim, Experiment, Outcome, Picture, SIM1, SimulatedDrive};
-use crate::identify::{
+use crate::report::{Color, Marker, Plot};
+use identify::{
     Identified, Identifier, IdentifyConfig, LongitudinalInput, Method, Path, Record, Row, free_run,
 };
-use crate::report::{Color, Marker, Plot};
 use physics::model::scenario::thesis::steered;
 use physics::model::{Scenario, TireKind, Uncertain, Vehicle};
 use physics::time::Clock;

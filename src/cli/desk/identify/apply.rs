@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::cli::Failure;
 use crate::cli::desk::applied::Applied;
+use identify::{Identification, Parameter};
 use lab::explain::ordinary::Ordinary;
-use lab::identify::{Identification, Parameter};
 
 /// The two axles' stiffnesses as one.
 const BOTH: &str = "lateral_stiffness";

@@ -16,12 +16,12 @@ use super::output::{Told, check_outputs, write_json, write_text};
 use super::part::Part;
 use super::progress::Progress;
 use super::{Failure, configuration};
-use lab::explain::ordinary::{Asked, Ordinary};
-use lab::explain::{FIT_STAGES, Work};
-use lab::identify::{
+use identify::{
     BESIDE, Identification, Identifier, IdentifyConfig, IdentifyError, LongitudinalInput, Method, Record,
     STAGES,
 };
+use lab::explain::ordinary::{Asked, Ordinary};
+use lab::explain::{FIT_STAGES, Work};
 use lab::pages;
 use lab::pages::identify::{self as page, Story};
 use physics::Quantity;

@@ -10,7 +10,7 @@ use crate::cli::desk::samples;
 use bus::Config;
 use bus::can::{CanId, Frame};
 use bus::signals::Sampler;
-use lab::identify::Record;
+use identify::Record;
 use physics::Micros;
 
 /// Everything that was read.

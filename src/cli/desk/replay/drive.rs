@@ -15,7 +15,7 @@ use bus::Config;
 use bus::can::Frame;
 use bus::can::recording::Reader;
 use bus::service::{Engine, Sink};
-use lab::identify::CorneringStiffness;
+use identify::CorneringStiffness;
 use lab::report::Page;
 use physics::estimate::EstimatorsConfig;
 use physics::time::Clock;

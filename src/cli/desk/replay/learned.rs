@@ -1,7 +1,7 @@
 //! What a replay has learned: each published number with its share of validity, its last value, and why it was not valid.
 
 use super::super::closing::{Line, percent, table};
-use lab::identify::{AxleStiffness, CorneringStiffness};
+use identify::{AxleStiffness, CorneringStiffness};
 use lab::report::{Page, escape, number};
 use physics::Estimates;
 use physics::estimate::EstimatorsConfig;

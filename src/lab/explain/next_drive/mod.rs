@@ -7,11 +7,11 @@ use rayon::prelude::*;
 
 use super::case::Case;
 use super::ordinary::{Asked, Power, Powers, could_tell};
-use super::predict::Recording;
 use super::result::{Chance, Explanation, Finding, ToDrive, full_name};
 use super::work;
 use manoeuvres::{Manoeuvre, manoeuvres};
 use physics::model::effect::Kind;
+use predict::Recording;
 
 /// So many manoeuvres are proposed …
 const MOST: usize = 2;

@@ -24,9 +24,9 @@ use super::scores::{
 use super::tires::{self, AxleTires};
 use crate::explain::dates::begins;
 use crate::explain::model::{Chosen, Model};
-use crate::explain::predict::Recording;
 use crate::explain::result::{Block, ByChannel, Disturbance, Driven, Models, Parts, Verdict};
-use crate::identify::{CorneringStiffness, Values};
+use identify::{CorneringStiffness, Values};
+use predict::Recording;
 
 /// The ordinary car fitted to recordings.
 #[derive(Clone, Debug)]

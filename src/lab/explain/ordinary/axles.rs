@@ -7,7 +7,7 @@ use super::fit::FreeFit;
 use super::fitted_number::LEAST_TOLD;
 use super::numbers::placed;
 use crate::explain::model::{Model, Place, is_at_either};
-use crate::identify::{AxleStiffness, CorneringStiffness, Doubt, Parameter};
+use identify::{AxleStiffness, CorneringStiffness, Doubt, Parameter};
 
 /// Of a fit: value and deviation from all of its numbers together, for the tire's stiffness and what gives way in the steering
 /// are hardly told apart, and their sum is.

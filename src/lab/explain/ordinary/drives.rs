@@ -2,8 +2,8 @@
 
 use super::answer::Asked;
 use super::inputs::{FreeDrive, Held};
-use crate::explain::predict::Recording;
 use physics::model::Vehicle;
+use predict::Recording;
 
 /// Of all recordings together so many seconds are run, of each at least so many: a fit takes some seconds of computing
 /// for a minute of driving, and tires do not change.

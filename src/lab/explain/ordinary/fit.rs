@@ -9,8 +9,8 @@ use super::numbers::{Free, Number};
 use super::problem::{Normal, Problem, Scale};
 use super::run::Predicted;
 use crate::explain::model::{Model, Place};
-use crate::explain::predict::delay::Delayed;
-use crate::identify::Parameter;
+use identify::Parameter;
+use predict::delay::Delayed;
 
 /// A fitted model.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use super::inputs::FreeDrive;
 use super::numbers::{Free, Scope};
 use crate::explain::doubt::doubt;
 use crate::explain::result::Estimate;
-use crate::identify::{Doubt, Parameter, against};
+use identify::{Doubt, Parameter, against};
 
 /// A number of the car or of a recording's measurement.
 #[derive(Clone, Debug, PartialEq)]

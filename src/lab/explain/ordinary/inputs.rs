@@ -9,7 +9,7 @@ use physics::{Quantity, Wheel};
 use super::frozen::frozen;
 use super::grid::{STEP_S, at, interpolated, mean, resampled, slope};
 use super::speed::{COMPARED_MPS, speed};
-use crate::explain::work::Work;
+use crate::explain::Work;
 use crate::explain::{Block, Driven, Recording};
 
 /// The held-out part is every third block of so many seconds. The contract's, and the yardstick's.

@@ -7,8 +7,8 @@ use physics::model::{TireKind, Vehicle};
 use super::inputs::FreeDrive;
 use super::run::SpeedSensing;
 use crate::explain::model::{Chosen, Model, Place, is_at_either};
-use crate::explain::predict::delay::Delayed;
-use crate::identify::Parameter;
+use identify::Parameter;
+use predict::delay::Delayed;
 
 /// A number of the model, or of how the speed is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]

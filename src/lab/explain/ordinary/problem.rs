@@ -9,7 +9,7 @@ use super::numbers::{Free, placed};
 use super::robust::{deviation, loss, memory, weight};
 use super::run::{Predicted, run};
 use crate::explain::model::Model;
-use crate::explain::predict::car::Compute;
+use predict::car::Compute;
 
 /// Of so many grid points one is fitted to: residuals next to each other say the same.
 const EVERY: usize = 3;

@@ -5,8 +5,8 @@ use physics::model::effect::Recorded;
 
 use super::grid::STEP_S;
 use super::inputs::{FreeDrive, compared_mean};
-use crate::explain::predict::ExtendedCar;
-use crate::explain::predict::car::{Before, Compute, Inputs, Instant, State, step_by_rates};
+use predict::ExtendedCar;
+use predict::car::{Before, Compute, Inputs, Instant, State, step_by_rates};
 
 /// What a free run says at the grid points.
 #[derive(Clone, Debug, Default)]

@@ -29,8 +29,8 @@ use super::scores::{errors, fits, traces};
 use crate::explain::Recording;
 use crate::explain::align::align;
 use crate::explain::model::{Model, Place};
-use crate::explain::predict::car::Compute;
 use crate::explain::result::ByChannel;
+use predict::car::Compute;
 
 /// How a simulation lies beside its recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -7,10 +7,10 @@ use super::numbers::placed;
 use super::run::{Predicted, along};
 use super::scores::TRACED_EVERY;
 use crate::explain::model::Model;
-use crate::explain::predict::car::{Compute, ExtendedCar};
-use crate::identify::Parameter;
+use identify::Parameter;
 use physics::Quantity;
 use physics::model::GRAVITY;
+use predict::car::{Compute, ExtendedCar};
 
 /// One moment of an axle.
 #[derive(Clone, Copy, Debug, PartialEq)]

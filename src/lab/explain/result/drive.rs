@@ -3,6 +3,12 @@
 use serde::Serialize;
 
 use super::super::ordinary::FreeTrace;
+use physics::model::effect::Recorded;
+use predict::GriddedDrive;
+use predict::grid::STEP_S;
+
+/// Speed and steering of so many grid points one is kept for plots: seventeen a second.
+const SHOWN_EVERY: usize = 3;
 
 /// A stretch of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -25,6 +31,15 @@ pub struct Driven {
     pub recording: String,
     /// Time, s; speed, m/s; steering wheel angle, rad. Not-a-number: not available.
     pub rows: Vec<[f64; 3]>,
+}
+
+impl Driven {
+    /// How this one was.
+    pub fn of(drive: &GriddedDrive) -> Self {
+        let row = |(k, input): (usize, &Recorded)| [k as f64 * STEP_S, drive.speed[k], input.steering_wheel];
+        let rows = drive.inputs.iter().enumerate().step_by(SHOWN_EVERY).map(row).collect();
+        Self { recording: drive.name.clone(), rows }
+    }
 }
 
 /// One channel of one recording, with both simulations.

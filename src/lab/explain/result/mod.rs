@@ -22,7 +22,7 @@ use super::finding::says;
 use super::history::History;
 use super::ordinary::{Number, Ordinary, Remaining, Simulated};
 use super::used::Used;
-use crate::identify::{AxleStiffness, CorneringStiffness, Doubt, Parameter};
+use identify::{AxleStiffness, CorneringStiffness, Doubt, Parameter};
 
 /// What the comparison came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -1,12 +1,12 @@
 //! Where a model errs: over speed and lateral acceleration, and along the track.
 
 use super::{Axis, Beside, MAIN, MAPPED};
-use crate::identify::understeer::{self, Instant};
 use crate::pages::explain::words::{self, sentence};
 use crate::pages::handling::Handling;
 use crate::pages::track::Track;
 use crate::report::Color;
 use crate::report::interactive::{Figure, Grid, Numbers, Points, Shade, Shape, Source};
+use identify::understeer::{self, Instant};
 use physics::model::{Uncertain, Vehicle};
 
 /// Errors are means over so long, s …

@@ -2,7 +2,7 @@
 
 use super::words::{list, number, ordinary};
 use crate::explain::{Estimate, Explanation, Used};
-use crate::identify::Doubt;
+use identify::Doubt;
 
 /// Which part of each recording was used, and why not the rest; nothing of those that were used whole.
 pub fn used(explanation: &Explanation) -> Vec<String> {

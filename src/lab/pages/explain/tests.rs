@@ -208,7 +208,7 @@ fn sample_pages() {
 
 #[test]
 fn numbers_in_doubt_and_what_the_audit_is_sure_of_are_told_in_text_and_page() {
-    use crate::identify::Doubt;
+    use identify::Doubt;
     use physics::model::Uncertain;
     let mut explanation = sample::unknown();
     let table = Some(Uncertain { value: 1000.0, std: 250.0 });

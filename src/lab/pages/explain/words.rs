@@ -1,7 +1,7 @@
 //! Names and units as a chassis engineer says them.
 
 use crate::explain::{Estimate, Finding, ToDrive, Where};
-use crate::identify::Parameter;
+use identify::Parameter;
 use physics::model::effect::{self, Kind, Spec};
 use physics::time::stretch;
 

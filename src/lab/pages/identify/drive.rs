@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 use super::Story;
-use crate::identify::{FitRow, Output, Record};
 use crate::pages::beside::{Axis, Beside, Channel, Drive, Model, Said};
 use crate::report::Color;
 use crate::report::interactive::Mark;
+use identify::{FitRow, Output, Record};
 
 /// Shorter stretches show little, s.
 const SHORTEST_S: f64 = 5.0;
@@ -132,7 +132,7 @@ fn stretches(rows: &[FitRow]) -> Vec<Range<usize>> {
             row.record == before.record
                 && step > 0.0
                 && step < 1.5 * period
-                && row.t - rows[start].t < 1.5 * crate::identify::BLOCK_S
+                && row.t - rows[start].t < 1.5 * identify::BLOCK_S
         });
         if !goes_on {
             stretches.push(start..place);

@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::Story;
-use crate::identify::{CorneringStiffness, Doubt, Fits, Identified, LongitudinalInput, Method, Path};
+use identify::{CorneringStiffness, Doubt, Fits, Identified, LongitudinalInput, Method, Path};
 
 /// Everything, in an order that reads well.
 #[derive(Serialize)]

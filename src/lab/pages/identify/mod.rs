@@ -9,9 +9,9 @@ mod text;
 
 use self::story::{digits, number};
 use crate::explain::Estimate;
-use crate::identify::{Fits, Identified};
 use crate::pages::explain::words::{self, sentence};
 use crate::report::{Page, Shift};
+use identify::{Fits, Identified};
 
 pub use json::{Report, report};
 pub use story::Story;
@@ -151,7 +151,7 @@ fn shifts(page: &mut Page, story: &Story<'_>) {
 }
 
 fn recordings(story: &Story<'_>) -> String {
-    let one = |record: &crate::identify::Record| {
+    let one = |record: &identify::Record| {
         format!("{} ({:.0} s)", record.name, record.rows.len() as f64 * record.period_s)
     };
     story.records.iter().map(one).collect::<Vec<_>>().join(", ")

@@ -2,10 +2,10 @@
 
 use super::text;
 use super::{Story, digits, number};
-use crate::identify::Identified;
 use crate::pages::explain::words::sentence;
 use crate::report::Color;
 use crate::report::interactive::{Figure, Line, Numbers, Points, Shape, Source};
+use identify::Identified;
 
 /// What is most asked for, first.
 const INTERESTING: [&str; 5] = [

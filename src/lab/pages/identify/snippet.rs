@@ -1,7 +1,7 @@
 //! What was found, as TOML for the configuration.
 
 use super::{Story, digits, number};
-use crate::identify::Identified;
+use identify::Identified;
 use physics::Quantity;
 
 /// `[vehicle]` with what the recordings tell, and the sensors' offsets as comments: in `[signals]` they

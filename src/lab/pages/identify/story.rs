@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use physics::Quantity;
 use physics::model::Vehicle;
 
-use crate::identify::{Fits, Identification, IdentifyConfig, LongitudinalInput, Record};
+use identify::{Fits, Identification, IdentifyConfig, LongitudinalInput, Record};
 
 /// Everything that is told of an identification.
 pub struct Story<'a> {

@@ -2,8 +2,8 @@
 
 use super::super::clocks;
 use super::{Story, digits, number};
-use crate::identify::{Fits, Identified, LongitudinalInput};
 use crate::report::wrapped;
+use identify::{Fits, Identified, LongitudinalInput};
 
 /// The whole text.
 pub fn text(story: &Story<'_>) -> String {
@@ -145,7 +145,7 @@ pub fn fit_rows(story: &Story<'_>, [before, after]: [&Fits; 2]) -> Vec<[String; 
         let fit = fits.iter().find(|(channel, _)| *channel == name);
         fit.map_or_else(|| "–".into(), |(_, percent)| number(*percent, 1))
     };
-    let row = |(channel, noise): &(crate::identify::Output, f64)| {
+    let row = |(channel, noise): &(identify::Output, f64)| {
         let (name, unit) = (channel.name(), channel.unit());
         let (before, after) = (fit(&before.percent, name), fit(&after.percent, name));
         [name.into(), before, after, number(*noise, digits(*noise, 0.0)), unit.into(), String::new()]

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::scene::Scene;
-use crate::identify::understeer::{self, Instant, Moment};
 use crate::pages::handling::Handling;
 use crate::report::interactive::Figure;
+use identify::understeer::{self, Instant, Moment};
 use physics::Quantity;
 use physics::model::Uncertain;
 

@@ -1,9 +1,9 @@
 //! Panels of what was measured.
 
 use super::scene::Scene;
-use crate::identify::understeer;
 use crate::report::Color;
 use crate::report::interactive::{Panel, Series, Source};
+use identify::understeer;
 use physics::{Quantity, Wheel};
 
 /// m/s to km/h.

@@ -4,7 +4,7 @@ use super::super::fit::FreeFit;
 use super::super::numbers::{DELAY, Free, Number, Scope};
 use super::trial::What;
 use crate::explain::model::Place;
-use crate::identify::Parameter;
+use identify::Parameter;
 use physics::Quantity;
 
 /// Numbers of a car that wear, load and repair change, and by what share they may. Its mass is the payload's, its centre of

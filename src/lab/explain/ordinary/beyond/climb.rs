@@ -10,7 +10,7 @@ use super::colour::{Colour, Series};
 use super::rows::normal;
 use super::trial::Trial;
 use crate::explain::model::{Chosen, Model, Place};
-use crate::identify::Parameter;
+use identify::Parameter;
 use physics::model::effect::{Course, named};
 
 /// Steps of a fit. Numerical: Gauss–Newton's, the ordinary numbers' slopes kept. Where most errors are outliers at first,

@@ -7,8 +7,8 @@ use super::super::run::run;
 use super::climb::State;
 use super::colour::{CHANNELS, Series};
 use super::rows::EVERY;
-use crate::explain::predict::car::Compute;
 use physics::model::Vehicle;
+use predict::car::Compute;
 
 /// The drives with one more, as the fitted car would drive it: its sensors read what a free run says, with the errors that
 /// the last drive left, over and over. It is measured as that drive was. None where the car would not get through it.

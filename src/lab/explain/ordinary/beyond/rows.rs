@@ -10,7 +10,7 @@ use super::super::run::{Predicted, Track, run};
 use super::Search;
 use super::colour::{CHANNELS, Colour, Series};
 use crate::explain::model::Model;
-use crate::explain::predict::car::Compute;
+use predict::car::Compute;
 
 /// Of so many grid points one is a row.
 pub const EVERY: usize = 3;

@@ -16,12 +16,12 @@ use super::round::LEAST_CLEAR;
 use super::trial::What;
 use crate::explain::finding::{TOLD_APART, probability_among};
 use crate::explain::model::Place;
-use crate::explain::predict::delay::Delayed;
 use crate::explain::result::{ByChannel, Estimate, Finding, FoundLaw, Nature, Where};
 use crate::explain::select::LEAST_EVIDENCE;
-use crate::identify::Parameter;
+use identify::Parameter;
 use physics::Quantity;
 use physics::model::effect::{Channel, Kind, Spec, named};
+use predict::delay::Delayed;
 
 /// A moment is searched in steps of an eighth of a second, on errors of which ten say as much as three.
 const ONSET_STD_S: f64 = 0.5;

@@ -12,7 +12,7 @@ use super::changed::{changed, is_of_sensor, speed_changed};
 use crate::explain::candidates::{self, Candidate, library, onsets};
 use crate::explain::model::{Chosen, Model, Place};
 use crate::explain::naming::ways;
-use crate::identify::Parameter;
+use identify::Parameter;
 use physics::Quantity;
 use physics::model::effect::{Course, Kind, Scale, Series, Spec, named};
 

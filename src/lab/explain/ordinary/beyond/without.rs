@@ -9,8 +9,8 @@ use super::super::run::{Point, along};
 use super::climb::State;
 use super::colour::CHANNELS;
 use super::rows::EVERY;
-use crate::explain::predict::car::Compute;
 use crate::explain::result::{OffBy, Without};
+use predict::car::Compute;
 
 /// Hard turns of a drive: of its points those with so much lateral acceleration that this share has less, but for the last
 /// few, which may be anything. Statistical.

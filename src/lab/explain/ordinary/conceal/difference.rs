@@ -15,10 +15,10 @@ use super::super::run::{SpeedSensing, along, later};
 use super::{Asked, Refusal, titles};
 use crate::explain::Recording;
 use crate::explain::model::{Chosen, Model};
-use crate::explain::predict::ExtendedCar;
-use crate::explain::predict::car::{Compute, EFFECT_STATES};
 use crate::explain::proof::ErrorSums;
-use crate::identify::Parameter;
+use identify::Parameter;
+use predict::ExtendedCar;
+use predict::car::{Compute, EFFECT_STATES};
 
 /// The ordinary car as this recording has it.
 #[derive(Clone, Debug)]

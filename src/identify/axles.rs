@@ -139,7 +139,7 @@ mod tests {
             is_clear,
             doubt: deviations.and_then(|by| {
                 let table = physics::model::Uncertain { value: 1.0 + 0.1 * by, std: 0.1 };
-                crate::identify::Doubt::of((1.0, 0.1), Some(table), false)
+                crate::Doubt::of((1.0, 0.1), Some(table), false)
             }),
             prior: (1.0, 0.1),
             profile: Vec::new(),

@@ -7,7 +7,7 @@ use physics::model::tire::{Brush, Contact, Linear, MagicFormula, PiecewiseLinear
 use physics::model::{Conditions, GRAVITY, Plant, Real, TireKind};
 
 /// The plain car on tires of this kind: loads at rest, no toe, nothing but the tires' forces.
-pub(crate) fn plant<T: Real>(tire: TireKind, number: impl Fn(Parameter) -> T) -> Plant<T> {
+pub fn plant<T: Real>(tire: TireKind, number: impl Fn(Parameter) -> T) -> Plant<T> {
     let (mass, wheelbase) = (number(Parameter::Mass), number(Parameter::Wheelbase));
     let a = number(Parameter::CgToFront);
     let b = wheelbase - a;

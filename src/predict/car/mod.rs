@@ -6,7 +6,7 @@ mod instant;
 mod lookup;
 mod step;
 
-use crate::identify::{Parameter, Values, plant};
+use identify::{Parameter, Values, plant};
 use physics::model::body::Velocity;
 use physics::model::effect::{Effect, EffectList, MOST_STATES, Now, Readings, Recorded};
 use physics::model::tire::Tire;

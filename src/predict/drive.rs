@@ -5,9 +5,7 @@ use std::sync::Arc;
 use super::grid::{COMPARED, Measured, SLOWEST_MPS, SPEED, STEP_S, points};
 use super::slide::{Slide, slides};
 use super::smoothing::{on_grid, smooth_on_grid};
-use crate::explain::Driven;
-use crate::explain::used::Why;
-use crate::explain::work::Work;
+use super::work::Work;
 use physics::model::effect::Recorded;
 use physics::model::{Scenario, ScenarioError, Simulation, Vehicle};
 use physics::time::Clock;
@@ -58,11 +56,21 @@ impl Recording {
     }
 }
 
-/// Speed and steering of so many grid points one is kept for plots: seventeen a second.
-const SHOWN_EVERY: usize = 3;
-
 /// Shorter runs say nothing, s. Tuned, no test on record.
 const SHORTEST_RUN_S: f64 = 3.0;
+
+/// Why a grid point is not used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Why {
+    /// The car stands, or is too slow.
+    Slow,
+    /// An input is missing.
+    Unknown,
+    /// Wheels come back from sliding.
+    Sliding,
+    /// What is left between two such is too short.
+    Short,
+}
 
 /// A recording on a grid. Copies share what was recorded, and may go over other stretches of it.
 #[derive(Clone, Debug)]
@@ -259,13 +267,6 @@ impl GriddedDrive {
             0.5 * x * x * (x - 1.0),
         ];
         Around { inputs, weights }
-    }
-
-    /// How it was driven.
-    pub fn driven(&self) -> Driven {
-        let row = |(k, input): (usize, &Recorded)| [k as f64 * STEP_S, self.speed[k], input.steering_wheel];
-        let rows = self.inputs.iter().enumerate().step_by(SHOWN_EVERY).map(row).collect();
-        Driven { recording: self.name.clone(), rows }
     }
 
     /// Seconds from the recording's start to its end.

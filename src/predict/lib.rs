@@ -6,20 +6,21 @@
 //! ```
 
 mod algebra;
-pub(super) mod car;
-pub(super) mod delay;
-pub(super) mod drive;
+pub mod car;
+pub mod delay;
+pub mod drive;
 mod filter;
-pub(super) mod free;
-pub(super) mod grid;
-pub(super) mod noise;
-pub(super) mod pass;
+pub mod free;
+pub mod grid;
+pub mod noise;
+pub mod pass;
 mod slide;
 mod smoothing;
-pub(super) mod sums;
+pub mod sums;
 mod trajectory;
+mod work;
 
-pub(super) use algebra::FILTERED;
-pub(super) use car::{ExtendedCar, Settings};
-pub(super) use drive::GriddedDrive;
-pub use drive::Recording;
+pub use algebra::FILTERED;
+pub use car::{ExtendedCar, Settings};
+pub use drive::{GriddedDrive, Recording, Why};
+pub use work::Work;

@@ -5,10 +5,23 @@
 //! its way back its spin drives the car. Until the wheels slide most, only the car's longitudinal motion is compared:
 //! it tells the friction that is used. On their way back nothing is compared.
 
-use super::super::tuning::TUNING;
 use super::grid::{Measured, SLOWEST_MPS, STEP_S};
 use physics::Quantity;
 use physics::model::{DrivenAxle, Vehicle};
+
+/// Wheels of an axle slide if they turn by more than this share slower or faster than those of the other. Physical: no
+/// tire grips with so much slip.
+const APART: f64 = 0.25;
+
+/// So long before and after that, s, they slip too much for a wheel that follows its force. Tuned: with less, wrong effects
+/// were found beside the friction of a simulated road.
+const MARGIN_S: f64 = 0.4;
+
+/// Shorter slides are none, s. Physical: a wheel that hops.
+const SHORTEST_S: f64 = 0.15;
+
+/// Wheels that slide for more than this share of a drive do not. Physical: their scale is wrong.
+const MOST: f64 = 0.15;
 
 /// One slide of an axle's wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,14 +43,12 @@ impl Slide {
             Some(wheel) => ((wheel as usize) < 2) == self.is_front,
             None => quantity != Quantity::LongitudinalAcceleration,
         };
-        follows
-            && (self.from - TUNING.sliding.margin_s..self.to + TUNING.sliding.margin_s)
-                .contains(&reading.time())
+        follows && (self.from - MARGIN_S..self.to + MARGIN_S).contains(&reading.time())
     }
 
     /// Does the wheel come back at this time, s?
     pub(super) fn comes_back(&self, time: f64) -> bool {
-        (self.most..self.to + TUNING.sliding.margin_s).contains(&time)
+        (self.most..self.to + MARGIN_S).contains(&time)
     }
 }
 
@@ -53,14 +64,14 @@ pub(super) fn slides(measured: &[Measured], vehicle: &Vehicle) -> Vec<Slide> {
         wheels[wheel as usize] = reading.value;
         let [front, rear] = [wheels[0] + wheels[1], wheels[2] + wheels[3]];
         let apart = (front - rear).abs() / front.max(rear);
-        if !(apart > TUNING.sliding.apart && front.max(rear) > slowest) {
+        if !(apart > APART && front.max(rear) > slowest) {
             continue;
         }
         // Driven wheels that are faster spin; otherwise those that are slower are braked.
         let spins = if front > rear { driven != DrivenAxle::Rear } else { driven != DrivenAxle::Front };
         let (is_front, time) = ((front > rear) == spins, reading.time());
         match all.last_mut() {
-            Some(last) if last.is_front == is_front && time <= last.to + 2.0 * TUNING.sliding.margin_s => {
+            Some(last) if last.is_front == is_front && time <= last.to + 2.0 * MARGIN_S => {
                 last.to = time;
                 if apart > largest {
                     (largest, last.most) = (apart, time);
@@ -72,10 +83,10 @@ pub(super) fn slides(measured: &[Measured], vehicle: &Vehicle) -> Vec<Slide> {
             }
         }
     }
-    all.retain(|slide| slide.to - slide.from > TUNING.sliding.shortest_s);
+    all.retain(|slide| slide.to - slide.from > SHORTEST_S);
     let seconds = measured.last().map_or(0.0, Measured::time);
     let sliding: f64 = all.iter().map(|slide| slide.to - slide.from).sum();
-    if sliding > TUNING.sliding.most * seconds { Vec::new() } else { all }
+    if sliding > MOST * seconds { Vec::new() } else { all }
 }
 
 #[cfg(test)]

@@ -50,7 +50,7 @@ pub use identification::Identifier;
 pub use longitudinal_input::LongitudinalInput;
 pub use motion::Output;
 pub use parameter::{Parameter, Values};
-pub(crate) use plant::plant;
+pub use plant::plant;
 pub use record::{Record, Row};
 pub use result::{Identification, Identified, Path};
 pub use stages::{BESIDE, STAGES, Stage};

@@ -29,7 +29,7 @@ pub enum Method {
     /// Not at all (multiple shooting).
     Segments,
     /// One free run over each recording, the measured speed an input, with what every car has and with delays and
-    /// offsets of each recording ([`crate::explain::ordinary`]).
+    /// offsets of each recording (`explain::ordinary` in `lab`).
     Ordinary,
 }
 

@@ -6,8 +6,8 @@ use std::process::Command;
 
 use super::program::{executable, project, target};
 
-/// What builds it, what takes its tables, and what runs its notebooks.
-const WITH: [&str; 7] = [
+/// What builds it, what takes its tables, what runs its notebooks, and an engine and a store for a fleet.
+const WITH: [&str; 10] = [
     "maturin==1.16.0",
     "pyarrow==26.0.1",
     "polars==2.1.0",
@@ -15,6 +15,9 @@ const WITH: [&str; 7] = [
     "nbclient==0.11.0",
     "ipykernel==7.4.0",
     "matplotlib==3.11.2",
+    "dask[distributed]==2026.8.0",
+    "s3fs==2026.9.0",
+    "moto[server]==5.2.5",
 ];
 
 /// A Python that has the package as it is now; `None`, with a printed message, where the others cannot be had.

@@ -82,6 +82,50 @@ mod tests {
         assert_eq!(Micros(-1).next_multiple_of(period), Micros(0));
     }
 
+    /// Whatever the times and the period are, the ends of what an integer holds included.
+    #[test]
+    fn a_grid_point_is_the_first_one_that_is_not_before() {
+        let near = |time: i64| (-3..=3).map(move |by| time.saturating_add(by));
+        let times = [0, i64::MIN, i64::MAX, 1_760_000_000_000_000, -1_760_000_000_000_000];
+        for time in times.into_iter().flat_map(near) {
+            for period in [1, 2, 7, 10_000, 20_000, Micros::PER_SECOND, i64::MAX].into_iter().flat_map(near) {
+                let next = Micros(time).next_multiple_of(Micros(period)).0;
+                let period = i128::from(period.max(1));
+                let exact = -(-i128::from(time)).div_euclid(period) * period;
+                assert_eq!(i128::from(next), exact.min(i64::MAX.into()), "{time} {period}");
+            }
+        }
+    }
+
+    /// Sums and differences saturate: exact wherever the result is one, the nearest end elsewhere.
+    #[test]
+    fn sums_are_exact_or_at_the_end() {
+        let near = |time: i64| (-2..=2).map(move |by| time.saturating_add(by));
+        let all: Vec<i64> = [0, i64::MIN, i64::MAX, i64::MIN / 2, i64::MAX / 2, 1_760_000_000_000_000]
+            .into_iter()
+            .flat_map(near)
+            .collect();
+        let nearest = |exact: i128| exact.clamp(i64::MIN.into(), i64::MAX.into());
+        for (a, b) in all.iter().flat_map(|a| all.iter().map(move |b| (*a, *b))) {
+            let exact = (i128::from(a) + i128::from(b), i128::from(a) - i128::from(b));
+            assert_eq!(i128::from((Micros(a) + Micros(b)).0), nearest(exact.0), "{a} + {b}");
+            assert_eq!(i128::from((Micros(a) - Micros(b)).0), nearest(exact.1), "{a} - {b}");
+        }
+    }
+
+    /// To seconds and back: every microsecond of this century that is near a power of two or ten, and a second in a row.
+    #[test]
+    fn seconds_are_exact_in_this_century() {
+        let end = 4_102_444_800 * Micros::PER_SECOND;
+        let powers = (0..52).map(|n| 1_i64 << n).chain((0..16).map(|n| 10_i64.pow(n)));
+        let around =
+            powers.filter(|time| *time < end).flat_map(|time| (-1000..=1000).map(move |by| time + by));
+        for time in around.chain(end - Micros::PER_SECOND..=end) {
+            assert_eq!(Micros::from_seconds(Micros(time).seconds()), Micros(time));
+            assert_eq!(Micros::from_seconds(Micros(-time).seconds()), Micros(-time));
+        }
+    }
+
     #[test]
     fn prints_as_candump_does() {
         assert_eq!(Micros(1_760_000_000_000_584).to_string(), "1760000000.000584");

@@ -212,6 +212,75 @@ mod tests {
         }
     }
 
+    /// Where the bits lie as the DBC format walks them: (byte, bit of it), the least significant one first. None if that
+    /// leaves the message.
+    fn walked(start: usize, size: usize, order: ByteOrder, length: usize) -> Option<Vec<(usize, usize)>> {
+        let (mut byte, mut bit) = (start / 8, start % 8);
+        let mut places = Vec::with_capacity(size);
+        for _ in 0..size {
+            if byte >= length {
+                return None;
+            }
+            places.push((byte, bit));
+            (byte, bit) = match (order, bit) {
+                (Intel, 7) => (byte + 1, 0),
+                (Intel, _) => (byte, bit + 1),
+                (Motorola, 0) => (byte + 1, 7),
+                (Motorola, _) => (byte, bit - 1),
+            };
+        }
+        if order == Motorola {
+            places.reverse();
+        }
+        Some(places)
+    }
+
+    /// A proof for every layout of every length that a CAN frame has, and every payload. Fetching is shifts, masks and swaps,
+    /// so the result for a payload is the XOR of those for its single ones, and these are all tried. Storing takes each bit of
+    /// the result either from the payload or from the value; a payload of zeros and one of ones, each with every single
+    /// one and with none, tell which.
+    #[test]
+    fn every_layout_fetches_and_stores_the_bits_that_the_format_walks() {
+        let mut layouts = 0;
+        for length in (1..=8).chain([12, 16, 20, 24, 32, 48, 64]) {
+            let all = (0..8 * length).flat_map(|start| (1..=64).map(move |size| (start, size)));
+            for ((start, size), order) in all.flat_map(|layout| [(layout, Intel), (layout, Motorola)]) {
+                let bits = Extractor::new(start as u64, size as u64, order, length);
+                let places = walked(start, size, order, length);
+                assert_eq!(bits.is_some(), places.is_some(), "{start}|{size} {order:?} of {length}");
+                let (Some(bits), Some(places)) = (bits, places) else { continue };
+                layouts += 1;
+                let mut expected = [[0; 8]; 64];
+                for (n, (byte, bit)) in places.iter().enumerate() {
+                    expected[*byte][*bit] = 1_u64 << n;
+                }
+                let mut data = [0; 64];
+                let data = &mut data[..length];
+                assert_eq!(bits.get(data), Some(0));
+                for byte in 0..length {
+                    for bit in 0..8 {
+                        data[byte] = 1 << bit;
+                        assert_eq!(bits.get(data), Some(expected[byte][bit]), "{bits:?}");
+                    }
+                    data[byte] = 0;
+                }
+                for before in [0, 0xFF] {
+                    for value in (0..64).map(|n| 1_u64 << n).chain([0]) {
+                        data.fill(before);
+                        assert!(bits.set(data, value));
+                        for (n, (byte, bit)) in places.iter().enumerate() {
+                            assert_eq!(u64::from(data[*byte] >> bit & 1), value >> n & 1, "{bits:?}");
+                            data[*byte] = data[*byte] & !(1 << bit) | (before & 1 << bit);
+                        }
+                        assert!(data.iter().all(|byte| *byte == before), "{bits:?}");
+                    }
+                }
+            }
+        }
+        // Of n bits n (n + 1)/2 up to 64, then 64 n − 2016; in both orders.
+        assert_eq!(layouts, 2 * 103_152);
+    }
+
     #[test]
     fn what_does_not_fit_is_refused() {
         assert_eq!(Extractor::new(60, 5, Intel, 8), None);

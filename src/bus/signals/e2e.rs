@@ -77,6 +77,58 @@ mod tests {
         assert_ne!(profile_1_crc(1, &[7, 8, 0, 9], 2), profile_1_crc(1, &[7, 9, 0, 9], 2));
     }
 
+    /// The remainder bit by bit, as it is defined.
+    fn divided(mut crc: u8, byte: u8) -> u8 {
+        for bit in (0..8).rev() {
+            let carry = (crc >> 7) ^ (byte >> bit & 1);
+            crc = (crc << 1) ^ if carry == 1 { POLYNOMIAL } else { 0 };
+        }
+        crc
+    }
+
+    /// Each step of a checksum is one of these, so all checksums are right.
+    #[test]
+    fn every_step_is_that_of_the_division() {
+        for crc in 0..=255 {
+            for byte in 0..=255 {
+                assert_eq!(crc8_j1850(crc, &[byte]), divided(crc, byte), "{crc} {byte}");
+            }
+        }
+    }
+
+    /// The checksum is linear in the payload: a change is missed where it has itself the checksum zero, whatever the payload
+    /// and the data ID are. Tried are all changes of one bit, of two, and of any within eight in a row, wherever they are in
+    /// eight bytes.
+    #[test]
+    fn no_change_of_two_bits_and_no_burst_of_eight_is_missed() {
+        let checksum = |change: u64| profile_1_crc(0, &change.to_be_bytes(), 0);
+        let (first, id) = (0x0123_4567_89AB_CDEF_u64, 0x6A5);
+        let places = 0..56;
+        let two = places.clone().flat_map(|one| (0..56).map(move |other| 1_u64 << one | 1_u64 << other));
+        let bursts = places.flat_map(|place| (1..=255_u64).map(move |burst| burst << place));
+        let changes = two.chain(bursts).map(|change| change & (u64::MAX >> 8)).filter(|change| *change != 0);
+        for change in changes {
+            assert_ne!(checksum(change), 0, "{change:016x}");
+            let whole = |payload: u64| profile_1_crc(id, &payload.to_be_bytes(), 0);
+            assert_eq!(whole(first) ^ whole(first ^ change), checksum(change), "{change:016x}");
+        }
+    }
+
+    /// From any number that a byte can hold the counter comes to one that it may have, and goes round all fifteen of these.
+    #[test]
+    fn every_counter_goes_round() {
+        for from in 0..=255 {
+            let mut counter = next_counter(from);
+            assert!(counter <= COUNTER_MAX, "{from}");
+            let mut seen = [false; COUNTER_MAX as usize + 1];
+            for _ in 0..=COUNTER_MAX {
+                seen[usize::from(counter)] = true;
+                counter = next_counter(counter);
+            }
+            assert_eq!(seen, [true; COUNTER_MAX as usize + 1], "{from}");
+        }
+    }
+
     #[test]
     fn the_counter_skips_fifteen() {
         assert_eq!((next_counter(0), next_counter(13), next_counter(14), next_counter(15)), (1, 14, 0, 0));

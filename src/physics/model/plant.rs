@@ -11,6 +11,7 @@ use super::{Real, Vehicle, wheel::reference_speed};
 use crate::Wheel;
 
 /// Speeds below it are none, m/s and rad/s. Their cubes, in the tire's force, are still ordinary numbers.
+#[cfg(feature = "simulation")]
 const AT_REST: f64 = 1e-30;
 
 /// What the equations integrate.
@@ -33,6 +34,7 @@ impl State {
 
     /// The same with what has died away set to zero. A car that stops comes ever closer to rest and never
     /// gets there; with numbers near the smallest there are a processor takes fifty times as long.
+    #[cfg(feature = "simulation")]
     pub(super) fn settled(self) -> Self {
         let settle = |speed: f64| if speed.abs() < AT_REST { 0.0 } else { speed };
         Self {

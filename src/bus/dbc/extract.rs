@@ -257,10 +257,10 @@ mod tests {
                 let mut data = [0; 64];
                 let data = &mut data[..length];
                 assert_eq!(bits.get(data), Some(0));
-                for byte in 0..length {
-                    for bit in 0..8 {
+                for (byte, expected) in expected.iter().enumerate().take(length) {
+                    for (bit, expected) in expected.iter().enumerate() {
                         data[byte] = 1 << bit;
-                        assert_eq!(bits.get(data), Some(expected[byte][bit]), "{bits:?}");
+                        assert_eq!(bits.get(data), Some(*expected), "{bits:?}");
                     }
                     data[byte] = 0;
                 }

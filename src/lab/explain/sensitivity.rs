@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::case::Case;
 use super::chain::certain_radius;
-use super::ordinary::{Power, Powers, could_tell};
+use super::ordinary::{MOST_TIMES_ORDINARY, Power, Powers, could_tell};
 use super::result::{Chance, ToDrive};
 use super::verify::Verified;
 
@@ -80,13 +80,11 @@ fn by_their_names(chance: Chance) -> String {
     format!("{chance} of these effects would be called by their names at their ordinary size")
 }
 
-/// Beyond so many times the ordinary size the first-order answer means nothing, and no car has it. Numerical.
-const MOST: f64 = 1000.0;
-
 impl Case<'_> {
     /// How large each effect must be. None where the drive does not tell the car itself.
     pub fn sensitivity(&self) -> Option<Sensitivity> {
-        let Powers { mut all, .. } = self.powers()?;
+        let Powers { mut all, courses, .. } = self.powers()?;
+        all.extend(courses);
         let share = |power: &Power| power.noticed / power.ordinary;
         all.sort_by(|a, b| share(a).total_cmp(&share(b)));
         Some(Sensitivity { effects: all.into_iter().map(detectable).collect(), verified: None })
@@ -94,7 +92,7 @@ impl Case<'_> {
 
     /// What can be seen and told apart at ordinary sizes. None as above.
     pub fn isolability(&self) -> Option<Isolability> {
-        let (Powers { all, separable }, to_drive) =
+        let (Powers { all, separable, .. }, to_drive) =
             self.proposals(self.library, &|powers| mean_chance(powers), &by_their_names)?;
         Some(Isolability {
             effects: all.iter().map(full_name).collect(),
@@ -132,7 +130,7 @@ fn full_name(power: &Power) -> String {
 }
 
 fn detectable(power: Power) -> Detectable {
-    let below = |size: f64| (size < MOST * power.ordinary).then_some(size);
+    let below = |size: f64| (size < MOST_TIMES_ORDINARY * power.ordinary).then_some(size);
     let (effect, channel) = match power.name.split_once(':') {
         Some((effect, channel)) => (effect.to_owned(), Some(channel.to_owned())),
         None => (power.name.clone(), None),
@@ -206,5 +204,31 @@ mod tests {
         }
         let proposed = isolability.to_drive.iter().filter_map(|it| it.probability_to_tell);
         assert!(proposed.into_iter().all(|chance| chance.then > chance.now), "{:?}", isolability.to_drive);
+    }
+
+    /// GIVEN a drive with little noise THEN of all that varies as it likes it is said how large it must be, whatever its course:
+    /// every second course is told at less than nine of ten are, and with these chances.
+    #[test]
+    fn what_varies_as_it_likes_is_told_in_the_mean_over_courses() {
+        let (vehicle, recording) = recorded("");
+        let recordings = [recording];
+        let library = ["sensor_drift", "road_bank", "crosswind"].map(|kind| named(kind).unwrap());
+        let case = Case { library: &library, ..case(&vehicle, &recordings) };
+        let effects = case.sensitivity().unwrap().effects;
+        let mut names: Vec<String> = effects.iter().map(|it| it.power.name.clone()).collect();
+        names.sort_unstable();
+        let drifts = ["lateral_acceleration", "steering_wheel_angle", "yaw_rate"]
+            .map(|of| format!("sensor_drift:{of}"));
+        assert_eq!(names, [&["crosswind".to_owned(), "road_bank".to_owned()], &drifts[..]].concat());
+        for it in &effects {
+            let (half, most) = (it.named_50.unwrap(), it.named_90.unwrap());
+            assert!(0.0 < half && half < most && it.noticed_90.unwrap() <= most, "{it:?}");
+            assert!((it.power.chance(half) - 0.5).abs() < 1e-3 && (it.power.chance(most) - 0.9).abs() < 1e-3);
+        }
+        let gyroscope = effects.iter().find(|it| it.power.name == drifts[2]).unwrap();
+        // `a_drifting_gyroscope_is_told_from_the_road` finds one of 0.019 rad/s on this drive.
+        let (half, most) = (gyroscope.named_50.unwrap(), gyroscope.named_90.unwrap());
+        assert!((0.005..0.025).contains(&half) && most < 0.04, "{gyroscope:?}");
+        assert_eq!((gyroscope.parameter.as_str(), gyroscope.unit.as_str()), ("drift_rms", "rad/s"));
     }
 }

@@ -6,9 +6,13 @@ use physics::model::Uncertain;
 use physics::model::effect::{Course, EffectConfig, Scale, Spec, named};
 use serde::{Deserialize, Serialize};
 
+use super::ordinary::conceal::drawn;
 use super::result::{Finding, full_name};
 use super::sensitivity::{Detectable, Sensitivity};
 use crate::chance::wilson;
+
+/// By which courses are drawn; not that of the prediction.
+const SEED: u64 = 2;
 
 /// What was predicted beside what was found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -141,9 +145,9 @@ fn tries(of: &Detectable, seconds: f64) -> Result<Vec<Try>, String> {
     sizes.sort_by(f64::total_cmp);
     let mut all = Vec::new();
     let mut why = String::new();
-    for size in sizes {
+    for (number, size) in sizes.into_iter().enumerate() {
         for change in [size, -size] {
-            match config(of, change, seconds) {
+            match config(of, change, seconds, number as u64) {
                 Ok(config) => all.push(Try {
                     config,
                     outcome: Outcome {
@@ -166,8 +170,8 @@ fn tries(of: &Detectable, seconds: f64) -> Result<Vec<Try>, String> {
     if all.is_empty() { Err(why) } else { Ok(all) }
 }
 
-/// The effect with its main number changed by so much.
-fn config(of: &Detectable, change: f64, seconds: f64) -> Result<EffectConfig, String> {
+/// The effect with its main number changed by so much; a course is drawn by this number.
+fn config(of: &Detectable, change: f64, seconds: f64, number: u64) -> Result<EffectConfig, String> {
     let kind = named(&of.effect).ok_or("there is no such effect")?;
     let channel = match &of.channel {
         Some(channel) => Some(channel.parse().map_err(|_| "its channel is none of the configuration's")?),
@@ -196,6 +200,12 @@ fn config(of: &Detectable, change: f64, seconds: f64) -> Result<EffectConfig, St
     }
     let course = match kind.course {
         None => Course::None,
+        Some(course) if course.rms_name == of.parameter => {
+            if change < 0.0 {
+                return Err("it goes both ways by itself".into());
+            }
+            Course::Series(drawn(change, course.length_s, seconds, SEED, number))
+        }
         Some(_) => {
             let from = of.power.from_s.unwrap_or(0.0);
             Course::Stretches { intervals: vec![[from, seconds.max(from + 1.0)]], value: 1.0 }
@@ -338,6 +348,13 @@ mod tests {
         let (jumps, _) = sensitivity.to_verify(&["sensor_bias:yaw_rate".into()], 45.0);
         let at = jumps[0].config.numbers().iter().find(|number| (15.0..30.0).contains(&number.value));
         assert!(at.is_some(), "it begins in the middle: {:?}", jumps[0].config);
+        // What varies goes both ways by itself.
+        let (drifts, _) = sensitivity.to_verify(&["sensor_drift:yaw_rate".into()], 45.0);
+        assert_eq!(drifts.len(), SHARES.len() + CHANCES.len());
+        for it in drifts {
+            let Course::Series(series) = it.config.course() else { panic!("{:?}", it.config) };
+            assert!((series.rms() / it.outcome.change - 1.0).abs() < 1e-6, "{:?}", it.outcome);
+        }
         // Of one drive alone the ordinary car's own radii take all of it.
         let (tires, left_out) = sensitivity.to_verify(&["tire_radius".into()], 45.0);
         assert!(tires.is_empty() && left_out.len() == 4, "{} {left_out:?}", tires.len());

@@ -31,7 +31,7 @@ mod tires;
 
 pub use answer::{Asked, Ordinary, could_tell};
 pub(super) use answer::{FittedCars, with_bend};
-pub use beyond::{Bar, Beyond, History, OverDrives, Power, Powers, Since};
+pub use beyond::{Bar, Beyond, History, MOST_TIMES_ORDINARY, OverDrives, Power, Powers, Since};
 pub use fitted_number::Number;
 pub(super) use grid::resampled_every;
 pub use remaining::Remaining;

@@ -48,7 +48,7 @@ pub fn courses(found: &FreeFit<'_>, drives: &[FreeDrive], kinds: &[&'static Kind
 
 /// The course of what may be anything; not of a patch, which is a share of another road, nor of what acts for moments, nor of
 /// a wheel: it counts teeth, and has no zero that could drift.
-fn free_course(candidate: &Candidate) -> Option<Disturbance> {
+pub fn free_course(candidate: &Candidate) -> Option<Disturbance> {
     let is_of_wheel = candidate.channel.and_then(Channel::quantity).and_then(Quantity::wheel).is_some();
     let course = candidate.kind.disturbance(candidate.channel).filter(|_| !is_of_wheel);
     course.filter(|course| course.sign == 0.0 && !course.is_told_by_its_peak)

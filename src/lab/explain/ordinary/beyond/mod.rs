@@ -18,6 +18,7 @@ mod changed;
 mod climb;
 mod colour;
 mod course;
+mod course_power;
 mod history;
 mod in_place;
 mod planned;
@@ -52,7 +53,7 @@ use round::Round;
 use trial::Trial;
 
 pub use history::{History, OverDrives, Since};
-pub use power::{Bar, Power, Powers, powers_with};
+pub use power::{Bar, MOST_TIMES_ORDINARY, Power, Powers, powers_with};
 pub use rows::rows;
 
 /// What was found, and everything that was tried.

@@ -11,6 +11,7 @@ use super::super::fit::FreeFit;
 use super::super::inputs::FreeDrive;
 use super::super::numbers::{Free, placed};
 use super::climb::State;
+use super::course::courses;
 use super::planned::with_planned;
 use super::round::LEAST_HELD_GAIN;
 use super::rows::{Rows, normal, weights};
@@ -53,8 +54,9 @@ pub struct Power {
     pub named: f64,
     /// What it is most easily taken for, and the correlation of what both do.
     pub rival: Option<(String, f64)>,
-    /// What a name needs.
-    pub bars: Vec<Bar>,
+    /// What a name needs: all bars of a way. Of what varies as it likes each course that was drawn is a way, as likely as the
+    /// others; of all else there is one.
+    pub ways: Vec<Vec<Bar>>,
     /// Where it makes no difference, in its unit …
     pub neutral: f64,
     /// … and when it begins, s; always there without.
@@ -64,9 +66,7 @@ pub struct Power {
 impl Power {
     /// How probably a size is called by its name.
     pub fn chance(&self, size: f64) -> f64 {
-        let share = size.abs() / self.ordinary;
-        let chances = self.bars.iter().map(|bar| normal_cdf(bar.slope * share - bar.needed));
-        chances.fold(1.0, f64::min)
+        chance(&self.ways, size.abs() / self.ordinary)
     }
 
     /// Something else tells it, too, with this standard deviation and from this size on; the better one counts.
@@ -75,33 +75,55 @@ impl Power {
         let size = bar.share() * self.ordinary;
         self.noticed = self.noticed.min(size);
         if size < self.named {
-            (self.named, self.bars, self.rival) = (size, vec![bar], None);
+            (self.named, self.ways, self.rival) = (size, vec![vec![bar]], None);
         }
     }
 
     /// The size that is called by its name with this probability, between none and ten times what is with 90 %; none where
     /// nothing is.
     pub fn size_of(&self, chance: f64) -> Option<f64> {
-        let (mut low, mut high) = (0.0, 10.0 * self.named);
-        if !high.is_finite() {
-            return None;
-        }
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if self.chance(middle) < chance { low = middle } else { high = middle }
-        }
-        Some(high)
+        let most = 10.0 * self.named;
+        most.is_finite().then(|| reached(|size| self.chance(size) >= chance, most))
     }
+}
+
+/// How probably a share of the ordinary size clears all bars of a way, in the mean over the ways.
+fn chance(ways: &[Vec<Bar>], share: f64) -> f64 {
+    let of =
+        |way: &Vec<Bar>| way.iter().map(|bar| normal_cdf(bar.slope * share - bar.needed)).fold(1.0, f64::min);
+    ways.iter().map(of).sum::<f64>() / ways.len().max(1) as f64
+}
+
+/// The smallest size that clears them with this probability; infinite where none does.
+pub(super) fn smallest(ways: &[Vec<Bar>], ordinary: f64, probability: f64) -> f64 {
+    let clears = |size: f64| chance(ways, size / ordinary) >= probability;
+    let most = MOST_TIMES_ORDINARY * ordinary;
+    if clears(most) { reached(clears, most) } else { f64::INFINITY }
+}
+
+/// The first size for which something holds that holds for the largest one.
+fn reached(holds: impl Fn(f64) -> bool, most: f64) -> f64 {
+    let (mut low, mut high) = (0.0, most);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if holds(middle) { high = middle } else { low = middle }
+    }
+    high
 }
 
 /// Numerical: to a millionth.
 const HALVINGS: usize = 40;
+
+/// Beyond so many times the ordinary size the first-order answer means nothing, and no car has it. Numerical.
+pub const MOST_TIMES_ORDINARY: f64 = 1000.0;
 
 /// All effects of a search, and how probably the one of a row, at its ordinary size, is told from the one of a column.
 #[derive(Clone, Debug, Default)]
 pub struct Powers {
     /// By name.
     pub all: Vec<Power>,
+    /// Of what varies as it likes; where nothing is planned.
+    pub courses: Vec<Power>,
     /// Probabilities.
     pub separable: Vec<Vec<f64>>,
 }
@@ -145,9 +167,13 @@ pub fn powers_with(
         let (found, drives) = with_planned(found, (&state, vehicle), drives, planned?)?;
         Some(powers(&found, vehicle, &drives, question))
     });
-    let then = then.collect();
+    let then: Vec<Option<Powers>> = then.collect();
     let middle = 0.5 * drives.iter().map(|drive| drive.time(drive.points())).fold(0.0, f64::max);
-    (search.powers(&state, &typical(&all, middle)), then)
+    let mut now = search.powers(&state, &typical(&all, middle));
+    if then.is_empty() {
+        now.courses = search.course_powers(&state, &courses(found, drives, kinds, question.scope()));
+    }
+    (now, then)
 }
 
 fn powers(found: &FreeFit<'_>, vehicle: &Vehicle, drives: &[FreeDrive], question: Question<'_>) -> Powers {
@@ -192,7 +218,7 @@ impl Search<'_> {
             })
             .collect();
         let all = (0..count).map(|i| self.power(&traces, i, &correlations[i], state)).collect();
-        Powers { all, separable }
+        Powers { all, separable, courses: Vec::new() }
     }
 
     fn traces<'t>(&self, state: &State<'_>, chosen: &[&'t Trial]) -> Vec<Trace<'t>> {
@@ -258,7 +284,7 @@ impl Search<'_> {
             noticed: noticed * value,
             named: named * value,
             rival: rival.map(|(other, rho)| (traces[other].trial.name(), *rho)),
-            bars,
+            ways: vec![bars],
             neutral: trace.trial.neutral_value(&trace.free),
             from_s: trace.trial.begins(),
             name,

@@ -30,25 +30,30 @@ pub struct Scored {
     pub numbers: Vec<(usize, f64)>,
 }
 
-/// The state that candidates are scored beside: its normal equations, in the colour of what does not last.
-struct Ground<'g> {
+/// The state that candidates are scored beside: its normal equations, in a colour of the noise.
+pub(super) struct Ground<'g> {
     search: &'g Search<'g>,
     state: &'g State<'g>,
     colour: Colour,
-    rows: Rows,
-    /// Each ordinary number's slope and the errors, weighed.
+    pub(super) rows: Rows,
+    /// Each ordinary number's slope …
+    own: Vec<DVector<f64>>,
+    /// … the same and the errors, weighed.
     weighed: Vec<DVector<f64>>,
     errors: DVector<f64>,
-    weights: DVector<f64>,
+    pub(super) weights: DVector<f64>,
     factor: Cholesky<f64, Dyn>,
     gradient: DVector<f64>,
     tracks: Vec<Track>,
 }
 
+/// What the points of a course do, each by itself: their places among what is free, the columns, and how far they are
+/// thought to be from nothing.
+type Points = (Vec<(usize, f64)>, Vec<DVector<f64>>, Vec<f64>);
+
 impl<'g> Ground<'g> {
     /// None where the ordinary numbers have no solution.
-    fn new(search: &'g Search<'g>, state: &'g State<'g>) -> Option<Self> {
-        let colour = search.short_colour(&state.errors);
+    pub(super) fn new(search: &'g Search<'g>, state: &'g State<'g>, colour: Colour) -> Option<Self> {
         let rows = search.rows(&colour, &state.errors);
         let white = search.white(&colour, &rows, &state.errors, 0);
         let own: Vec<DVector<f64>> =
@@ -59,7 +64,7 @@ impl<'g> Ground<'g> {
         let weighed = own.iter().map(|own| own.component_mul(&weights)).collect();
         let errors = white.component_mul(&weights);
         let tracks = search.tracks(&state.model, &state.free, &state.at);
-        Some(Self { search, state, colour, rows, weighed, errors, weights, factor, gradient, tracks })
+        Some(Self { search, state, colour, rows, own, weighed, errors, weights, factor, gradient, tracks })
     }
 
     /// Gain and step along a column, all ordinary numbers refitted.
@@ -132,8 +137,7 @@ impl<'g> Ground<'g> {
         Some((Scored { trial: trial.clone(), gain, numbers }, decoy, is_more))
     }
 
-    /// A course: all its points together.
-    fn course(&self, trial: &Trial) -> Option<Scored> {
+    pub(super) fn points(&self, trial: &Trial) -> Option<Points> {
         let (model, free, at) = self.state.beside(trial);
         let first = self.state.free.len();
         let places: Vec<usize> = (first..free.len()).filter(|place| trial.is_main(&free[*place])).collect();
@@ -145,11 +149,28 @@ impl<'g> Ground<'g> {
             Some(self.search.white(&self.colour, &self.rows, &slope, 0))
         };
         let columns: Vec<DVector<f64>> = places.iter().map(column).collect::<Option<_>>()?;
-        let stds: Vec<f64> = places.iter().map(|place| free[*place].prior.1).collect();
+        let stds = places.iter().map(|place| free[*place].prior.1).collect();
+        let places = places.into_iter().map(|place| (place - first, free[place].prior.0)).collect();
+        Some((places, columns, stds))
+    }
+
+    /// A course: all its points together.
+    fn course(&self, trial: &Trial) -> Option<Scored> {
+        let (places, columns, stds) = self.points(trial)?;
         let (gain, by) = self.score_together(&columns, &stds)?;
-        let numbers = places.iter().zip(by.iter());
-        let numbers = numbers.map(|(place, by)| (place - first, free[*place].prior.0 + by)).collect();
+        let numbers = places.iter().zip(by.iter()).map(|((place, here), by)| (*place, here + by)).collect();
         Some(Scored { trial: trial.clone(), gain, numbers })
+    }
+
+    /// What is left of a column when the ordinary numbers have taken what they can.
+    pub(super) fn left(&self, column: &DVector<f64>) -> DVector<f64> {
+        let with = DVector::from_iterator(self.weighed.len(), self.weighed.iter().map(|own| own.dot(column)));
+        let taken = self.factor.solve(&with);
+        let mut left = column.clone();
+        for (own, taken) in self.own.iter().zip(taken.iter()) {
+            left.axpy(-taken, own, 1.0);
+        }
+        left
     }
 }
 
@@ -157,7 +178,9 @@ impl Search<'_> {
     /// All candidates to first order, best first, the best one of each name (of a patch, of either side); and the most that a
     /// decoy gains.
     pub(super) fn scan(&self, state: &State<'_>, trials: &[Trial], seed: u64) -> (Vec<Scored>, f64) {
-        let Some(ground) = Ground::new(self, state) else { return (Vec::new(), f64::INFINITY) };
+        let Some(ground) = Ground::new(self, state, self.short_colour(&state.errors)) else {
+            return (Vec::new(), f64::INFINITY);
+        };
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let shortest = self.drives.iter().map(|drive| drive.points() / EVERY).min().unwrap_or(1);
         let least = LEAST_SHIFT.min(shortest / 4);

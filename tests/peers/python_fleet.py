@@ -41,6 +41,7 @@ def scenario(drive):
 
 
 def parquet(fs, folder):
+    fs.invalidate_cache()
     return sorted(file for file in fs.find(folder) if file.endswith(".parquet"))
 
 
@@ -146,8 +147,12 @@ class Fleet(unittest.TestCase):
         other, name = list(self.logs.values())[1], "car_0/drive_000.log"
         self.fs.put_file(str(other), f"fleet/drives/{name}")
         changed = fleet.replay(self.config, self.drives, out, workers=1)
-        self.fs.put_file(str(self.logs[name]), f"fleet/drives/{name}")
         self.assertEqual((changed.new, len(changed.done)), (1, DRIVES + 1))
+        # And none at all: its results go, too.
+        self.fs.pipe_file(f"fleet/drives/{name}", b"no recording\n")
+        spoiled = fleet.replay(self.config, self.drives, out, workers=1)
+        self.fs.put_file(str(self.logs[name]), f"fleet/drives/{name}")
+        self.assertEqual((spoiled.new, len(spoiled.done), len(parquet(self.fs, out))), (1, DRIVES, DRIVES))
 
     def test_two_processes_beside_one(self):
         logs = list(self.logs.values())

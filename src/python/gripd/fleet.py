@@ -222,6 +222,7 @@ def _below(path: str, root: str | None) -> str:
 def _files_of(config: str) -> tuple[fsspec.AbstractFileSystem, list[str]]:
     """A configuration and the files that it names (DBC, tires), the configuration first."""
     fs, path = fsspec.core.url_to_fs(config)
+    fs.invalidate_cache()
     root = path.rsplit("/", 1)[0]
     try:
         waiting: list[Any] = [tomllib.loads(fs.cat_file(path).decode())]
@@ -241,12 +242,15 @@ def _files_of(config: str) -> tuple[fsspec.AbstractFileSystem, list[str]]:
     return fs, [path, *sorted(set(files[1:]))]
 
 
-@functools.lru_cache(maxsize=64)
 def _here(config: str) -> str:
     """A configuration as a file of this machine, with the files that it names where it looks for them."""
     fs, files = _files_of(config)
-    if "local" in _protocols(fs):
-        return files[0]
+    return files[0] if "local" in _protocols(fs) else _fetched(config, tuple(_version(fs, file) for file in files))
+
+
+@functools.lru_cache(maxsize=64)
+def _fetched(config: str, _versions: tuple[str, ...]) -> str:
+    fs, files = _files_of(config)
     folder = tempfile.mkdtemp(prefix="gripd-car-")
     root = posixpath.commonpath([posixpath.dirname(file) for file in files])
     here = [Path(folder, posixpath.relpath(file, root)) for file in files]
@@ -327,8 +331,8 @@ class _Task:
     config: str
     out: str
 
-    def asked(self) -> Any:
-        """What the result depends on beside recordings, configuration and version."""
+    def asked(self) -> tuple[str, ...]:
+        """The tables that are written; what the result depends on beside recordings, configuration and version."""
         raise NotImplementedError
 
     def work(self, config: str, name: str, recordings: dict[str, str]) -> dict[str, Any]:
@@ -340,6 +344,13 @@ class _Task:
 
     def mark(self, name: str) -> str:
         return f"{self.out}/marks/{quote(name, safe='')}.json"
+
+    def remove(self, name: str) -> None:
+        """Results of a recording that was there under the same name."""
+        for table in self.asked():
+            fs, path = fsspec.core.url_to_fs(self.file(table, name))
+            if fs.exists(path):
+                fs.rm_file(path)
 
     def config_of(self, name: str) -> str:
         return self.config.replace("{car}", _car(name) or name)
@@ -356,6 +367,7 @@ class _Task:
                 problem = _called(str(broken), recordings)
             except gripd.WorkError as error:
                 problem, has_result = _called(str(error), recordings), False
+                self.remove(name)
         worker = distributed.get_worker().address
         outcome = Outcome(name, problem, has_result, time.monotonic() - begin, worker, stats)
         _put(json.dumps({"identity": identity, **vars(outcome)}).encode(), self.mark(name))
@@ -375,7 +387,7 @@ class _Task:
 class _Replay(_Task):
     tables: tuple[str, ...]
 
-    def asked(self) -> Any:
+    def asked(self) -> tuple[str, ...]:
         return self.tables
 
     def work(self, config: str, name: str, recordings: dict[str, str]) -> dict[str, Any]:
@@ -395,8 +407,8 @@ class _Replay(_Task):
 class _Explain(_Task):
     history: bool
 
-    def asked(self) -> Any:
-        return self.history
+    def asked(self) -> tuple[str, ...]:
+        return ("changes",) if self.history else ("findings",)
 
     def work(self, config: str, name: str, recordings: dict[str, str]) -> dict[str, Any]:
         if self.history and len(recordings) < 2:

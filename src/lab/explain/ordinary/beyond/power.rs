@@ -14,7 +14,8 @@ use super::climb::State;
 use super::course::courses;
 use super::planned::with_planned;
 use super::round::LEAST_HELD_GAIN;
-use super::rows::{Rows, normal, weights};
+use super::rows::Rows;
+use super::scan::Ground;
 use super::trial::{Trial, trials};
 use super::{Question, Search, references};
 use crate::chance::normal_cdf;
@@ -222,14 +223,8 @@ impl Search<'_> {
     }
 
     fn traces<'t>(&self, state: &State<'_>, chosen: &[&'t Trial]) -> Vec<Trace<'t>> {
-        let colour = &state.colour;
-        let rows = self.rows(colour, &state.errors);
-        let white = self.white(colour, &rows, &state.errors, 0);
-        let own: Vec<DVector<f64>> =
-            state.slopes.iter().map(|slopes| self.white(colour, &rows, slopes, 0)).collect();
-        let (information, _) = normal(&own, &white, &rows, &state.free, &state.at);
-        let Some(factor) = information.cholesky() else { return Vec::new() };
-        let weights = weights(&white, &rows);
+        let Some(ground) = Ground::new(self, state, state.colour.clone()) else { return Vec::new() };
+        let Ground { colour, rows, weights, .. } = &ground;
         let of = |trial: &&'t Trial| -> Option<Trace<'t>> {
             let (model, free, at) = state.beside(trial);
             let place = (state.free.len()..free.len()).find(|place| trial.is_main(&free[*place]))?;
@@ -239,14 +234,8 @@ impl Search<'_> {
                 .find(|by| (main.bounds.0..=main.bounds.1).contains(&(at[place] + by)))?;
             let slope = self.slope(&model, &free, (&at, &state.errors), (place, by), None);
             let could_be = self.could_be(&slope, by);
-            let column = self.white(colour, &rows, &slope, 0) * by;
-            let with = own.iter().map(|own| own.component_mul(&weights).dot(&column));
-            let taken = factor.solve(&DVector::from_iterator(own.len(), with));
-            let mut left = column;
-            for (own, taken) in own.iter().zip(taken.iter()) {
-                left.axpy(-taken, own, 1.0);
-            }
-            let held = held_square(&left, &rows);
+            let left = ground.left(&(self.white(colour, rows, &slope, 0) * by));
+            let held = held_square(&left, rows);
             let left = left.component_mul(&weights.map(f64::sqrt));
             Some(Trace { trial, free: main, by, could_be, left, held })
         };

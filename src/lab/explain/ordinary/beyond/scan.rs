@@ -34,7 +34,7 @@ pub struct Scored {
 pub(super) struct Ground<'g> {
     search: &'g Search<'g>,
     state: &'g State<'g>,
-    colour: Colour,
+    pub(super) colour: Colour,
     pub(super) rows: Rows,
     /// Each ordinary number's slope …
     own: Vec<DVector<f64>>,
@@ -67,10 +67,16 @@ impl<'g> Ground<'g> {
         Some(Self { search, state, colour, rows, own, weighed, errors, weights, factor, gradient, tracks })
     }
 
-    /// Gain and step along a column, all ordinary numbers refitted.
-    fn score(&self, column: &DVector<f64>, std: f64) -> Option<(f64, f64)> {
+    /// The ordinary numbers' products with a column, and what they take of it.
+    fn taken(&self, column: &DVector<f64>) -> (DVector<f64>, DVector<f64>) {
         let with = DVector::from_iterator(self.weighed.len(), self.weighed.iter().map(|own| own.dot(column)));
         let taken = self.factor.solve(&with);
+        (with, taken)
+    }
+
+    /// Gain and step along a column, all ordinary numbers refitted.
+    fn score(&self, column: &DVector<f64>, std: f64) -> Option<(f64, f64)> {
+        let (with, taken) = self.taken(column);
         let slope = self.errors.dot(column) - taken.dot(&self.gradient);
         let own = column.component_mul(column).dot(&self.weights);
         let information = own - taken.dot(&with) + std.powi(-2);
@@ -164,10 +170,8 @@ impl<'g> Ground<'g> {
 
     /// What is left of a column when the ordinary numbers have taken what they can.
     pub(super) fn left(&self, column: &DVector<f64>) -> DVector<f64> {
-        let with = DVector::from_iterator(self.weighed.len(), self.weighed.iter().map(|own| own.dot(column)));
-        let taken = self.factor.solve(&with);
         let mut left = column.clone();
-        for (own, taken) in self.own.iter().zip(taken.iter()) {
+        for (own, taken) in self.own.iter().zip(self.taken(column).1.iter()) {
             left.axpy(-taken, own, 1.0);
         }
         left

@@ -489,6 +489,13 @@ fn the_real_recordings_tell_what_is_wrong_with_them() {
     let report = chain(&zoe, &scenes);
     // It reads −5 m/s² going straight on level roads.
     assert_eq!(certain(&report), ["sensor_bias:lateral_acceleration"]);
+
+    // Before and after a run they stand, and no zero has moved.
+    let mut drives: Vec<PathBuf> =
+        std::fs::read_dir(recordings.join("gti")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    drives.retain(|path| path.extension().is_some_and(|extension| extension == "gz"));
+    let report = chain(&recordings.join("gti/drives.toml"), &drives);
+    assert!(drives.len() > 14 && certain(&report).iter().all(|found| !found.starts_with("sensor_drift")));
 }
 
 #[test]

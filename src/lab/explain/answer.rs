@@ -7,7 +7,7 @@ use super::case::Answer;
 use super::conclusion::Conclusion;
 use super::course::give_means_to_zeros;
 use super::doubt;
-use super::finding::{finding, measured_wrong, ranking, told_apart};
+use super::finding::{finding, leave_drift_to_audit, measured_wrong, ranking, told_apart};
 use super::fit::Fit;
 use super::lateness::against_the_earliest;
 use super::locate::{EQUATIONS, Gains, gains, innovations, regimes};
@@ -119,7 +119,8 @@ impl<'a> Conclusion<'_, 'a> {
             explanation.take_ordinary(ordinary, decided);
         }
         if explanation.is_by_ordinary {
-            let wrong = measured_wrong(self.case.chain, &explanation.findings);
+            leave_drift_to_audit(&mut explanation.findings, self.case.chain);
+            let wrong = measured_wrong(self.case.recordings, self.case.chain, &explanation.findings);
             let says_nothing =
                 matches!(explanation.verdict, Verdict::Adequate | Verdict::InsufficientExcitation);
             if !wrong.is_empty() && says_nothing {

@@ -1,11 +1,13 @@
 //! What has changed: what a recording has that healthy drives of the same car have not.
 
 use super::case::{Answer, Case};
-use super::finding::told_apart;
+use super::chain::AuditFinding;
+use super::finding::{leave_drift_to_audit, measured_wrong, told_apart};
 use super::history::History;
 use super::model::Model;
 use super::ordinary::Ordinary;
-use super::result::{Explanation, Verdict};
+use super::put_right::without_drifts;
+use super::result::{Explanation, Finding, Verdict};
 use super::work;
 
 impl<'a> Case<'a> {
@@ -17,7 +19,8 @@ impl<'a> Case<'a> {
             progress(work::CHANGES, 0.0);
             true
         };
-        let ordinary = Ordinary::of(self.vehicle, self.effects, self.recordings, self.asked(&searches));
+        let recordings = without_drifts(self.recordings, self.chain);
+        let ordinary = Ordinary::of(self.vehicle, self.effects, &recordings, self.asked(&searches));
         let model = Model::plain(self.vehicle, false).with_configured(self.effects);
         let Some(ordinary) = ordinary else {
             let mut explanation = Explanation::empty(Verdict::InsufficientExcitation);
@@ -29,10 +32,11 @@ impl<'a> Case<'a> {
         let used: Vec<String> = ordinary.sideslip.iter().map(|(name, _)| name.clone()).collect();
         let drives = (self.recordings, self.references);
         let history = ordinary.beyond.history.as_ref().map(|found| History::of(drives, &used, found));
+        let drifted = self.drifted();
         let verdict = match () {
             () if !ordinary.is_the_car() => Verdict::UnknownPhysics,
             () if history.as_ref().is_some_and(|history| !history.tells()) => Verdict::InsufficientExcitation,
-            () if ordinary.beyond.findings.is_empty() => Verdict::Unchanged,
+            () if ordinary.beyond.findings.is_empty() && drifted.is_empty() => Verdict::Unchanged,
             () => Verdict::MissingPhysics,
         };
         let mut explanation = Explanation::empty(verdict);
@@ -42,6 +46,8 @@ impl<'a> Case<'a> {
             self.recordings[..self.references].iter().map(|recording| recording.name.clone()).collect();
         explanation.history = history;
         explanation.take_ordinary(&ordinary, Some(verdict));
+        leave_drift_to_audit(&mut explanation.findings, self.chain);
+        explanation.findings.splice(0..0, drifted);
         // The car that drove last.
         for finding in explanation.findings.iter().filter(|finding| finding.reference_value.is_some()) {
             for (name, estimate) in &finding.parameters {
@@ -60,6 +66,17 @@ impl<'a> Case<'a> {
         }
         Answer { explanation, model }
     }
+
+    /// A zero of the yaw rate that moves in the drives beside the references, if it does in none of these. Of drives in time
+    /// order only numbers are told.
+    fn drifted(&self) -> Vec<Finding> {
+        let (references, others) = self.chain.split_at(self.references.min(self.chain.len()));
+        if self.in_order || references.iter().any(|report| report.drift.is_some()) {
+            return Vec::new();
+        }
+        let wrong = measured_wrong(&self.recordings[self.references..], others, &[]);
+        wrong.into_iter().filter(|finding| finding.effect == AuditFinding::DRIFT).collect()
+    }
 }
 
 const TOO_LITTLE: &str = "of the references and of the drives beside them at least one each must have steering, yaw rate, \
@@ -74,7 +91,6 @@ const ANOTHER_CAR: &str = "nothing was compared: one car with sensors of each dr
 #[cfg(test)]
 mod tests {
     use super::super::bench::{case, recorded_as};
-    use super::super::result::Finding;
     use super::*;
     use physics::model::Scenario;
     use physics::model::effect::named;

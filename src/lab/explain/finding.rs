@@ -9,11 +9,11 @@ use super::course::SmoothedCourse;
 use super::fit::Fit;
 use super::model::Place;
 use super::naming::{Refitted, onset_std};
-use super::result::{Estimate, Finding, Nature, Ranked, ToDrive, Where};
+use super::result::{CourseEstimate, Estimate, Finding, Nature, Ranked, ToDrive, Where};
 use super::select::{Round, Selection};
 use physics::Quantity;
-use physics::model::effect::{Kind, Spec, named};
-use predict::GriddedDrive;
+use physics::model::effect::{Spec, named};
+use predict::{GriddedDrive, Recording};
 
 /// A rival whose evidence is less than so far behind cannot be told from what was chosen.
 /// Statistical: odds of 33 to 1.
@@ -77,38 +77,59 @@ pub fn told_apart(findings: &[Finding]) -> Vec<ToDrive> {
 }
 
 /// What the audit of the measurement is certain of, as findings; what is there already is left out.
-pub fn measured_wrong(chain: &[ChainReport], known: &[Finding]) -> Vec<Finding> {
-    let certain = chain.iter().flat_map(|report| &report.findings);
+pub fn measured_wrong(recordings: &[Recording], chain: &[ChainReport], known: &[Finding]) -> Vec<Finding> {
     let mut all: Vec<Finding> = Vec::new();
-    for audited in certain.filter(|audited| audited.confidence == Confidence::Certain) {
-        if known.iter().chain(&all).any(|finding| says(finding, audited)) {
-            continue;
+    for (recording, report) in recordings.iter().zip(chain) {
+        let certain = report.findings.iter().filter(|audited| audited.confidence == Confidence::Certain);
+        for audited in certain {
+            if !known.iter().chain(&all).any(|finding| says(finding, audited)) {
+                all.push(wrong(recording, report, audited));
+            }
         }
-        let kind = named(audited.effect);
-        // The effect has a number for each wheel.
-        let number = audited.channel.parse::<Quantity>().ok().filter(|_| audited.effect == TIRE_RADIUS);
-        let number = number.map_or(0, |wheel| wheel as usize);
-        let mut finding = Finding {
-            effect: audited.effect.into(),
-            channel: kind.is_none_or(Kind::is_of_measurement).then(|| audited.channel.clone()),
-            kind: Nature::Measurement,
-            probability: CERTAIN,
-            about: audited.evidence.clone(),
-            evidence: audited.t * audited.t,
-            ..Finding::default()
-        };
-        finding.place.channels.push(audited.channel.clone());
-        if let Some(kind) = kind {
-            finding.place.equation = kind.place.into();
-            finding.to_tell_apart = kind.to_tell_apart.into();
-            finding.equation = kind.equation.into();
-            let estimate = audited.value.zip(audited.std).map(|(value, std)| Estimate { value, std });
-            let number = kind.parameters.get(number).map(|spec| spec.name.to_owned());
-            finding.parameters.extend(number.zip(estimate));
-        }
-        all.push(finding);
     }
     all
+}
+
+fn wrong(recording: &Recording, report: &ChainReport, audited: &AuditFinding) -> Finding {
+    let mut finding = Finding {
+        effect: audited.effect.into(),
+        channel: Some(audited.channel.clone()),
+        kind: Nature::Measurement,
+        probability: CERTAIN,
+        about: audited.evidence.clone(),
+        evidence: audited.t * audited.t,
+        ..Finding::default()
+    };
+    finding.place.channels.push(audited.channel.clone());
+    let Some(kind) = named(audited.effect) else { return finding };
+    finding.channel = finding.channel.filter(|_| kind.is_of_measurement());
+    finding.place.equation = kind.place.into();
+    finding.to_tell_apart = kind.to_tell_apart.into();
+    finding.equation = kind.equation.into();
+    // The effect has a number for each wheel.
+    let wheel = audited.channel.parse::<Quantity>().ok().filter(|_| audited.effect == TIRE_RADIUS);
+    let number = kind.parameters.get(wheel.map_or(0, |wheel| wheel as usize)).map(|spec| spec.name);
+    let name = number.or_else(|| kind.course.map(|course| course.rms_name));
+    let estimate = audited.value.zip(audited.std).map(|(value, std)| Estimate { value, std });
+    finding.parameters.extend(name.map(str::to_owned).zip(estimate));
+    if let Some(zero) = report.drift.as_ref().filter(|_| audited.effect == AuditFinding::DRIFT) {
+        finding.place.recording.clone_from(&recording.name);
+        finding.series = Some(CourseEstimate::of_zero(zero, recording.begins_s.unwrap_or_default()));
+    }
+    finding
+}
+
+/// Leaves a zero that moves to the audit where that has seen it: what the search finds of it, a drift or a jump, is what the
+/// line from one stop to the next has left.
+pub fn leave_drift_to_audit(findings: &mut Vec<Finding>, chain: &[ChainReport]) {
+    let all = chain.iter().flat_map(|report| &report.findings);
+    for audited in all.filter(|audited| audited.effect == AuditFinding::DRIFT) {
+        let is_of_zero =
+            |finding: &Finding| [AuditFinding::DRIFT, "sensor_bias"].contains(&finding.effect.as_str());
+        findings.retain(|finding| {
+            !(is_of_zero(finding) && finding.channel.as_deref() == Some(audited.channel.as_str()))
+        });
+    }
 }
 
 /// Does a finding say what the audit says?

@@ -1,19 +1,27 @@
-//! Recordings as they would be without what the audit of the measurement is certain of: signs, swapped channels, a late
-//! yaw rate.
+//! Recordings as they would be without what the audit of the measurement is certain of: a yaw rate whose zero moves, signs,
+//! swapped channels, a late yaw rate.
 //!
 //! The ordinary car knows nothing of the first two. Its delays are counted from the yaw rate: where that is late,
 //! everything else would be called early, and delays of 0.3 s are nothing that its search expects.
 
 use std::borrow::Cow;
 
-use super::chain::{AuditFinding, ChainReport, Confidence};
+use super::chain::{AuditFinding, ChainReport, Confidence, ZeroCourse};
 use physics::Quantity;
 use physics::model::effect::Channel;
 use predict::Recording;
 
 /// The recordings, what the audit says of each beside them.
 pub fn put_right<'r>(recordings: &'r [Recording], chain: &[ChainReport]) -> Cow<'r, [Recording]> {
-    let wrong: Vec<Vec<Wrong>> = chain.iter().map(certainly_wrong).collect();
+    without(recordings, chain.iter().map(certainly_wrong).collect())
+}
+
+/// The same with nothing put right but zeros that move.
+pub fn without_drifts<'r>(recordings: &'r [Recording], chain: &[ChainReport]) -> Cow<'r, [Recording]> {
+    without(recordings, chain.iter().map(|report| drift(report).collect()).collect())
+}
+
+fn without<'r>(recordings: &'r [Recording], wrong: Vec<Vec<Wrong<'_>>>) -> Cow<'r, [Recording]> {
     if wrong.iter().all(Vec::is_empty) {
         return Cow::Borrowed(recordings);
     }
@@ -25,7 +33,9 @@ pub fn put_right<'r>(recordings: &'r [Recording], chain: &[ChainReport]) -> Cow<
 }
 
 /// What can be put right without knowing the car.
-enum Wrong {
+enum Wrong<'w> {
+    /// The yaw rate's zero moves.
+    Drift(&'w ZeroCourse),
     /// A sign.
     Sign(Quantity),
     /// Two channels that were taken for each other.
@@ -34,7 +44,7 @@ enum Wrong {
     Late(f64),
 }
 
-impl Wrong {
+impl Wrong<'_> {
     fn of(finding: &AuditFinding) -> Option<Self> {
         match (finding.effect, finding.channel.parse().ok()?) {
             ("sensor_sign", Channel::One(quantity)) => Some(Self::Sign(quantity)),
@@ -46,6 +56,11 @@ impl Wrong {
 
     fn put_right(self, recording: &mut Recording) {
         match self {
+            Self::Drift(zero) => {
+                let begins = recording.begins_s.unwrap_or_default();
+                let track = &mut recording.tracks[Quantity::YawRate as usize];
+                track.iter_mut().for_each(|(t, value)| *value -= zero.at(begins + *t));
+            }
             Self::Sign(quantity) => {
                 recording.tracks[quantity as usize].iter_mut().for_each(|(_, value)| *value = -*value);
             }
@@ -59,9 +74,14 @@ impl Wrong {
     }
 }
 
-fn certainly_wrong(report: &ChainReport) -> Vec<Wrong> {
+/// The zero first: it was read off what was recorded.
+fn certainly_wrong(report: &ChainReport) -> Vec<Wrong<'_>> {
     let certain = report.findings.iter().filter(|finding| finding.confidence == Confidence::Certain);
-    certain.filter_map(Wrong::of).collect()
+    drift(report).chain(certain.filter_map(Wrong::of)).collect()
+}
+
+fn drift(report: &ChainReport) -> impl Iterator<Item = Wrong<'_>> {
+    report.drift.iter().map(Wrong::Drift)
 }
 
 #[cfg(test)]

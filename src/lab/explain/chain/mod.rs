@@ -33,6 +33,7 @@ mod report;
 mod sensor_group;
 mod series;
 mod signs;
+mod standing;
 mod tuning;
 mod units;
 mod wheel_model;
@@ -43,6 +44,7 @@ use physics::{Quantity, Sample, Sensors};
 
 pub use car::{driven_axle, steering_ratio};
 pub use report::{AuditFinding, ChainReport, Confidence, Offset, RelationReport, Unclear};
+pub use standing::ZeroCourse;
 pub(super) use wheels::certain_radius;
 
 use self::series::Series;
@@ -68,6 +70,7 @@ pub fn audit(samples: &[Sample], vehicle: &Vehicle, sensors: &Sensors) -> ChainR
     report.seconds = series.seconds();
     wheels::unit_factors(&mut series, &mut report);
     series.refresh();
+    standing::drift(&mut series, &mut report);
     report.moving_seconds = series.moving_seconds();
     if report.moving_seconds < series::LEAST_MOVING_S {
         report.unclear(

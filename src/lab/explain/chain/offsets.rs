@@ -4,13 +4,9 @@ use super::regression::{FREE, Fit, Prior, fit, student};
 use super::relations::{Link, Relation, rows};
 use super::report::{AuditFinding, ChainReport, Confidence, Offset};
 use super::series::Series;
+use super::standing::Standing;
 use super::tuning::TUNING;
 use physics::Quantity;
-
-/// Wheels slower than this stand, rad/s. Physical: less than one of 48 teeth a second.
-const STANDING: f64 = 0.13;
-/// Standing for less than this is not counted, s. Tuned, no test on record.
-const STANDING_S: f64 = 1.0;
 
 /// Offsets beyond these are no ordinary sensor's, SI, and whether a road could do the same.
 fn extraordinary(quantity: Quantity) -> (f64, Option<&'static str>) {
@@ -62,7 +58,7 @@ const TAKEN_OUT: f64 = 0.005;
 /// Takes out the zeros of yaw rate and lateral acceleration: whatever they are, scales and delays are the same then. They are
 /// in products with the speed, so that no constant makes up for them.
 pub(super) fn take_zeros(series: &mut Series) {
-    let yaw = standing(series).map(|(mean, std, _)| (mean, std)).or_else(|| {
+    let yaw = Standing::of(series).map(|standing| standing.zero()).or_else(|| {
         let axles = [
             (Quantity::WheelSpeedRl, Quantity::WheelSpeedRr, series.vehicle.track_rear_m.value),
             (Quantity::WheelSpeedFl, Quantity::WheelSpeedFr, series.vehicle.track_front_m.value),
@@ -95,39 +91,13 @@ const SETTLED: f64 = 1e-3;
 
 /// The yaw rate while the car stands, and its standard deviation: nothing could be clearer.
 pub(super) fn at_standstill(series: &Series, report: &mut ChainReport) -> Option<(f64, f64)> {
-    let (mean, std, count) = standing(series)?;
-    add(report, (series, Quantity::YawRate), mean, std, count.max(10), "at standstill");
+    let standing = Standing::of(series)?;
+    let (mean, std) = standing.zero();
+    // A zero that moves has a mean, which is no error of its own.
+    let moves = report.drift.as_ref().map_or(0.0, |course| course.rms);
+    let seconds = standing.count().max(10);
+    add(report, (series, Quantity::YawRate), mean, std.hypot(moves), seconds, "at standstill");
     Some((mean, std))
-}
-
-/// Its mean, the standard deviation of that, and of how many seconds.
-fn standing(series: &Series) -> Option<(f64, f64, usize)> {
-    let standing: Vec<bool> = (0..series.len()).map(|row| series.stands(row, STANDING)).collect();
-    let stands = |row: usize| standing[row];
-    let yaw = series.raw(Quantity::YawRate);
-    let least = (STANDING_S / series.dt) as usize;
-    let mut means: Vec<f64> = Vec::new();
-    let mut row = 0;
-    while row < series.len() {
-        let length = (row..series.len()).take_while(|row| stands(*row)).count();
-        // The first half second is still rocking.
-        let settled = row + length.min(least / 2);
-        for second in yaw[settled..row + length].chunks_exact(least.max(1)) {
-            let mean = second.iter().sum::<f64>() / second.len() as f64;
-            if mean.is_finite() {
-                means.push(mean);
-            }
-        }
-        row += length.max(1);
-    }
-    let count = means.len();
-    if count < 2 {
-        return None;
-    }
-    let mean = means.iter().sum::<f64>() / count as f64;
-    let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (count - 1) as f64;
-    let std = (variance / count as f64).sqrt().max(1e-6);
-    Some((mean, std, count))
 }
 
 /// All offsets.

@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::standing::ZeroCourse;
 use physics::Quantity;
 
 /// How sure a finding is.
@@ -21,11 +22,12 @@ pub enum Confidence {
 /// One thing wrong with the measurement chain.
 #[derive(Clone, Debug, Serialize)]
 pub struct AuditFinding {
-    /// `foreign_signal`, `sensor_sign`, `channel_swap`, `sensor_scale`, `sensor_delay`, `sensor_bias` or `tire_radius`.
+    /// `foreign_signal`, `sensor_sign`, `channel_swap`, `sensor_scale`, `sensor_delay`, `sensor_bias`, `sensor_drift` or
+    /// `tire_radius`.
     pub effect: &'static str,
     /// The quantity; two with a slash for a swap; `wheel_speed` for all four.
     pub channel: String,
-    /// How much: factor − 1 for a scale, s for a delay, SI for a bias, relative for a radius; none for
+    /// How much: factor − 1 for a scale, s for a delay, SI for a bias and a drift (rms), relative for a radius; none for
     /// signs and swaps.
     pub value: Option<f64>,
     /// Its standard deviation.
@@ -46,6 +48,9 @@ impl AuditFinding {
     /// The effect of a signal that does not belong to the others. While it is there, nothing else means much: it is said
     /// first.
     pub const FOREIGN: &'static str = "foreign_signal";
+
+    /// The effect of a zero that moves.
+    pub const DRIFT: &'static str = "sensor_drift";
 
     /// How much, as it is read: with its unit, and digits as its standard deviation has them.
     pub fn amount(&self) -> Option<String> {
@@ -126,6 +131,9 @@ pub struct ChainReport {
     pub unclear: Vec<Unclear>,
     /// All comparisons.
     pub relations: Vec<RelationReport>,
+    /// How the yaw rate's zero moves, if that is among the findings.
+    #[serde(skip)]
+    pub drift: Option<ZeroCourse>,
     /// How well the radii of an axle's wheels are told apart, front and rear, relative; none where the driving does not.
     #[serde(skip)]
     pub radii: Option<[f64; 2]>,

@@ -28,6 +28,8 @@ pub(super) struct Series {
     pub(super) vehicle: Vehicle,
     /// Distance of the rows, s.
     pub(super) dt: f64,
+    /// When each row was, s, by the samples' clock; a gap's row when it ended.
+    times: Vec<f64>,
     raw: Vec<Vec<f64>>,
     /// What was taken from each channel, so that it reads zero where it should.
     zeros: [f64; Quantity::COUNT],
@@ -52,6 +54,7 @@ impl Series {
         steps.sort_by(f64::total_cmp);
         let dt = *steps.get(steps.len() / 2)?;
         let mut raw = vec![Vec::new(); Quantity::COUNT];
+        let mut times = Vec::new();
         let mut last = None;
         for sample in samples {
             let gap = sample.elapsed_s > 1.5 * dt || last.is_some_and(|last| sample.time <= last);
@@ -62,12 +65,14 @@ impl Series {
                 }
                 channel.push(sample.get(quantity).unwrap_or(f64::NAN));
             }
+            times.extend(std::iter::repeat_n(sample.time.seconds(), 1 + usize::from(gap)));
             last = Some(sample.time);
         }
         let mut series = Self {
             vehicle: vehicle.clone(),
             dt,
             reference: Vec::new(),
+            times,
             raw,
             zeros: [0.0; Quantity::COUNT],
             v: Vec::new(),
@@ -81,6 +86,11 @@ impl Series {
         series.reference = series.best_reference();
         series.refresh();
         Some(series)
+    }
+
+    /// When a row was, s, by the samples' clock.
+    pub(super) fn time(&self, row: usize) -> f64 {
+        self.times[row]
     }
 
     /// Rows.
@@ -128,6 +138,13 @@ impl Series {
     pub(super) fn take_zero(&mut self, quantity: Quantity, zero: f64) {
         self.raw[quantity as usize].iter_mut().for_each(|value| *value -= zero);
         self.zeros[quantity as usize] += zero;
+    }
+
+    /// Takes what it reads too much at a time, s, from a channel; call [`Self::refresh`] afterwards.
+    pub(super) fn take_course(&mut self, quantity: Quantity, too_much: impl Fn(f64) -> f64) {
+        for (value, t) in self.raw[quantity as usize].iter_mut().zip(&self.times) {
+            *value -= too_much(*t);
+        }
     }
 
     /// The constant that was taken.

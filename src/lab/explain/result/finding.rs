@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use physics::Quantity;
 use physics::model::effect::law::Law;
 use physics::model::effect::{Channel, Kind, Usual};
 use serde::Serialize;
 
+use super::super::chain::ZeroCourse;
 use super::{ByChannel, SecondPass};
 
 /// A number with its standard deviation.
@@ -207,6 +209,14 @@ pub struct CourseEstimate {
     pub std: Vec<f64>,
     /// Their unit.
     pub unit: String,
+}
+
+impl CourseEstimate {
+    /// Of a zero, in a recording that begins then, s.
+    pub fn of_zero(zero: &ZeroCourse, begins_s: f64) -> Self {
+        let (t, value) = zero.points().iter().map(|[t, value]| (t - begins_s, *value)).unzip();
+        Self { t, value, std: vec![zero.std; zero.points().len()], unit: Quantity::YawRate.unit().into() }
+    }
 }
 
 /// A candidate and its score.

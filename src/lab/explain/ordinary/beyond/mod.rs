@@ -173,6 +173,9 @@ pub fn beyond(
     if let Some(in_place) = &in_place {
         in_place.tell_alike(&mut usual);
     }
+    // Beside references the car without any of it is like them, which the one that was fitted needed not be.
+    let like_them = (references > 0).then(|| search.predicted(&state.model, &state.free, &state.at));
+    let beside = like_them.as_ref().unwrap_or(&found.predicted);
     let mut in_both = Vec::new();
     for round in 0..if is_simulated { MOST_OF_SIMULATION } else { MOST } {
         let mut tried = Round::default();
@@ -203,7 +206,7 @@ pub fn beyond(
             break;
         }
         let predicted = search.predicted(&best.model, &best.free, &best.at);
-        let before = answer.predicted.as_ref().unwrap_or(&found.predicted);
+        let before = answer.predicted.as_ref().unwrap_or(beside);
         if !is_simulated && is_worse(drives, before, &predicted) {
             tracing::debug!(name = best.trial.name(), "predicts worse than without it");
             break;

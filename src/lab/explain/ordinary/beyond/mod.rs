@@ -228,11 +228,12 @@ pub fn beyond(
     let (unusual, usual): (Vec<_>, Vec<_>) = usual.into_iter().partition(|(_, is_unusual)| *is_unusual);
     answer.is_unusual |= !unusual.is_empty();
     answer.findings.extend(unusual.into_iter().map(|(finding, _)| finding));
-    if is_simulated {
-        answer.findings.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-    } else {
+    if asks_sensors {
         // Stable: what has more evidence stays first.
         answer.findings.sort_by_key(|finding| finding.kind);
+    } else {
+        // What references or a simulation have not is unusual, whether every car has some of it or not.
+        answer.findings.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     }
     // A delay that any sensor has is told last.
     answer.findings.extend(usual.into_iter().map(|(finding, _)| finding));

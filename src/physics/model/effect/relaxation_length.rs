@@ -31,7 +31,8 @@ pub static KIND: Kind = Kind {
         std: 0.4,
         bounds: (0.0, 2.0),
         step: 0.05,
-        model_error: Spec::MODEL_ERROR,
+        // Lengths that were put into real drives come out 11 to 16 % short (`concealed_in_real_drives`).
+        model_error: 0.12,
         is_main: true,
     }],
     course: None,

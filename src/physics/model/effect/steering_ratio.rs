@@ -31,7 +31,8 @@ pub static KIND: Kind = Kind {
         std: 0.15,
         bounds: (-1.0, 1.0),
         step: 0.02,
-        model_error: Spec::MODEL_ERROR,
+        // Curvatures that were put into real drives come out 30 % large (`concealed_in_real_drives`).
+        model_error: 0.2,
         is_main: true,
     }],
     course: None,

@@ -3,10 +3,13 @@
 use serde::Serialize;
 
 use super::case::Case;
-use super::chain::certain_radius;
-use super::ordinary::{MOST_TIMES_ORDINARY, Power, Powers, could_tell};
+use super::chain::{AuditFinding, Standing, certain_radius};
+use super::ordinary::conceal::drawn;
+use super::ordinary::{Bar, MOST_TIMES_ORDINARY, Power, Powers, could_tell};
 use super::result::{Chance, ToDrive};
 use super::verify::Verified;
+use physics::Quantity;
+use physics::model::effect::{Channel, named};
 
 /// How large each effect must be to be seen: `--sensitivity`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -111,11 +114,36 @@ impl Case<'_> {
             let wheel = power.number.strip_prefix(RADIUS_OF).and_then(|wheel| wheel.chars().next());
             let std = wheel.and_then(|wheel| best(usize::from(wheel == 'r')));
             if let Some(std) = std.filter(|_| power.name == "tire_radius") {
-                power.or_by(std, certain_radius(std));
+                let bar = Bar { slope: power.ordinary / std, needed: certain_radius(std) / std };
+                power.or_by(vec![vec![bar]]);
             }
+        }
+        // So is a zero of the yaw rate that moves while the car stands.
+        let gyroscope = format!("{}:{}", AuditFinding::DRIFT, Quantity::YawRate);
+        let drift = now.courses.iter_mut().find(|power| power.name == gyroscope);
+        let standing = self.chain.get(self.references).and_then(|of| of.standing.as_ref());
+        if let Some((drift, standing)) = drift.zip(standing) {
+            drift.or_by(drifts_told(standing));
         }
         Some(now)
     }
+}
+
+/// Drifts that are drawn, by this seed. Statistical: a chance is known to a twentieth.
+const DRAWN: u64 = 100;
+const SEED: u64 = 1;
+
+/// What drifts of the gyroscope's ordinary size need to be told by what it reads while the car stands.
+fn drifts_told(standing: &Standing) -> Vec<Vec<Bar>> {
+    let gyroscope = Some(Channel::One(Quantity::YawRate));
+    let course = named(AuditFinding::DRIFT).and_then(|kind| kind.disturbance(gyroscope));
+    let way = |number: u64| {
+        let course = course?;
+        let drift = drawn(course.size, course.length_s, standing.recorded_s(), SEED, number);
+        let bars = standing.bars(|t| drift.at(t))?;
+        Some(bars.map(|[slope, needed]| Bar { slope, needed }).into())
+    };
+    (0..DRAWN).filter_map(way).collect()
 }
 
 /// What numbers of wheels' radii begin with.
@@ -157,7 +185,6 @@ mod tests {
     use super::super::bench::{case, recorded};
     use super::super::chain::ChainReport;
     use super::*;
-    use physics::model::effect::named;
 
     fn of(effects: &str) -> (Sensitivity, Isolability) {
         let (vehicle, recording) = recorded(effects);

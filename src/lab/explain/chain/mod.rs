@@ -44,7 +44,7 @@ use physics::{Quantity, Sample, Sensors};
 
 pub use car::{driven_axle, steering_ratio};
 pub use report::{AuditFinding, ChainReport, Confidence, Offset, RelationReport, Unclear};
-pub use standing::ZeroCourse;
+pub use standing::{Standing, ZeroCourse};
 pub(super) use wheels::certain_radius;
 
 use self::series::Series;

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::standing::ZeroCourse;
+use super::standing::{Standing, ZeroCourse};
 use physics::Quantity;
 
 /// How sure a finding is.
@@ -131,6 +131,9 @@ pub struct ChainReport {
     pub unclear: Vec<Unclear>,
     /// All comparisons.
     pub relations: Vec<RelationReport>,
+    /// What the yaw rate reads while the car stands.
+    #[serde(skip)]
+    pub standing: Option<Standing>,
     /// How the yaw rate's zero moves, if that is among the findings.
     #[serde(skip)]
     pub drift: Option<ZeroCourse>,

@@ -22,7 +22,8 @@ const SLOW: f64 = 10.0;
 const WANDER_S: f64 = 5.0;
 
 /// Means of the yaw rate over seconds in which the car stands.
-pub(super) struct Standing {
+#[derive(Clone, Debug)]
+pub struct Standing {
     /// The middle of each second, s, and the mean.
     seconds: Vec<[f64; 2]>,
     /// The recording's first and last moment, s.
@@ -67,36 +68,41 @@ impl Standing {
         (mean, (square / (count - 1.0) / count).sqrt().max(1e-6))
     }
 
+    /// The recording's length, s.
+    pub fn recorded_s(&self) -> f64 {
+        self.ends[1] - self.ends[0]
+    }
+
     /// The zero's course, if it moves by more than an ordinary sensor's, and not in one step: that is a jump, which shows in
     /// the driving as well.
-    pub(super) fn drift(&self) -> Option<ZeroCourse> {
-        let seconds = &self.seconds;
-        let count = seconds.len();
-        if count < LEAST_SECONDS {
-            return None;
-        }
+    fn drift(&self) -> Option<ZeroCourse> {
         let noise = self.noise()?;
-        let recorded_s = self.ends[1] - self.ends[0];
-        if seconds.windows(2).any(|pair| pair[1][0] <= pair[0][0]) {
-            // The clock went back.
-            return None;
-        }
-        let squares = |at: usize| about_mean(&seconds[..at]).1 + about_mean(&seconds[at..]).1;
-        let step = (1..count).min_by(|a, b| squares(*a).total_cmp(&squares(*b)))?;
-        let beside_a_step = squares(step) / (count - 2) as f64;
-        // Wheel sensors read zero while a car creeps round a corner: that is some seconds of a stop only.
-        let mostly = typical(&seconds[..step]).max(typical(&seconds[step..]));
-        let ordinary = ORDINARY * (recorded_s / ORDINARY_IN_S).max(1.0).sqrt();
+        let moved = Moved::of(&self.seconds)?;
         tracing::debug!(
-            count,
-            rms = (about_mean(seconds).1 / count as f64).sqrt(),
-            beside_a_step = beside_a_step.sqrt(),
-            mostly,
+            seconds = self.count(),
+            beside_a_step = moved.beside_a_step.sqrt(),
+            mostly = moved.mostly,
             noise = noise.sqrt(),
             "zero of the yaw rate at standstill"
         );
-        let is_slow = beside_a_step > SLOW * noise;
-        (is_slow && mostly > ordinary).then(|| self.course(noise))
+        let is_slow = moved.beside_a_step > SLOW * noise;
+        (is_slow && moved.mostly > self.ordinary()).then(|| self.course(noise))
+    }
+
+    /// What a drift, as it is at each time, s, has of what it needs to be told, and that: both in deviations.
+    pub fn bars(&self, drift: impl Fn(f64) -> f64) -> Option<[[f64; 2]; 2]> {
+        let noise = self.noise()?;
+        let seconds: Vec<[f64; 2]> =
+            self.seconds.iter().map(|[t, _]| [*t, drift(t - self.ends[0])]).collect();
+        let moved = Moved::of(&seconds)?;
+        let std = (noise / self.count() as f64).sqrt();
+        let slow = [moved.beside_a_step.sqrt() / std, (SLOW * noise).sqrt() / std];
+        Some([slow, [moved.mostly / std, self.ordinary() / std]])
+    }
+
+    /// A sensor's zero moves by so much in the time that was recorded, rad/s rms.
+    fn ordinary(&self) -> f64 {
+        ORDINARY * (self.recorded_s() / ORDINARY_IN_S).max(1.0).sqrt()
     }
 
     /// The variance of a second's mean, by how far three in a row are from a straight line: of the zero's own way nothing is
@@ -119,7 +125,7 @@ impl Standing {
         let [first, last] = [self.seconds[0], self.seconds[self.seconds.len() - 1]];
         let open = [first[0] - self.ends[0], self.ends[1] - last[0]];
         let open: f64 = open.iter().map(|gap| gap * gap / 2.0).sum();
-        let unknown = wander * (bridged + open) / (self.ends[1] - self.ends[0]);
+        let unknown = wander * (bridged + open) / self.recorded_s();
         let points = [[self.ends[0], first[1]]].into_iter().chain(self.seconds.iter().copied());
         let mut course = ZeroCourse {
             points: points.chain([[self.ends[1], last[1]]]).collect(),
@@ -131,6 +137,31 @@ impl Standing {
         course.points.iter_mut().for_each(|point| point[1] -= mean);
         course.rms = course.mean(|value| value * value).sqrt();
         course
+    }
+}
+
+/// How means move beside the one step that they fit best.
+struct Moved {
+    /// Their variance about that.
+    beside_a_step: f64,
+    /// What most of them are off, on one side of it. Wheel sensors read zero while a car creeps round a corner: that is some
+    /// seconds of a stop only.
+    mostly: f64,
+}
+
+impl Moved {
+    /// None of too few, and where the clock went back.
+    fn of(seconds: &[[f64; 2]]) -> Option<Self> {
+        let count = seconds.len();
+        if count < LEAST_SECONDS || seconds.windows(2).any(|pair| pair[1][0] <= pair[0][0]) {
+            return None;
+        }
+        let squares = |at: usize| about_mean(&seconds[..at]).1 + about_mean(&seconds[at..]).1;
+        let step = (1..count).min_by(|a, b| squares(*a).total_cmp(&squares(*b)))?;
+        Some(Self {
+            beside_a_step: squares(step) / (count - 2) as f64,
+            mostly: typical(&seconds[..step]).max(typical(&seconds[step..])),
+        })
     }
 }
 
@@ -175,7 +206,8 @@ impl ZeroCourse {
 
 /// Takes a drift of the yaw rate's zero out, and reports it.
 pub(super) fn drift(series: &mut Series, report: &mut ChainReport) {
-    let Some(course) = Standing::of(series).and_then(|standing| standing.drift()) else { return };
+    report.standing = Standing::of(series);
+    let Some(course) = report.standing.as_ref().and_then(Standing::drift) else { return };
     let ends = [course.points.first(), course.points.last()].map(|point| point.map_or(0.0, |point| point[1]));
     report.findings.push(AuditFinding {
         effect: AuditFinding::DRIFT,
@@ -253,6 +285,18 @@ mod tests {
         assert_eq!(standing(|t| if t < 30.0 { 0.0 } else { 0.03 }).drift(), None);
         // It creeps round a corner, slower than its wheel sensors know.
         assert_eq!(standing(|t| if (6.0..10.0).contains(&t) { 0.05 * (t - 6.0) } else { 0.0 }).drift(), None);
+    }
+
+    /// GIVEN stops THEN a drift has what it needs to be told exactly if it would be told.
+    #[test]
+    fn what_a_drift_needs_is_what_it_is_told_by() {
+        let drift = |size: f64| move |t: f64| size * (t / 12.0).cos();
+        for size in [0.0005, 0.002, 0.008, 0.03] {
+            let is_clear = |[has, needs]: [f64; 2]| has > needs;
+            let would_be = standing(|_| 0.01).bars(drift(size)).unwrap().into_iter().all(is_clear);
+            assert_eq!(standing(drift(size)).drift().is_some(), would_be, "{size}");
+            assert_eq!(would_be, size > 0.005, "{size}");
+        }
     }
 
     #[test]

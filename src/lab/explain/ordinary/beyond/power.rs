@@ -70,13 +70,12 @@ impl Power {
         chance(&self.ways, size.abs() / self.ordinary)
     }
 
-    /// Something else tells it, too, with this standard deviation and from this size on; the better one counts.
-    pub fn or_by(&mut self, std: f64, least: f64) {
-        let bar = Bar { slope: self.ordinary / std, needed: least / std };
-        let size = bar.share() * self.ordinary;
+    /// Something else tells it, too, in these ways; the better one counts.
+    pub fn or_by(&mut self, ways: Vec<Vec<Bar>>) {
+        let size = smallest(&ways, self.ordinary, 0.9);
         self.noticed = self.noticed.min(size);
         if size < self.named {
-            (self.named, self.ways, self.rival) = (size, vec![vec![bar]], None);
+            (self.named, self.ways, self.rival) = (size, ways, None);
         }
     }
 

@@ -1,6 +1,6 @@
 //! The question and its answer.
 
-use super::chain::ChainReport;
+use super::chain::{ChainReport, Standing};
 use super::model::Model;
 use super::ordinary::{Asked, Ordinary};
 use super::result::Explanation;
@@ -39,9 +39,16 @@ impl Case<'_> {
             searches,
             references: self.references,
             in_order: self.in_order,
+            zero_is_still: self.zero_is_still(),
             held_out: self.held_out,
             seed: self.seed,
         }
+    }
+
+    /// Does each gyroscope of those that are no references read the same while the car stands, before and after the drive?
+    fn zero_is_still(&self) -> bool {
+        let mut asked = self.chain.iter().skip(self.references).peekable();
+        asked.peek().is_some() && asked.all(|of| of.standing.as_ref().is_some_and(Standing::is_still))
     }
 }
 

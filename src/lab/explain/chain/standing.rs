@@ -11,6 +11,9 @@ const STANDING_S: f64 = 1.0;
 
 /// Seconds of standing that tell of a drift. Statistical: fewer are fitted by a step.
 const LEAST_SECONDS: usize = 8;
+/// So many of them before the car moves, and after it, tell that the zero is still. Statistical: the noise of a second's mean is
+/// a third of what counts.
+const LEAST_BEFORE_AND_AFTER: usize = 2;
 /// A zero that moves by less in a minute is an ordinary sensor's, rad/s rms; in more time it wanders by more, as the root of
 /// that. Tuned by 25 real drives of six cars (`the_real_recordings_tell_what_is_wrong_with_them`): none has more than 0.0012.
 const ORDINARY: f64 = 0.002;
@@ -26,8 +29,10 @@ const WANDER_S: f64 = 5.0;
 pub struct Standing {
     /// The middle of each second, s, and the mean.
     seconds: Vec<[f64; 2]>,
-    /// The recording's first and last moment, s.
+    /// The recording's first and last moment, s …
     ends: [f64; 2],
+    /// … and those in which the car moves.
+    moving: [f64; 2],
 }
 
 impl Standing {
@@ -53,7 +58,10 @@ impl Standing {
             row += length.max(1);
         }
         let ends = [series.time(0), series.time(series.len() - 1)];
-        (seconds.len() >= 2).then_some(Self { seconds, ends })
+        let moves = |row: &usize| series.moves(*row);
+        let [first, last] = [(0..series.len()).find(moves), (0..series.len()).rev().find(moves)];
+        let moving = first.zip(last).map_or(ends, |(first, last)| [first, last].map(|row| series.time(row)));
+        (seconds.len() >= 2).then_some(Self { seconds, ends, moving })
     }
 
     /// So many seconds.
@@ -87,6 +95,17 @@ impl Standing {
         );
         let is_slow = moved.beside_a_step > SLOW * noise;
         (is_slow && moved.mostly > self.ordinary()).then(|| self.course(noise))
+    }
+
+    /// Does it read the same before the car moves and after it?
+    pub fn is_still(&self) -> bool {
+        let mean = |is_there: &dyn Fn(f64) -> bool| {
+            let there: Vec<[f64; 2]> = self.seconds.iter().copied().filter(|[t, _]| is_there(*t)).collect();
+            (there.len() >= LEAST_BEFORE_AND_AFTER).then(|| about_mean(&there).0)
+        };
+        let [from, to] = self.moving;
+        let changes = mean(&|t| t < from).zip(mean(&|t| t > to)).map(|(before, after)| after - before);
+        changes.is_some_and(|change| change.abs() < self.ordinary()) && self.drift().is_none()
     }
 
     /// What a drift, as it is at each time, s, has of what it needs to be told, and that: both in deviations.
@@ -263,7 +282,11 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(7);
         let times = (0..20).chain(60..72).map(|second| f64::from(second) + 0.5);
         let noise = |random: &mut ChaCha8Rng| 0.0014 * (random.random::<f64>() - 0.5);
-        Standing { seconds: times.map(|t| [t, zero(t) + noise(&mut random)]).collect(), ends: [0.0, 72.0] }
+        Standing {
+            seconds: times.map(|t| [t, zero(t) + noise(&mut random)]).collect(),
+            ends: [0.0, 72.0],
+            moving: [21.0, 59.0],
+        }
     }
 
     #[test]
@@ -297,6 +320,16 @@ mod tests {
             assert_eq!(standing(drift(size)).drift().is_some(), would_be, "{size}");
             assert_eq!(would_be, size > 0.005, "{size}");
         }
+    }
+
+    #[test]
+    fn a_zero_is_still_that_is_the_same_before_and_after() {
+        assert!(standing(|_| 0.02).is_still());
+        assert!(!standing(|t| if t < 30.0 { 0.0 } else { 0.01 }).is_still());
+        assert!(!standing(|t| 0.03 * (t / 12.0).cos()).is_still());
+        // It stands after the drive only.
+        let late = Standing { moving: [0.2, 59.0], ..standing(|_| 0.02) };
+        assert!(!late.is_still());
     }
 
     #[test]

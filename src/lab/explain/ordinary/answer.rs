@@ -85,6 +85,9 @@ pub struct Asked<'s> {
     pub references: usize,
     /// Are the recordings drives in time order, behind the references? Then the search is for what changed on the way.
     pub in_order: bool,
+    /// Does each gyroscope that the question is about read the same before and after the drive, while the car stands? Then
+    /// its zero has not moved in between.
+    pub zero_is_still: bool,
     /// The last so many are only predicted; without any, every third block of 6 s of each.
     pub held_out: usize,
     /// Of what is drawn at random.
@@ -93,8 +96,15 @@ pub struct Asked<'s> {
 
 impl Asked<'_> {
     /// Nothing but the car itself.
-    pub const CAR: Asked<'static> =
-        Asked { library: &[], searches: &|_| false, references: 0, in_order: false, held_out: 0, seed: 1 };
+    pub const CAR: Asked<'static> = Asked {
+        library: &[],
+        searches: &|_| false,
+        references: 0,
+        in_order: false,
+        zero_is_still: false,
+        held_out: 0,
+        seed: 1,
+    };
 }
 
 /// The magic formula's shape for lateral force where no table has it: 1.3 (Bakker, Nyborg & Pacejka 1987), and what cars
@@ -219,7 +229,7 @@ pub(super) struct Fitted<'f> {
 impl Fitted<'_> {
     /// What it says; `asked.references` of the drives are references.
     pub(super) fn answer(&self, asked: Asked<'_>) -> Ordinary {
-        let Asked { library, searches, references, in_order, seed, .. } = asked;
+        let Asked { library, searches, references, in_order, zero_is_still, seed, .. } = asked;
         let &Self { vehicle, drives, found, plain, simulated } = self;
         let predicted = &found.predicted;
         let plain_squares = CHANNELS.map(|channel| held_square(drives, &plain.predicted, channel));
@@ -266,6 +276,7 @@ impl Fitted<'_> {
                 kinds: library,
                 references,
                 in_order,
+                zero_is_still,
                 simulated,
                 plain: plain_squares,
                 repeating: answer.remaining.values().any(Remaining::repeats),
@@ -338,6 +349,8 @@ pub fn could_tell(
         kinds: asked.library,
         references,
         in_order: false,
+        // Of what would be there.
+        zero_is_still: false,
         simulated: None,
         plain: [0.0; 2],
         repeating: false,

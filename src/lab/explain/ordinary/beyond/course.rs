@@ -75,12 +75,13 @@ impl Trial {
     /// Is it the zero of gyroscope or accelerometer that moves while one drives? What the model misses of the motion is in the
     /// other sensors as well, so that sensor's own slow noise is what is asked for.
     pub fn is_of_zero(&self) -> bool {
-        let is_inertial = |channel| {
-            let of = [Quantity::YawRate, Quantity::LateralAcceleration].map(Channel::One);
-            of.contains(&channel)
-        };
+        [Quantity::YawRate, Quantity::LateralAcceleration].into_iter().any(|of| self.moves_zero_of(of))
+    }
+
+    /// Is it this sensor's zero that moves while one drives?
+    pub fn moves_zero_of(&self, quantity: Quantity) -> bool {
         self.candidate().is_some_and(|candidate| {
-            candidate.is_added_in_time() && candidate.channel.is_some_and(is_inertial)
+            candidate.is_added_in_time() && candidate.channel == Some(Channel::One(quantity))
         })
     }
 

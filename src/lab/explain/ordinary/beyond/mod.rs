@@ -121,6 +121,8 @@ pub struct Question<'q> {
     pub references: usize,
     /// Are the recordings drives in time order? Then the question is what changed on the way.
     pub in_order: bool,
+    /// See [`Asked::zero_is_still`](super::Asked::zero_is_still).
+    pub zero_is_still: bool,
     /// The car that drives like somebody's simulation, with what is thought of its numbers: the question is what the drive has
     /// that it has not. The fitted car's own numbers are the simulation's then.
     pub simulated: Option<&'q FreeFit<'q>>,
@@ -147,13 +149,16 @@ pub fn beyond(
     let Question { kinds, references, simulated, plain, mut repeating, repeats, seed, .. } = question;
     let is_simulated = simulated.is_some();
     let mut answer = Beyond::default();
-    let trials = trial::trials(simulated.unwrap_or(found), drives, kinds, question.scope());
+    let could_be = |trial: &Trial| !(question.zero_is_still && trial.moves_zero_of(Quantity::YawRate));
+    let mut trials = trial::trials(simulated.unwrap_or(found), drives, kinds, question.scope());
+    trials.retain(could_be);
     if trials.is_empty() {
         return answer;
     }
     let laws = if references > 0 { Vec::new() } else { trial::laws(drives, Scope::Car) };
-    let courses =
+    let mut courses =
         if is_simulated { Vec::new() } else { course::courses(found, drives, kinds, question.scope()) };
+    courses.retain(could_be);
     let search = Search { drives, vehicle, tried: tried(&trials, &laws), plain, references, is_simulated };
     let mut state = search.start(found);
     let mut taken = BTreeSet::new();

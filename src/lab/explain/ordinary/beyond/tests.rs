@@ -73,7 +73,7 @@ fn a_run_that_branches_off_says_the_same() {
 /// What is found in a drive with these effects, by a search among these kinds.
 fn found(effects: &str, library: &[&'static Kind]) -> Beyond {
     let (vehicle, recording) = recorded(effects);
-    let asked = Asked { library, searches: &|_| true, references: 0, in_order: false, held_out: 0, seed: 1 };
+    let asked = Asked { library, searches: &|_| true, ..Asked::CAR };
     Ordinary::of(&vehicle, &[], &[recording], asked).unwrap().beyond
 }
 

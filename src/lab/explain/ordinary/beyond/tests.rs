@@ -106,7 +106,8 @@ fn a_drifting_gyroscope_is_told_from_the_road() {
     let first = &beyond.findings[0];
     assert_eq!((first.effect.as_str(), first.channel.as_deref()), ("sensor_drift", Some("yaw_rate")));
     let rms = first.parameters["drift_rms"];
-    assert!((rms.value - 0.019).abs() < 0.004 && rms.std < 0.004, "{rms:?}");
+    // A fifth of it is for what lines between few points smooth away.
+    assert!((rms.value - 0.019).abs() < 0.004 && rms.std < 0.2 * rms.value + 0.0015, "{rms:?}");
     let course = first.series.as_ref().unwrap();
     let drifted = effect::Series { t: course.t.clone(), value: course.value.clone() };
     let [low, high, again] = [10.0, 22.0, 35.0].map(|t| drifted.at(t));

@@ -122,13 +122,11 @@ fn wrong(recording: &Recording, report: &ChainReport, audited: &AuditFinding) ->
 /// Leaves a zero that moves to the audit where that has seen it: what the search finds of it, a drift or a jump, is what the
 /// line from one stop to the next has left.
 pub fn leave_drift_to_audit(findings: &mut Vec<Finding>, chain: &[ChainReport]) {
-    let all = chain.iter().flat_map(|report| &report.findings);
-    for audited in all.filter(|audited| audited.effect == AuditFinding::DRIFT) {
-        let is_of_zero =
+    if chain.iter().any(|report| report.drift.is_some()) {
+        let moves =
             |finding: &Finding| [AuditFinding::DRIFT, "sensor_bias"].contains(&finding.effect.as_str());
-        findings.retain(|finding| {
-            !(is_of_zero(finding) && finding.channel.as_deref() == Some(audited.channel.as_str()))
-        });
+        let is_of = |finding: &Finding| finding.channel.as_deref() == Some(Quantity::YawRate.name());
+        findings.retain(|finding| !(moves(finding) && is_of(finding)));
     }
 }
 

@@ -4,8 +4,7 @@ use serde::Serialize;
 
 use super::case::Case;
 use super::chain::{AuditFinding, Standing, certain_radius};
-use super::ordinary::conceal::drawn;
-use super::ordinary::{Bar, MOST_TIMES_ORDINARY, Power, Powers, could_tell};
+use super::ordinary::{Bar, MOST_TIMES_ORDINARY, Power, Powers, could_tell, likely_courses};
 use super::result::{Chance, ToDrive};
 use super::verify::Verified;
 use physics::Quantity;
@@ -129,21 +128,13 @@ impl Case<'_> {
     }
 }
 
-/// Drifts that are drawn, by this seed. Statistical: a chance is known to a twentieth.
-const DRAWN: u64 = 100;
-const SEED: u64 = 1;
-
 /// What drifts of the gyroscope's ordinary size need to be told by what it reads while the car stands.
 fn drifts_told(standing: &Standing) -> Vec<Vec<Bar>> {
     let gyroscope = Some(Channel::One(Quantity::YawRate));
     let course = named(AuditFinding::DRIFT).and_then(|kind| kind.disturbance(gyroscope));
-    let way = |number: u64| {
-        let course = course?;
-        let drift = drawn(course.size, course.length_s, standing.recorded_s(), SEED, number);
-        let bars = standing.bars(|t| drift.at(t))?;
-        Some(bars.map(|[slope, needed]| Bar { slope, needed }).into())
-    };
-    (0..DRAWN).filter_map(way).collect()
+    let drifts = course.into_iter().flat_map(|course| likely_courses(course, standing.recorded_s()));
+    let way = |bars: [[f64; 2]; 2]| bars.map(|[slope, needed]| Bar { slope, needed }).into();
+    drifts.filter_map(|drift| standing.bars(|t| drift.at(t)).map(way)).collect()
 }
 
 /// What numbers of wheels' radii begin with.

@@ -2,7 +2,9 @@
 
 use super::report::{AuditFinding, ChainReport, Confidence};
 use super::series::Series;
+use crate::explain::ordinary::deviation;
 use physics::Quantity;
+use physics::model::effect;
 
 /// Wheels slower than this stand, rad/s. Physical: less than one of 48 teeth a second.
 const STANDING: f64 = 0.13;
@@ -145,15 +147,20 @@ impl Standing {
         let open = [first[0] - self.ends[0], self.ends[1] - last[0]];
         let open: f64 = open.iter().map(|gap| gap * gap / 2.0).sum();
         let unknown = wander * (bridged + open) / self.recorded_s();
-        let points = [[self.ends[0], first[1]]].into_iter().chain(self.seconds.iter().copied());
+        let t = self.seconds.iter().map(|[t, _]| *t);
+        let value = self.seconds.iter().map(|[_, mean]| *mean);
+        let [begins, ends] = self.ends;
         let mut course = ZeroCourse {
-            points: points.chain([[self.ends[1], last[1]]]).collect(),
+            course: effect::Series {
+                t: std::iter::once(begins).chain(t).chain([ends]).collect(),
+                value: std::iter::once(first[1]).chain(value).chain([last[1]]).collect(),
+            },
             rms: 0.0,
             std: (unknown + noise).sqrt(),
             clear: (about_mean(&self.seconds).1 / noise).sqrt(),
         };
         let mean = course.mean(|value| value);
-        course.points.iter_mut().for_each(|point| point[1] -= mean);
+        course.course.value.iter_mut().for_each(|value| *value -= mean);
         course.rms = course.mean(|value| value * value).sqrt();
         course
     }
@@ -187,8 +194,8 @@ impl Moved {
 /// How a sensor's zero moves about its mean: straight lines between what it reads while the car stands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ZeroCourse {
-    /// Times, s, of the samples' clock, and what it reads too much.
-    points: Vec<[f64; 2]>,
+    /// By the samples' clock: what it reads too much.
+    course: effect::Series,
     /// The root of its mean square …
     pub rms: f64,
     /// … and the standard deviation of that.
@@ -198,28 +205,28 @@ pub struct ZeroCourse {
 }
 
 impl ZeroCourse {
-    /// What the sensor reads too much at a time, s.
+    /// What the sensor reads too much at a time, s; beyond the ends as there.
     pub fn at(&self, t: f64) -> f64 {
-        let after = self.points.partition_point(|[at, _]| *at < t).clamp(1, self.points.len() - 1);
-        let ([from, before], [to, then]) = (self.points[after - 1], self.points[after]);
-        let share = if to > from { ((t - from) / (to - from)).clamp(0.0, 1.0) } else { 1.0 };
-        before + share * (then - before)
+        let ends = self.course.t.first().zip(self.course.t.last());
+        ends.map_or(0.0, |(first, last)| self.course.at(t.clamp(*first, *last)))
     }
 
     /// The times, s, and values between which it is a straight line.
-    pub fn points(&self) -> &[[f64; 2]] {
-        &self.points
+    pub fn points(&self) -> &effect::Series {
+        &self.course
     }
 
     /// The mean over time of something of it.
     fn mean(&self, of: impl Fn(f64) -> f64) -> f64 {
+        let effect::Series { t, value } = &self.course;
         // Simpson's rule is exact for squares of lines.
-        let line = |pair: &[[f64; 2]]| {
-            let ([from, before], [to, then]) = (pair[0], pair[1]);
-            (to - from) * (of(before) + 4.0 * of(0.5 * (before + then)) + of(then)) / 6.0
+        let line = |(t, value): (&[f64], &[f64])| {
+            let middle = 0.5 * (value[0] + value[1]);
+            (t[1] - t[0]) * (of(value[0]) + 4.0 * of(middle) + of(value[1])) / 6.0
         };
-        let seconds = self.points[self.points.len() - 1][0] - self.points[0][0];
-        self.points.windows(2).map(line).sum::<f64>() / seconds.max(1e-9)
+        let sum: f64 = t.windows(2).zip(value.windows(2)).map(line).sum();
+        let seconds = t.last().zip(t.first()).map_or(0.0, |(last, first)| last - first);
+        sum / seconds.max(1e-9)
     }
 }
 
@@ -227,7 +234,8 @@ impl ZeroCourse {
 pub(super) fn drift(series: &mut Series, report: &mut ChainReport) {
     report.standing = Standing::of(series);
     let Some(course) = report.standing.as_ref().and_then(Standing::drift) else { return };
-    let ends = [course.points.first(), course.points.last()].map(|point| point.map_or(0.0, |point| point[1]));
+    let value = &course.course.value;
+    let ends = [value.first(), value.last()].map(|value| value.copied().unwrap_or_default());
     report.findings.push(AuditFinding {
         effect: AuditFinding::DRIFT,
         channel: Quantity::YawRate.name().to_owned(),
@@ -254,15 +262,12 @@ fn about_mean(seconds: &[[f64; 2]]) -> (f64, f64) {
     (mean, seconds.iter().map(|[_, of]| (of - mean).powi(2)).sum())
 }
 
-/// The deviation of some means from the middle one, by the median of their sizes.
+/// The robust deviation of some means from the middle one.
 fn typical(seconds: &[[f64; 2]]) -> f64 {
     let mut values: Vec<f64> = seconds.iter().map(|[_, mean]| *mean).collect();
     values.sort_by(f64::total_cmp);
-    let middle = |values: &[f64]| values.get(values.len() / 2).copied().unwrap_or_default();
-    let centre = middle(&values);
-    values.iter_mut().for_each(|value| *value = (*value - centre).abs());
-    values.sort_by(f64::total_cmp);
-    1.4826 * middle(&values)
+    let Some(middle) = values.get(values.len() / 2) else { return 0.0 };
+    deviation(values.iter().map(|value| value - middle)).unwrap_or(0.0)
 }
 
 fn mean_of(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -341,8 +346,8 @@ mod tests {
 
     #[test]
     fn a_course_has_no_mean_and_the_mean_square_of_its_lines() {
-        let course =
-            ZeroCourse { points: vec![[0.0, -1.0], [1.0, -1.0], [3.0, 1.0]], rms: 0.0, std: 0.0, clear: 0.0 };
+        let course = effect::Series { t: vec![0.0, 1.0, 3.0], value: vec![-1.0, -1.0, 1.0] };
+        let course = ZeroCourse { course, rms: 0.0, std: 0.0, clear: 0.0 };
         assert!((course.mean(|value| value) + 1.0 / 3.0).abs() < 1e-12);
         assert!((course.mean(|value| value * value) - 5.0 / 9.0).abs() < 1e-12);
     }

@@ -31,10 +31,13 @@ mod tires;
 
 pub use answer::{Asked, Ordinary, could_tell};
 pub(super) use answer::{FittedCars, with_bend};
-pub use beyond::{Bar, Beyond, History, MOST_TIMES_ORDINARY, OverDrives, Power, Powers, Since};
+pub use beyond::{
+    Bar, Beyond, History, MOST_TIMES_ORDINARY, OverDrives, Power, Powers, Since, likely_courses,
+};
 pub use fitted_number::Number;
 pub(super) use grid::resampled_every;
 pub use remaining::Remaining;
+pub(super) use robust::deviation;
 pub use scores::FreeTrace;
 pub use simulated::{Incomparable, Simulated};
 pub use speed::speed_of;

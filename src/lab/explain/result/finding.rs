@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use physics::Quantity;
 use physics::model::effect::law::Law;
-use physics::model::effect::{Channel, Kind, Usual};
+use physics::model::effect::{Channel, Kind, Series, Usual};
 use serde::Serialize;
 
 use super::super::chain::ZeroCourse;
@@ -214,8 +214,10 @@ pub struct CourseEstimate {
 impl CourseEstimate {
     /// Of a zero, in a recording that begins then, s.
     pub fn of_zero(zero: &ZeroCourse, begins_s: f64) -> Self {
-        let (t, value) = zero.points().iter().map(|[t, value]| (t - begins_s, *value)).unzip();
-        Self { t, value, std: vec![zero.std; zero.points().len()], unit: Quantity::YawRate.unit().into() }
+        let Series { t, value } = zero.points();
+        let since: Vec<f64> = t.iter().map(|t| t - begins_s).collect();
+        let std = vec![zero.std; t.len()];
+        Self { t: since, value: value.clone(), std, unit: Quantity::YawRate.unit().into() }
     }
 }
 

@@ -13,10 +13,16 @@ use super::scan::Ground;
 use super::trial::Trial;
 use crate::explain::finding::TOLD_APART;
 use crate::explain::select::LEAST_EVIDENCE;
+use physics::model::effect::{Disturbance, Series};
 
 /// Courses that are drawn, by this seed. Statistical: a chance is known to a twentieth.
 const DRAWN: u64 = 100;
 const SEED: u64 = 1;
+
+/// Courses of the ordinary size over so many seconds, as likely as each other.
+pub fn likely_courses(of: Disturbance, seconds: f64) -> impl Iterator<Item = Series> {
+    (0..DRAWN).map(move |number| drawn(of.size, of.length_s, seconds, SEED, number))
+}
 
 /// What the points of a course leave when the ordinary numbers have taken what they can.
 struct Traces<'t> {
@@ -102,8 +108,7 @@ impl Search<'_> {
         let lost_by_chance = (&of.held * &of.covariance).trace();
         let held = (LEAST_HELD_GAIN + lost_by_chance).sqrt();
         let (mut noticed, mut ways, mut rival) = (Vec::new(), Vec::new(), None::<(String, f64)>);
-        for number in 0..DRAWN {
-            let series = drawn(disturbance.size, disturbance.length_s, *points.last()?, SEED, number);
+        for series in likely_courses(disturbance, *points.last()?) {
             let course = DVector::from_iterator(points.len(), points.iter().map(|t| series.at(*t)));
             let (gain, found) = of.found(&course);
             let square = |course: &DVector<f64>| course.dot(&(&of.held * course));

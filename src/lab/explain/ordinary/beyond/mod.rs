@@ -52,6 +52,7 @@ use refit::Refitted;
 use round::Round;
 use trial::Trial;
 
+pub use course_power::likely_courses;
 pub use history::{History, OverDrives, Since};
 pub use power::{Bar, MOST_TIMES_ORDINARY, Power, Powers, powers_with};
 pub use rows::rows;
@@ -178,9 +179,6 @@ pub fn beyond(
     if let Some(in_place) = &in_place {
         in_place.tell_alike(&mut usual);
     }
-    // Beside references the car without any of it is like them, which the one that was fitted needed not be.
-    let like_them = (references > 0).then(|| search.predicted(&state.model, &state.free, &state.at));
-    let beside = like_them.as_ref().unwrap_or(&found.predicted);
     let mut in_both = Vec::new();
     for round in 0..if is_simulated { MOST_OF_SIMULATION } else { MOST } {
         let mut tried = Round::default();
@@ -211,7 +209,16 @@ pub fn beyond(
             break;
         }
         let predicted = search.predicted(&best.model, &best.free, &best.at);
-        let before = answer.predicted.as_ref().unwrap_or(beside);
+        // Beside references the car without any of it is like them, which the one that was fitted needed not be.
+        let like_them;
+        let before = match &answer.predicted {
+            Some(before) => before,
+            None if references > 0 => {
+                like_them = search.predicted(&state.model, &state.free, &state.at);
+                &like_them
+            }
+            None => &found.predicted,
+        };
         let is_bent = references > 0 && lost(drives, &found.predicted, &predicted) > MOST_LOST_TO_FIT;
         if !is_simulated && (is_bent || lost(drives, before, &predicted) > MOST_LOST) {
             tracing::debug!(name = best.trial.name(), "predicts worse than without it");

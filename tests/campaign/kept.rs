@@ -16,7 +16,10 @@ pub fn folder(variable: &str, name: &str) -> PathBuf {
 pub fn answer(file: &Path, ask: impl FnOnce() -> Value) -> Value {
     read(file).unwrap_or_else(|| {
         let answer = ask();
-        std::fs::write(file, answer.to_string()).unwrap();
+        // Another one may ask the same at the same time.
+        let aside = file.with_extension(format!("{:?}", std::thread::current().id()));
+        std::fs::write(&aside, answer.to_string()).unwrap();
+        std::fs::rename(aside, file).unwrap();
         answer
     })
 }

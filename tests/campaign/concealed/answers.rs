@@ -82,6 +82,8 @@ impl Answers {
 
     fn explain(&self, config: &str) -> Command {
         let mut command = gripd();
+        // One of them on each core.
+        command.env("RAYON_NUM_THREADS", "1");
         command.args(["-q", "explain", "--json", "-", "-c"]).arg(self.recordings.join(config));
         command
     }

@@ -8,8 +8,7 @@ mod plan;
 mod tally;
 
 mod by_hand {
-    use std::fmt::Write;
-
+    use rayon::prelude::*;
     use testing::results::Section;
 
     use super::answers::Answers;
@@ -22,26 +21,27 @@ mod by_hand {
     /// `GRIPD_RENEW=1 YARDSTICK_PYTHON=… cargo test --test campaign by_hand::concealed_in_real_drives -- --ignored
     /// --nocapture`.
     #[test]
-    #[ignore = "by hand: an hour and a half, Python with numba for the tool that conceals; what was interrupted goes on"]
+    #[ignore = "by hand: an hour, Python with numba for the tool that conceals; what was interrupted goes on"]
     fn concealed_in_real_drives() {
         let Some(answers) = Answers::in_folder() else { return };
         let mut tally = Tally::default();
         let most = std::env::var("CONCEALED_CASES").map_or(usize::MAX, |most| most.parse().unwrap());
         let all = cases();
         let seed = format!("recorded; courses of seed 1; {} of {} cases", most.min(all.len()), all.len());
-        for case in all.into_iter().take(most) {
-            let mut line = format!("{} | {} | ", case.drive.name, case.told());
-            match answers.of_case(&case) {
+        let asked: Vec<_> =
+            all.into_par_iter().take(most).map(|case| (answers.of_case(&case), case)).collect();
+        for (judged, case) in asked {
+            let of = format!("{} | {}", case.drive.name, case.told());
+            match judged {
                 Ok(judged) => {
-                    write!(line, "{judged}").unwrap();
+                    println!("{of} | {judged}");
                     tally.add(&case, judged);
                 }
                 Err(reason) => {
-                    write!(line, "refused: {reason}").unwrap();
+                    println!("{of} | refused: {reason}");
                     tally.refused.push(case.told());
                 }
             }
-            println!("{line}");
         }
         for (name, header, rows) in tally.tables() {
             Section { name, seed: &seed, tolerance: 0.1, header }.check(&rows);
@@ -53,15 +53,15 @@ mod by_hand {
     #[ignore = "by hand: ten minutes, and what was interrupted goes on"]
     fn healthy_beside_healthy() {
         let Some(answers) = Answers::in_folder() else { return };
-        let mut rows = Vec::new();
-        for place in 0..HEALTHY.len() {
+        let of = |place: usize| {
             let references: Vec<&str> = (1..=3).map(|by| HEALTHY[(place + by) % HEALTHY.len()]).collect();
             let drive = HEALTHY[place];
             let answer = answers.of_healthy(drive, &references);
             let verdict = answer["verdict"].as_str().unwrap_or_default();
             let found: Vec<String> = findings(&answer).iter().map(told).collect();
-            rows.push(format!("{drive} | {verdict} | {}", found.join("; ")));
-        }
+            format!("{drive} | {verdict} | {}", found.join("; "))
+        };
+        let mut rows: Vec<String> = (0..HEALTHY.len()).into_par_iter().map(of).collect();
         let changed = rows.iter().filter(|row| !row.contains("| unchanged |")).count();
         rows.push(format!("all {} | {changed} changed | ", HEALTHY.len()));
         Section {

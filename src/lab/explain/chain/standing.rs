@@ -2,7 +2,7 @@
 
 use super::report::{AuditFinding, ChainReport, Confidence};
 use super::series::Series;
-use crate::explain::ordinary::deviation;
+use crate::explain::ordinary::{deviation, zero_wanders};
 use physics::Quantity;
 use physics::model::effect;
 
@@ -16,10 +16,6 @@ const LEAST_SECONDS: usize = 8;
 /// So many of them before the car moves, and after it, tell that the zero is still. Statistical: the noise of a second's mean is
 /// a third of what counts.
 const LEAST_BEFORE_AND_AFTER: usize = 2;
-/// A zero that moves by less in a minute is an ordinary sensor's, rad/s rms; in more time it wanders by more, as the root of
-/// that. Tuned by 25 real drives of six cars (`the_real_recordings_tell_what_is_wrong_with_them`): none has more than 0.0012.
-const ORDINARY: f64 = 0.002;
-const ORDINARY_IN_S: f64 = 60.0;
 /// Drift against the noise of a second's mean, as variances. Statistical: of white noise a ratio of 3 is one in a million with
 /// twenty seconds.
 const SLOW: f64 = 10.0;
@@ -121,9 +117,9 @@ impl Standing {
         Some([slow, [moved.mostly / std, self.ordinary() / std]])
     }
 
-    /// A sensor's zero moves by so much in the time that was recorded, rad/s rms.
+    /// A zero that moves by less is an ordinary sensor's, rad/s rms.
     fn ordinary(&self) -> f64 {
-        ORDINARY * (self.recorded_s() / ORDINARY_IN_S).max(1.0).sqrt()
+        zero_wanders(self.recorded_s())
     }
 
     /// The variance of a second's mean, by how far three in a row are from a straight line: of the zero's own way nothing is

@@ -9,6 +9,7 @@ use physics::{Quantity, Wheel};
 use super::frozen::frozen;
 use super::grid::{STEP_S, at, interpolated, mean, resampled, slope};
 use super::speed::{COMPARED_MPS, speed};
+use super::zero::standing;
 use crate::explain::Work;
 use crate::explain::{Block, Driven, Recording};
 
@@ -61,6 +62,9 @@ pub struct FreeDrive {
     pub counts: Vec<bool>,
     /// Where the steering angle has stopped, s: nobody knows how it was driven.
     pub frozen: Vec<[f64; 2]>,
+    /// What the gyroscope reads while the car stands, rad/s, and by how much its zero may differ from that while it drives;
+    /// none where it does not stand.
+    pub zero: Option<(f64, f64)>,
 }
 
 /// What is held out of a recording.
@@ -133,6 +137,7 @@ impl FreeDrive {
                 .map(|i| at(&speed, time(i)) > COMPARED_MPS && !is_within(&frozen, time(i)))
                 .collect(),
             frozen,
+            zero: standing(yaw, &speed),
             speed,
             acceleration,
         })
@@ -148,6 +153,7 @@ impl FreeDrive {
             from_s: self.time(from),
             steering: self.steering.clone(),
             frozen: self.frozen.clone(),
+            zero: self.zero,
             speed: self.speed.clone(),
             acceleration: self.acceleration.clone(),
             yaw_rate: cut(&self.yaw_rate),

@@ -28,6 +28,7 @@ mod scores;
 mod simulated;
 mod speed;
 mod tires;
+mod zero;
 
 pub use answer::{Asked, Ordinary, could_tell};
 pub(super) use answer::{FittedCars, with_bend};
@@ -42,3 +43,4 @@ pub use scores::FreeTrace;
 pub use simulated::{Incomparable, Simulated};
 pub use speed::speed_of;
 pub use tires::{AxleForce, AxleTires, TireCurve};
+pub(super) use zero::zero_wanders;

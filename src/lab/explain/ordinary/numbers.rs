@@ -175,6 +175,9 @@ const LONGEST_DELAY_S: f64 = 0.3;
 /// Wheel radii and speed messages are right to some per cent.
 const SPEED_SCALE: (f64, f64) = (1.0, 0.03);
 
+/// A gyroscope reads so much at standstill, rad/s, where a drive does not tell.
+const ZERO: (f64, f64) = (0.0, 0.02);
+
 /// The same without delays, as a plain model takes its sensors.
 pub fn on_time(mut free: Vec<Free>) -> Vec<Free> {
     free.retain(|free| !matches!(free.number, Number::SpeedDelay | Number::Of(Place::Delay(_))));
@@ -258,7 +261,7 @@ fn of_drive(number: usize, drive: &FreeDrive) -> Vec<Free> {
     };
     let of = |place| Number::Of(place);
     let mut all = vec![
-        own(of(Place::Ordinary(Parameter::YawRateOffset)), (0.0, 0.02), 0.2, 1e-4),
+        own(of(Place::Ordinary(Parameter::YawRateOffset)), drive.zero.unwrap_or(ZERO), 0.2, 1e-4),
         own(of(Place::Ordinary(Parameter::SteeringOffset)), (0.0, 0.1), 1.5, 1e-3),
         own(of(Place::Delay(Delayed::Steering)), DELAY, LONGEST_DELAY_S, 1e-3),
         own(Number::SpeedDelay, DELAY, LONGEST_DELAY_S, 1e-3),

@@ -3,15 +3,12 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::super::fit::FreeFit;
-use super::super::numbers::{Free, Number, Scope};
+use super::super::numbers::Free;
 use super::Search;
 use super::colour::{Colour, Series};
 use super::rows::normal;
 use super::trial::Trial;
-use crate::explain::model::{Chosen, Model, Place};
-use identify::Parameter;
-use physics::model::effect::{Course, named};
+use crate::explain::model::Model;
 
 /// Steps of a fit. Numerical: Gauss–Newton's, the ordinary numbers' slopes kept. Where most errors are outliers at first,
 /// each goes a part of the way only.
@@ -22,16 +19,6 @@ const TRIES: usize = 6;
 
 /// A search ends where a step gains less, −2 ln likelihood.
 const LEAST_STEP: f64 = 0.3;
-
-/// Rounds of learning the noise's colour of the ordinary car at most, and what one gains at least. Numerical: what it has not
-/// learned, every candidate would gain.
-const BEGINNINGS: usize = 6;
-const LEAST_BEGINNING: f64 = 1.0;
-
-/// Wheels may differ by a per cent in radius before anybody looks for a reason, and tracks by two per cent from what is
-/// written. With a third of that a wheel that is 1.5 % small was taken for a slippery road.
-const RADIUS: f64 = 0.01;
-const TRACK: f64 = 0.02;
 
 /// The best model so far.
 #[derive(Clone)]
@@ -92,61 +79,6 @@ pub struct Climbed {
 }
 
 impl Search<'_> {
-    /// The ordinary car at what is likeliest for coloured noise.
-    pub(super) fn begin<'a>(&self, found: &FreeFit<'a>) -> State<'a> {
-        let (model, free, at) = self.with_wheels(found);
-        let errors = self.errors(&model, &free, &at);
-        let slopes = self.slopes(&model, &free, &at, &errors);
-        let colour = self.colour(&errors);
-        let mut state = State {
-            model,
-            free,
-            at,
-            colour,
-            errors,
-            slopes,
-            cost: f64::INFINITY,
-            covariance: DMatrix::zeros(0, 0),
-        };
-        for round in 0.. {
-            let Climbed { at, errors, cost, covariance } =
-                self.climb(&state, &state.colour, &state.model, &state.free, state.at.clone());
-            let gained = state.cost - cost;
-            (state.at, state.errors, state.cost, state.covariance) = (at, errors, cost, covariance);
-            if round >= BEGINNINGS || gained < LEAST_BEGINNING {
-                break;
-            }
-            state.colour = self.colour(&state.errors);
-            state.slopes = self.slopes(&state.model, &state.free, &state.at, &state.errors);
-        }
-        state
-    }
-
-    /// The ordinary car with what the wheels' readings need: tires of a set differ, and tracks are not known to the
-    /// millimetre.
-    fn with_wheels<'a>(&self, found: &FreeFit<'a>) -> (Model<'a>, Vec<Free>, Vec<f64>) {
-        let (mut model, mut free, mut at) = (found.model.clone(), found.free.clone(), found.at.clone());
-        let mut add = |number: Number, prior: (f64, f64), most: f64| {
-            let bounds = (prior.0 - most, prior.0 + most);
-            free.push(Free { number, of: Scope::Car, prior, bounds, step: 0.05 * prior.1 });
-            at.push(prior.0);
-        };
-        let radii = named("tire_radius").filter(|kind| model.effects.iter().all(|of| of.kind != *kind));
-        if let Some(kind) = radii {
-            model = model.with(Chosen::usual(kind, None, Course::None));
-        }
-        for (axle, track) in [Parameter::TrackFront, Parameter::TrackRear].into_iter().enumerate() {
-            if self.drives.iter().all(|drive| drive.axles[axle].is_none()) {
-                continue;
-            }
-            add(Number::Of(Place::Ordinary(track)), (model.get(Place::Ordinary(track)), TRACK), 5.0 * TRACK);
-            for wheel in [2 * axle, 2 * axle + 1].into_iter().filter(|_| radii.is_some()) {
-                add(Number::Of(Place::Effect(model.effects.len() - 1, wheel)), (0.0, RADIUS), 5.0 * RADIUS);
-            }
-        }
-        (model, free, at)
-    }
-
     /// Fits a model from a place on, the slopes of its first numbers being those of the state.
     pub(super) fn climb<'a>(
         &self,

@@ -1,6 +1,7 @@
-//! What else could be where a sensor's number is one that no such sensor has: a speed that reads 6 % too much, an accelerometer
-//! that comes 0.1 s before its time. The ordinary car has no other place for a gyroscope that reads too much, or for an
-//! accelerometer ahead of the centre of gravity; its numbers take them.
+//! What else could be where a number is one that no such car or sensor has: a speed that reads 6 % too much, an accelerometer
+//! that comes 0.1 s before its time, a steering that gives way as none does. The ordinary car has no other place for a gyroscope
+//! that reads too much, for an accelerometer ahead of the centre of gravity, or for a steering ratio that changes; its numbers
+//! take them.
 
 use rayon::prelude::*;
 
@@ -22,20 +23,18 @@ const ASKED: f64 = 2.0;
 /// So many are fitted in the numbers' place, the best to first order.
 const MOST_FITTED: usize = 6;
 
-/// Numbers of sensors that are further off than such sensors are, and what could be there in their place.
+/// Numbers that are further off than is usual, and what could be there in their place.
 pub struct InPlace<'a> {
     /// The effects that they are, with their channels.
     numbers: Vec<String>,
-    /// All numbers as they were free …
-    free: Vec<Free>,
-    /// … and the car whose sensors have what is usual.
+    /// The car that has exactly what is usual in their place.
     usual: State<'a>,
     /// What was fitted beside that; by how much it is likelier than the numbers as they were found, 2 ln odds.
     fitted: Vec<(f64, Refitted<'a>)>,
 }
 
 impl<'a> Search<'_> {
-    /// None where all sensors are usual ones.
+    /// None where all numbers are usual ones.
     pub(super) fn in_place_of_unusual(
         &self,
         state: &State<'a>,
@@ -43,18 +42,16 @@ impl<'a> Search<'_> {
         seed: u64,
     ) -> Option<InPlace<'a>> {
         let name = |told: &Told| full_name(told.kind.name, told.channel.map(|of| of.to_string()).as_deref());
-        let unusual: Vec<(usize, String)> = (0..state.free.len())
+        let (unusual, numbers): (Vec<usize>, Vec<String>) = (0..state.free.len())
             .filter_map(|place| {
-                let told = Told::of(state, &state.free[place]).filter(|told| told.channel.is_some())?;
-                let (mean, std) = state.free[place].prior;
-                ((state.at[place] - mean).abs() > ASKED * std).then(|| (place, name(&told)))
+                unusual(state, &state.free, &state.at, place).map(|told| (place, name(&told)))
             })
-            .collect();
+            .unzip();
         if unusual.is_empty() {
             return None;
         }
         let mut usual = state.clone();
-        for (place, _) in &unusual {
+        for place in &unusual {
             let free = &mut usual.free[*place];
             usual.at[*place] = free.prior.0;
             *free = free.held_at(free.prior.0);
@@ -64,33 +61,65 @@ impl<'a> Search<'_> {
             self.climb(&usual, &state.colour, &usual.model, &usual.free, usual.at.clone());
         usual.slopes = self.slopes(&usual.model, &usual.free, &at, &errors);
         (usual.at, usual.errors, usual.cost, usual.covariance) = (at, errors, cost, covariance);
-        let numbers: Vec<String> = unusual.iter().map(|(_, name)| name.clone()).collect();
         let others: Vec<Trial> = trials
             .iter()
             .filter(|trial| trial.is_always_there() && !trial.has_time() && !numbers.contains(&trial.name()))
             .cloned()
             .collect();
         let (scored, _) = self.scan(&usual, &others, seed);
-        // What the numbers could be chosen from, and had not to be told.
-        let places = unusual.iter().map(|(place, _)| *place);
-        let by_numbers = usual.cost - state.cost - freedom(&state.free, &state.covariance, places);
         let best: Vec<_> = scored.iter().take(MOST_FITTED).collect();
-        let fitted = best.into_par_iter().map(|scored| {
-            let refitted = self.refit(&usual, scored);
-            (refitted.evidence - by_numbers, refitted)
-        });
+        let fitted = best
+            .into_par_iter()
+            .filter_map(|scored| self.released(state, &usual, self.refit(&usual, scored), &unusual));
         let mut fitted: Vec<_> = fitted.collect();
         fitted.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (ahead, of) in &fitted {
             let name = of.trial.name();
-            tracing::debug!(name, ahead, held_gain = of.held_gain, ?numbers, "in place of unusual sensors");
+            tracing::debug!(name, ahead, held_gain = of.held_gain, ?numbers, "in place of unusual numbers");
         }
-        Some(InPlace { numbers, free: state.free.clone(), usual, fitted })
+        Some(InPlace { numbers, usual, fitted })
+    }
+
+    /// What was fitted beside what is usual, with the numbers free again; and by how much it is likelier than those as they were
+    /// found, 2 ln odds. None where it leaves them unusual.
+    fn released(
+        &self,
+        state: &State<'a>,
+        usual: &State<'a>,
+        held: Refitted<'a>,
+        places: &[usize],
+    ) -> Option<(f64, Refitted<'a>)> {
+        let count = state.free.len();
+        let mut free = held.free.clone();
+        free[..count].copy_from_slice(&state.free);
+        let mut slopes = self.slopes(&held.model, &free, &held.at, &held.errors);
+        slopes.truncate(count);
+        let there = State { slopes, ..usual.clone() };
+        let colour = self.colour(&held.errors);
+        let Climbed { at, errors, cost, covariance } =
+            self.climb(&there, &colour, &held.model, &free, held.at.clone());
+        if places.iter().any(|place| unusual(state, &free, &at, *place).is_some()) {
+            return None;
+        }
+        let own = || count..free.len();
+        let (narrower, was) =
+            (freedom(&free, &covariance, own()), freedom(&held.free, &held.covariance, own()));
+        let evidence = held.evidence + held.cost - cost + was - narrower;
+        // The numbers, too, may have found a better place on the way.
+        let alone = self.climb(state, &state.colour, &state.model, &state.free, at[..count].to_vec());
+        let tried = self.tried.get(&held.trial.name()).copied().unwrap_or(1);
+        let ahead = state.cost.min(alone.cost) - cost - narrower - 2.0 * (tried as f64).ln();
+        Some((ahead, Refitted { free, at, errors, cost, covariance, evidence, ..held }))
     }
 }
 
+/// What this number of the car or of a sensor is, if it is further off than is usual.
+fn unusual(state: &State<'_>, free: &[Free], at: &[f64], place: usize) -> Option<Told> {
+    Told::of(state, &free[place]).filter(|told| told.from_usual(&free[place], at[place]).abs() > ASKED)
+}
+
 impl<'a> InPlace<'a> {
-    /// What is clearly likelier than such sensors.
+    /// What is clearly likelier than such numbers.
     pub fn likelier(&self) -> Option<&Refitted<'a>> {
         let is_sure = |(ahead, of): &&(f64, Refitted<'a>)| {
             *ahead > TOLD_APART
@@ -106,13 +135,6 @@ impl<'a> InPlace<'a> {
     pub fn finding(&self, search: &Search<'_>, best: &Refitted<'a>) -> Finding {
         let all: Vec<_> = self.fitted.iter().map(|(_, of)| (of.trial.name(), of.evidence)).collect();
         search.finding(&self.usual, best, &all)
-    }
-
-    /// The same car with the sensors' numbers free again.
-    pub fn released(&self, mut state: State<'a>) -> State<'a> {
-        let count = self.free.len();
-        state.free[..count].copy_from_slice(&self.free);
-        state
     }
 
     /// Adds to what is told of the numbers what they cannot be told from.

@@ -14,6 +14,7 @@
 //! of the car may be another one there. Then all that counts is what the references have not.
 
 mod again;
+mod begin;
 mod changed;
 mod climb;
 mod colour;
@@ -170,7 +171,7 @@ pub fn beyond(
         let predicted = search.predicted(&best.model, &best.free, &best.at);
         if lost(drives, &found.predicted, &predicted) <= MOST_LOST {
             taken.insert(best.trial.name());
-            state = in_place.released(search.with(best));
+            state = search.with(best);
             repeating = !laws.is_empty() && repeats(&predicted);
             answer.take(in_place.finding(&search, best), predicted, asks_sensors);
         }

@@ -304,8 +304,7 @@ impl Search<'_> {
         if let Scope::Recording(drive) = free.of {
             finding.place.recording.clone_from(&self.drives[drive].name);
         }
-        let from_usual = slope * (at - free.prior.0) / (slope * free.prior.1).hypot(by_model);
-        Some((finding, from_usual.abs() > UNUSUAL))
+        Some((finding, told.from_usual(free, at).abs() > UNUSUAL))
     }
 }
 
@@ -391,6 +390,12 @@ impl Told {
             }
             _ => 0.0,
         }
+    }
+
+    /// By how many deviations it is another one than usual.
+    pub(super) fn from_usual(&self, free: &Free, at: f64) -> f64 {
+        let (value, slope) = self.value(free, at);
+        slope * (at - free.prior.0) / (slope * free.prior.1).hypot(self.model_error(free) * value)
     }
 
     /// The effect's number, and how it changes with the coordinate.

@@ -5,16 +5,11 @@ use nalgebra::DMatrix;
 use super::super::fit::FreeFit;
 use super::super::numbers::{Free, Number, Scope};
 use super::Search;
-use super::climb::{Climbed, State};
+use super::climb::{Climbed, LEAST_ROUND, ROUNDS, State};
 use super::colour::{Colour, Series};
 use crate::explain::model::{Chosen, Model, Place};
 use identify::Parameter;
 use physics::model::effect::{Course, named};
-
-/// Rounds of learning the noise's colour of the ordinary car at most, and what one gains at least. Numerical: what it has not
-/// learned, every candidate would gain.
-const ROUNDS: usize = 20;
-const LEAST_ROUND: f64 = 1.0;
 
 /// So many times as far as a round's step is tried. Numerical: a gyroscope that reads 15 % too much took more than forty rounds
 /// without.

@@ -20,6 +20,11 @@ const TRIES: usize = 6;
 /// A search ends where a step gains less, −2 ln likelihood.
 const LEAST_STEP: f64 = 0.3;
 
+/// Rounds of learning the noise's colour at most, and what one gains at least. Numerical: what the car without a candidate has not
+/// learned, the candidate would gain; what it has not, it would lose.
+pub const ROUNDS: usize = 20;
+pub const LEAST_ROUND: f64 = 1.0;
+
 /// The best model so far.
 #[derive(Clone)]
 pub struct State<'a> {
@@ -79,12 +84,35 @@ pub struct Climbed {
 }
 
 impl Search<'_> {
-    /// Fits a model from a place on, the slopes of its first numbers being those of the state.
-    pub(super) fn climb<'a>(
+    /// Fits a model from a place on and learns the colour of its noise, in turn: what the numbers miss at first is noise.
+    pub(super) fn settle(
         &self,
-        state: &State<'a>,
+        state: &State<'_>,
+        learned: impl Fn(&[Series]) -> Colour,
+        mut colour: Colour,
+        (model, free, from): (&Model<'_>, &[Free], Vec<f64>),
+    ) -> (Climbed, Colour) {
+        let mut here = self.climb(state, &colour, model, free, from);
+        for _ in 0..ROUNDS {
+            let next_colour = learned(&here.errors);
+            let next = self.climb(state, &next_colour, model, free, here.at.clone());
+            let gained = here.cost - next.cost;
+            if gained > 0.0 {
+                (here, colour) = (next, next_colour);
+            }
+            if gained < LEAST_ROUND {
+                break;
+            }
+        }
+        (here, colour)
+    }
+
+    /// Fits a model from a place on, the slopes of its first numbers being those of the state.
+    pub(super) fn climb(
+        &self,
+        state: &State<'_>,
         colour: &Colour,
-        model: &Model<'a>,
+        model: &Model<'_>,
         free: &[Free],
         from: Vec<f64>,
     ) -> Climbed {

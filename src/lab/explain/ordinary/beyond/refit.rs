@@ -11,6 +11,7 @@ use super::colour::{CHANNELS, Series};
 use super::scan::Scored;
 use super::trial::Trial;
 use crate::explain::model::Model;
+use crate::explain::select::LEAST_EVIDENCE;
 
 /// Steps by which beginnings and ends are moved, s.
 const LARGEST_MOVE_S: f64 = 4.0;
@@ -162,8 +163,11 @@ impl Search<'_> {
         let state = there.as_ref().unwrap_or(state);
         // With the noise as it is beside it; a zero that wanders is no noise.
         let of_zero = trial.is_of_zero();
-        let colour = &if of_zero { self.short_colour(&errors) } else { self.colour(&errors) };
-        let Climbed { at, errors, cost, covariance } = self.climb(state, colour, &model, &free, at);
+        let learned =
+            |errors: &[Series]| if of_zero { self.short_colour(errors) } else { self.colour(errors) };
+        let (Climbed { at, errors, cost, covariance }, colour) =
+            self.settle(state, learned, learned(&errors), (&model, &free, at));
+        let colour = &colour;
         let rows = self.rows(colour, &state.errors);
         let with = self.cost(colour, &rows, &self.white(colour, &rows, &errors, 0));
         let without = self.cost(colour, &rows, &self.white(colour, &rows, &state.errors, 0));
@@ -180,7 +184,13 @@ impl Search<'_> {
             freedom(&free, &covariance, own)
         };
         let tried = self.tried.get(&trial.name()).copied().unwrap_or(1);
-        let evidence = before - cost - freedom - 2.0 * (tried as f64).ln();
+        let mut evidence = before - cost - freedom - 2.0 * (tried as f64).ln();
+        if evidence > LEAST_EVIDENCE {
+            // And the noise another colour.
+            let there = (&state.model, &state.free[..], at[..first].to_vec());
+            let (alone, _) = self.settle(state, learned, colour.clone(), there);
+            evidence -= (before - alone.cost).max(0.0);
+        }
         let share = self.share(&state.errors, &errors).into_values().fold(0.0, f64::max);
         Refitted {
             trial,

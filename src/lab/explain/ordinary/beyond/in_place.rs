@@ -115,7 +115,7 @@ impl<'a> Search<'_> {
 
 /// What this number of the car or of a sensor is, if it is further off than is usual.
 fn unusual(state: &State<'_>, free: &[Free], at: &[f64], place: usize) -> Option<Told> {
-    Told::of(state, &free[place]).filter(|told| told.from_usual(&free[place], at[place]).abs() > ASKED)
+    Told::of(state, &free[place]).filter(|told| told.off_usual(&free[place], at[place]).abs() > ASKED)
 }
 
 impl<'a> InPlace<'a> {

@@ -304,7 +304,7 @@ impl Search<'_> {
         if let Scope::Recording(drive) = free.of {
             finding.place.recording.clone_from(&self.drives[drive].name);
         }
-        Some((finding, told.from_usual(free, at).abs() > UNUSUAL))
+        Some((finding, told.off_usual(free, at).abs() > UNUSUAL))
     }
 }
 
@@ -393,7 +393,7 @@ impl Told {
     }
 
     /// By how many deviations it is another one than usual.
-    pub(super) fn from_usual(&self, free: &Free, at: f64) -> f64 {
+    pub(super) fn off_usual(&self, free: &Free, at: f64) -> f64 {
         let (value, slope) = self.value(free, at);
         slope * (at - free.prior.0) / (slope * free.prior.1).hypot(self.model_error(free) * value)
     }

@@ -12,7 +12,8 @@ mod by_hand {
     use testing::results::Section;
 
     use super::answers::Answers;
-    use super::plan::{HEALTHY, cases};
+    use super::judge::Judged;
+    use super::plan::{Case, HEALTHY, cases};
     use super::tally::Tally;
     use crate::found::{findings, told};
 
@@ -28,19 +29,17 @@ mod by_hand {
         let most = std::env::var("CONCEALED_CASES").map_or(usize::MAX, |most| most.parse().unwrap());
         let all = cases();
         let seed = format!("recorded; courses of seed 1; {} of {} cases", most.min(all.len()), all.len());
-        let asked: Vec<_> =
-            all.into_par_iter().take(most).map(|case| (answers.of_case(&case), case)).collect();
-        for (judged, case) in asked {
-            let of = format!("{} | {}", case.drive.name, case.told());
+        let ask = |case: Case| {
+            let judged = answers.of_case(&case);
+            let said = judged.as_ref().map_or_else(|reason| format!("refused: {reason}"), Judged::to_string);
+            println!("{} | {} | {said}", case.drive.name, case.told());
+            (case, judged)
+        };
+        let asked: Vec<_> = all.into_par_iter().take(most).map(ask).collect();
+        for (case, judged) in asked {
             match judged {
-                Ok(judged) => {
-                    println!("{of} | {judged}");
-                    tally.add(&case, judged);
-                }
-                Err(reason) => {
-                    println!("{of} | refused: {reason}");
-                    tally.refused.push(case.told());
-                }
+                Ok(judged) => tally.add(&case, judged),
+                Err(_) => tally.refused.push(case.told()),
             }
         }
         for (name, header, rows) in tally.tables() {

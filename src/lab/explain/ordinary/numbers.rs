@@ -274,6 +274,11 @@ fn of_drive(number: usize, drive: &FreeDrive) -> Vec<Free> {
     all
 }
 
+/// What is thought of the numbers, −2 ln.
+pub fn prior_cost(free: &[Free], at: &[f64]) -> f64 {
+    free.iter().zip(at).map(|(free, at)| ((at - free.prior.0) / free.prior.1).powi(2)).sum()
+}
+
 /// The model and the speed's measurement of each drive at these coordinates.
 pub fn placed<'a>(
     model: &Model<'a>,

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::grid::STEP_S;
 use super::inputs::{BLOCK_POINTS, FreeDrive};
-use super::numbers::{Free, placed};
+use super::numbers::{Free, placed, prior_cost};
 use super::robust::{deviation, loss, memory, weight};
 use super::run::{Predicted, run};
 use crate::explain::model::Model;
@@ -129,8 +129,7 @@ impl Problem<'_, '_> {
 
     /// What is thought of the numbers, −2 ln.
     pub fn prior_cost(&self, at: &[f64]) -> f64 {
-        let off = |(free, at): (&Free, &f64)| ((at - free.prior.0) / free.prior.1).powi(2);
-        self.free.iter().zip(at).map(off).sum()
+        prior_cost(self.free, at)
     }
 
     /// How the residuals of each drive change with the numbers that it has, by differences.

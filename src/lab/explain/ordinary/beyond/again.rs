@@ -103,8 +103,7 @@ impl Search<'_> {
         let from = others.at.iter().copied().chain(fixed.iter().map(|free| free.prior.0)).collect();
         let climbed = self.climb(&others, &state.colour, &state.model, &free, from);
         let freedom = freedom(&state.free, &state.covariance, it.own.clone());
-        let tried = self.tried.get(&it.trial.name()).copied().unwrap_or(1);
-        let evidence = climbed.cost - state.cost - freedom - 2.0 * (tried as f64).ln();
+        let evidence = climbed.cost - state.cost - freedom - self.price_of_trying(&it.trial.name());
         Dropped { evidence, errors: climbed.errors }
     }
 

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::super::numbers::Free;
+use super::super::numbers::{Free, prior_cost};
 use super::Search;
 use super::colour::{Colour, Series};
 use super::rows::normal;
@@ -122,11 +122,8 @@ impl Search<'_> {
         let rows = self.rows(colour, &state.errors);
         let kept: Vec<DVector<f64>> =
             state.slopes.iter().map(|slopes| self.white(colour, &rows, slopes, 0)).collect();
-        let prior = |at: &[f64]| -> f64 {
-            free.iter().zip(at).map(|(free, at)| ((at - free.prior.0) / free.prior.1).powi(2)).sum()
-        };
         let mut white = self.white(colour, &rows, &errors, 0);
-        let mut cost = self.cost(colour, &rows, &white).train + prior(&at);
+        let mut cost = self.cost(colour, &rows, &white).train + prior_cost(free, &at);
         let mut covariance = DMatrix::identity(count, count);
         let mut damping = 0.0;
         for _ in 0..STEPS {
@@ -155,7 +152,7 @@ impl Search<'_> {
                     (0..count).map(|i| (at[i] + step[i]).clamp(free[i].bounds.0, free[i].bounds.1)).collect();
                 let there = self.errors(model, free, &next);
                 let white_there = self.white(colour, &rows, &there, 0);
-                let cost_there = self.cost(colour, &rows, &white_there).train + prior(&next);
+                let cost_there = self.cost(colour, &rows, &white_there).train + prior_cost(free, &next);
                 if cost_there < cost {
                     (at, errors, white, cost) = (next, there, white_there, cost_there);
                     damping *= 0.1;

@@ -103,8 +103,7 @@ impl Search<'_> {
     fn course_power(&self, of: &Traces<'_>, across: &[Traces<'_>]) -> Option<Power> {
         let (name, points) = (of.trial.name(), &of.trial.points);
         let disturbance = of.trial.candidate().and_then(free_course)?;
-        let tried = self.tried.get(&name).copied().unwrap_or(1) as f64;
-        let evidence = (LEAST_EVIDENCE + of.price + 2.0 * tried.ln()).max(0.0).sqrt();
+        let evidence = (LEAST_EVIDENCE + of.price + self.price_of_trying(&name)).max(0.0).sqrt();
         let lost_by_chance = (&of.held * &of.covariance).trace();
         let held = (LEAST_HELD_GAIN + lost_by_chance).sqrt();
         let (mut noticed, mut ways, mut rival) = (Vec::new(), Vec::new(), None::<(String, f64)>);

@@ -107,8 +107,7 @@ impl<'a> Search<'_> {
         let evidence = held.evidence + held.cost - cost + was - narrower;
         // The numbers, too, may have found a better place on the way.
         let alone = self.climb(state, &state.colour, &state.model, &state.free, at[..count].to_vec());
-        let tried = self.tried.get(&held.trial.name()).copied().unwrap_or(1);
-        let ahead = state.cost.min(alone.cost) - cost - narrower - 2.0 * (tried as f64).ln();
+        let ahead = state.cost.min(alone.cost) - cost - narrower - self.price_of_trying(&held.trial.name());
         Some((ahead, Refitted { free, at, errors, cost, covariance, evidence, ..held }))
     }
 }

@@ -293,6 +293,11 @@ fn tried(trials: &[Trial], laws: &[Trial]) -> BTreeMap<String, usize> {
 }
 
 impl Search<'_> {
+    /// What counts against a name for how often it was tried, 2 ln.
+    fn price_of_trying(&self, name: &str) -> f64 {
+        2.0 * (self.tried.get(name).copied().unwrap_or(1) as f64).ln()
+    }
+
     /// Is a trial there for nearly all of every drive?
     fn takes_the_cars_place(&self, trial: &Trial) -> bool {
         trial.is_patch() && self.drives.iter().all(|drive| trial.is_nearly_always_there(drive))

@@ -245,10 +245,9 @@ impl Search<'_> {
         let trace = &traces[number];
         let name = trace.trial.name();
         let clear = trace.left.norm();
-        let tried = self.tried.get(&name).copied().unwrap_or(1) as f64;
         // What the evidence of the ordinary size must reach: the freedom of the number counts against it.
         let freedom = (clear * clear).max(1.0).ln();
-        let needed = (LEAST_EVIDENCE + freedom + 2.0 * tried.ln()).sqrt();
+        let needed = (LEAST_EVIDENCE + freedom + self.price_of_trying(&name)).sqrt();
         let mut bars = vec![Bar { slope: clear, needed }];
         if self.references == 0 || !trace.trial.is_always_there() {
             bars.push(Bar { slope: trace.held.sqrt(), needed: LEAST_HELD_GAIN.sqrt() });

@@ -183,8 +183,7 @@ impl Search<'_> {
         } else {
             freedom(&free, &covariance, own)
         };
-        let tried = self.tried.get(&trial.name()).copied().unwrap_or(1);
-        let mut evidence = before - cost - freedom - 2.0 * (tried as f64).ln();
+        let mut evidence = before - cost - freedom - self.price_of_trying(&trial.name());
         if evidence > LEAST_EVIDENCE {
             // And the noise another colour.
             let there = (&state.model, &state.free[..], at[..first].to_vec());

@@ -37,8 +37,9 @@ impl Search<'_> {
         let (_, slope) = value(main.prior.0);
         let std = profile.step_std(middle);
         let freedom = 2.0 * (main.prior.1 / std).max(1.0).ln();
-        let tried = self.tried.get(&trial.name()).copied().unwrap_or(1) as f64;
-        let needed = (LEAST_EVIDENCE + price + freedom + 2.0 * tried.ln()).sqrt().max(LEAST_DISTANCE);
+        let needed = (LEAST_EVIDENCE + price + freedom + self.price_of_trying(&trial.name()))
+            .sqrt()
+            .max(LEAST_DISTANCE);
         OverDrives {
             name: trial.name(),
             number,

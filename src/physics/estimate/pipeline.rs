@@ -442,8 +442,11 @@ impl Pipeline {
             abs_working_s: self.abs.working_s(),
             brakes_at_limit: self.brake_slip.is_at_limit(&self.latest.slope),
             limit: self.saturation.friction(),
-            // Tires that slide are doubted for a moment, too.
-            curve: self.saturating.likelihood().filter(|_| self.doubted_s < TUNING.spoils_s),
+            // While tires begin to slide sensors are doubted, too.
+            curve: self
+                .saturating
+                .likelihood()
+                .filter(|_| self.doubted_s < TUNING.spoils_s || self.saturating.slides()),
             map: self.mapped(),
         };
         self.latest.friction = self.friction.step(now, self.acceleration(now), evidence);

@@ -39,10 +39,14 @@ const TUNING: Tuning = Tuning {
 #[derive(Clone, Copy, Debug)]
 pub struct Lateness {
     memory_s: f64,
+    /// Rates of the second signal beyond this count no more than this.
+    usual_rate: f64,
     /// Both signals, smoothed once and twice.
     smooth: [[f64; 2]; 2],
-    /// Mean squares of the rate of the second signal and of the difference, and their mean product.
+    /// Mean squares of the rate of the second signal and of the difference, and their mean product, as far as they count.
     rate_square: f64,
+    /// Mean fourth power of the rate.
+    rate_fourth: f64,
     square: f64,
     product: f64,
     /// The mean of what is expected.
@@ -63,8 +67,10 @@ impl Lateness {
     pub fn of_seconds(memory_s: f64) -> Self {
         Self {
             memory_s,
+            usual_rate: f64::INFINITY,
             smooth: [[0.0; 2]; 2],
             rate_square: 0.0,
+            rate_fourth: 0.0,
             square: 0.0,
             product: 0.0,
             expected_s: 0.0,
@@ -72,6 +78,11 @@ impl Lateness {
             doubt: Lasting::default(),
             is_crude: false,
         }
+    }
+
+    /// Where the second signal changes faster than this it says no more than where it changes so.
+    pub fn of_rate(usual_rate: f64) -> Self {
+        Self { usual_rate, ..Self::default() }
     }
 
     /// Takes both; how much later the first one is to come (s), give or take `tolerance_s`.
@@ -85,9 +96,12 @@ impl Lateness {
         let (difference, rate) = (one - other, (once - other) / TUNING.smooth_s);
         self.seen_s += elapsed_s;
         let memory = (elapsed_s / self.seen_s.min(self.memory_s)).min(1.0);
-        self.rate_square += memory * (rate * rate - self.rate_square);
-        self.square += memory * (difference * difference - self.square);
-        self.product += memory * (difference * rate - self.product);
+        let counts = 1.0 / (1.0 + (rate / self.usual_rate).powi(2));
+        let learn = |mean: &mut f64, value: f64| *mean += memory * (value - *mean);
+        learn(&mut self.rate_square, counts * rate * rate);
+        learn(&mut self.rate_fourth, (counts * rate * rate).powi(2));
+        learn(&mut self.square, counts * difference * difference);
+        learn(&mut self.product, counts * difference * rate);
         self.expected_s += memory * (expected_s - self.expected_s);
         let late = self.late_s().abs();
         let chance = TUNING.deviations * self.std_s();
@@ -113,6 +127,12 @@ impl Lateness {
         self.is_crude
     }
 
+    /// How many seconds tell it: all of them if the second signal changes as much in each, few where it does in one moment
+    /// only.
+    pub fn told_by_s(&self) -> f64 {
+        self.seen_s.min(self.memory_s) * self.rate_square * self.rate_square / self.rate_fourth
+    }
+
     fn std_s(&self) -> f64 {
         let left = (self.square - self.product * self.product / self.rate_square).max(0.0);
         let worth = self.seen_s.min(self.memory_s) / TUNING.error_lasts_s;
@@ -133,6 +153,22 @@ mod tests {
             lateness.step([signal(t - by_s) + error * (0.71 * t).cos(), signal(t)], 0.0, 0.0, 0.01);
         }
         lateness
+    }
+
+    /// GIVEN signals that change as they like THEN most of the memory tells; where one runs away for a second, that second does.
+    #[test]
+    fn a_moment_tells_for_a_moment() {
+        let told_by_s = |away: f64| {
+            let mut lateness = Lateness::default();
+            for i in 0..3000 {
+                let t = 0.01 * f64::from(i);
+                let signal = 0.2 * (1.3 * t).sin() + away * (t - 29.0).max(0.0).powi(2);
+                lateness.step([signal; 2], 0.0, 0.0, 0.01);
+            }
+            lateness.told_by_s()
+        };
+        let [usual, moment] = [0.0, 1.5].map(told_by_s);
+        assert!(usual > 6.0 && moment < 1.5, "{usual} {moment}");
     }
 
     #[test]

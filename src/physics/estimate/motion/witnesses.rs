@@ -19,7 +19,7 @@ use crate::estimate::motion::proportion::Proportion;
 use crate::filter::Gaussian;
 use crate::model::GRAVITY;
 
-/// Tuned with the tests `motion` and `faults`.
+/// Tuned with the tests `motion` and `faults`, `useless_shows_s` and `lively` with `campaign`.
 struct Tuning {
     /// Time constant of the smoothing, s: longer than delays, shorter than curves.
     smooth_s: f64,
@@ -52,6 +52,10 @@ struct Tuning {
     forward: f64,
     /// What comes so late, s, is of no use.
     useless_s: f64,
+    /// That takes so many seconds to show. A car that begins to slide turns ahead of its acceleration, too, for a moment.
+    useless_shows_s: f64,
+    /// So fast does the lateral acceleration change in lively driving, m/s³; what is faster may be a slide as well.
+    lively: f64,
     /// An offset makes at least this share of a mean square.
     level: f64,
     /// A doubt ends at this share of what it begins at.
@@ -80,6 +84,8 @@ const TUNING: Tuning = Tuning {
     turning: 0.05,
     forward: 0.5,
     useless_s: 0.08,
+    useless_shows_s: 3.0,
+    lively: 1.5,
     level: 0.7,
     ends: 0.6,
     offset_deviations: 2.0,
@@ -127,6 +133,8 @@ pub struct Witnesses {
     pairs: [Comparison; 3],
     /// Yaw rate with what the steering makes of it, acceleration with that of turning.
     lateness: [Lateness; 2],
+    /// That of the acceleration, as slides hardly count.
+    uselessness: Lateness,
 }
 
 /// What the car is by its data sheet.
@@ -168,6 +176,7 @@ impl Witnesses {
             seen_s: 0.0,
             pairs: [Comparison::default(); 3],
             lateness: [Lateness::default(); 2],
+            uselessness: Lateness::of_rate(TUNING.lively),
         }
     }
 
@@ -211,9 +220,13 @@ impl Witnesses {
         match felt {
             Some(felt) => {
                 let (lead_s, lead_std) = self.body.lead(inputs.speed);
-                by_yaw_rate.step([felt, inputs.speed * turned], -lead_s, lead_std, elapsed_s);
+                for lateness in [by_yaw_rate, &mut self.uselessness] {
+                    lateness.step([felt, inputs.speed * turned], -lead_s, lead_std, elapsed_s);
+                }
             }
-            None => *by_yaw_rate = Lateness::default(),
+            None => {
+                (*by_yaw_rate, self.uselessness) = (Lateness::default(), Lateness::of_rate(TUNING.lively));
+            }
         }
         self.seen_s += elapsed_s;
         let memory = (elapsed_s / self.seen_s.min(TUNING.memory_s)).min(1.0);
@@ -277,8 +290,10 @@ impl Witnesses {
     /// car that turns less than it is steered may have soft tires.)
     pub fn outvote_acceleration(&self) -> bool {
         let [by_steering, by_yaw_rate, by_both] = self.pairs.map(|pair| pair.doubt.is_there());
-        let [_, late] = &self.lateness;
-        let is_late = late.doubt().is_there() && late.late_s() > TUNING.useless_s;
+        let late = &self.uselessness;
+        let is_late = late.doubt().is_there()
+            && late.late_s() > TUNING.useless_s
+            && late.told_by_s() > TUNING.useless_shows_s;
         !by_steering && (is_late || by_yaw_rate && by_both && self.pairs[1].is_level())
     }
 

@@ -11,7 +11,6 @@
 mod curve;
 mod filter;
 #[cfg(all(test, feature = "simulation"))]
-#[cfg(test)]
 mod tests;
 mod window;
 
@@ -68,6 +67,8 @@ struct Tuning {
     starts_s: f64,
     /// … when the likeliest filter's NIS has this mean at most, over this time, s, …
     fit: (f64, f64),
+    /// … or this mean while both axles slide, …
+    sliding_fit: f64,
     /// … when no single wheel was braked for so long, s, which turns the car without any slip angle, …
     unbraked_s: f64,
     /// … when an axle used this much lately: curves that are hardly begun say nothing, …
@@ -76,10 +77,10 @@ struct Tuning {
     apart: f64,
     /// … which has this deviation at least, as a share of the speed, …
     motion_std: f64,
-    /// … while the car goes nearly where it points: lateral over forward velocity, …
-    spinning: f64,
     /// … and the stiffnesses are so many deviations from the data sheet at most.
     implausible: f64,
+    /// Beyond this slip angle any tire slides, rad. Physical: twice that of the greatest force.
+    slides: f64,
     /// With a mean NIS beyond this the bank has lost the motion, and starts again.
     lost: f64,
     /// A window after a longer gap starts the motion again, s.
@@ -104,12 +105,13 @@ const TUNING: Tuning = Tuning {
     noise_memory: 400.0,
     starts_s: 1.0,
     fit: (0.1, 1.0),
+    sliding_fit: 0.2,
     unbraked_s: 4.0,
     used: 0.1,
     apart: 1.0,
     motion_std: 0.01,
-    spinning: 0.6,
     implausible: 3.5,
+    slides: 0.2,
     lost: 0.4,
     gap_s: 0.1,
 };
@@ -149,6 +151,8 @@ pub struct SaturatingTires {
     used: f64,
     /// Mean NIS of the likeliest filter.
     fit: f64,
+    /// By the likeliest filter, both axles slide.
+    slides: bool,
     windows: Windows,
     minimum_speed: f64,
     /// For how long the car has been driving, s.
@@ -171,6 +175,7 @@ impl SaturatingTires {
             learned: [LearnedNoise::new(TUNING.noise_memory); 2],
             used: 0.0,
             fit: 0.0,
+            slides: false,
             windows: Windows::default(),
             minimum_speed,
             driving_s: 0.0,
@@ -211,10 +216,12 @@ impl SaturatingTires {
         }
         self.driving_s += window.elapsed_s;
         self.update(&window, white);
-        let best = self.best();
+        let likeliest = &self.filters.as_flattened()[self.best()];
+        let slides = |axle| likeliest.slip_angle(axle, &window, &self.car).abs() > TUNING.slides;
+        self.slides = slides(0) && slides(1);
         if self.unbraked_s < TUNING.unbraked_s {
             self.surface_changed();
-        } else if self.tells(&window, &self.filters.as_flattened()[best].state, motion) {
+        } else if self.tells(&window, &likeliest.state, motion) {
             self.likelihood = Some(self.of_frictions());
         }
     }
@@ -222,6 +229,11 @@ impl SaturatingTires {
     /// What the last seconds say, at a sample that ends a window.
     pub fn likelihood(&self) -> Option<Likelihood> {
         self.likelihood
+    }
+
+    /// Do both axles slide? Then sensors seem to contradict each other, for no wheel rolls where it points.
+    pub fn slides(&self) -> bool {
+        self.slides
     }
 
     /// The road is another one: the last seconds say nothing of it.
@@ -234,6 +246,7 @@ impl SaturatingTires {
     pub fn stop(&mut self) {
         self.windows = Windows::default();
         self.driving_s = 0.0;
+        self.slides = false;
         self.surface_changed();
     }
 
@@ -330,8 +343,7 @@ impl SaturatingTires {
         self.driving_s > TUNING.starts_s
             && self.used > TUNING.used
             && motion.is_some_and(agrees)
-            && self.fit < TUNING.fit.0
-            && state.mean[VY].abs() < TUNING.spinning * now.speed
+            && self.fit < if self.slides { TUNING.sliding_fit } else { TUNING.fit.0 }
             && [FRONT, REAR].into_iter().all(is_plausible)
     }
 

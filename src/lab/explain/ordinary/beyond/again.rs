@@ -8,19 +8,17 @@ use std::ops::Range;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::super::numbers::Number;
+use super::super::numbers::{Free, Number};
 use super::Search;
-use super::climb::{Climbed, State, freedom};
+use super::climb::{State, freedom};
 use super::colour::{CHANNELS, Series};
 use super::refit::Refitted;
 use super::told::SHOWN_IN;
 use super::trial::Trial;
 use super::without::without;
+use crate::explain::model::Model;
 use crate::explain::result::{ByChannel, Estimate, Finding, SecondPass};
 use crate::explain::select::LEAST_EVIDENCE;
-
-/// Rounds of fitting all of it, with slopes and the noise's colour learned anew. Numerical.
-const ROUNDS: usize = 2;
 
 /// What was taken in the first pass.
 pub(super) struct Taken {
@@ -52,7 +50,7 @@ impl Search<'_> {
         taken: &mut Vec<Taken>,
         findings: &mut Vec<Finding>,
     ) -> Again<'a> {
-        let mut state = self.settled(state);
+        let mut state = self.learned(&state.model, &state.free, &state.at);
         let mut fell_away = Vec::new();
         loop {
             let dropped: Vec<Dropped> = taken.par_iter().map(|it| self.dropped(&state, it)).collect();
@@ -66,7 +64,8 @@ impl Search<'_> {
                     "is not needed beside what was found after it"
                 );
                 fell_away.push(taken[weakest].trial.name());
-                state = self.settled(taken_out(state, &taken.remove(weakest), taken));
+                let (model, free, at) = taken_out(state, &taken.remove(weakest), taken);
+                state = self.learned(&model, &free, &at);
                 findings.remove(weakest);
                 continue;
             }
@@ -76,20 +75,6 @@ impl Search<'_> {
             }
             return Again { state, fell_away };
         }
-    }
-
-    /// All that is free at its likeliest, with slopes where that is.
-    fn settled<'a>(&self, mut state: State<'a>) -> State<'a> {
-        for _ in 0..ROUNDS {
-            state.slopes = self.slopes(&state.model, &state.free, &state.at, &state.errors);
-            let Climbed { at, errors, .. } =
-                self.climb(&state, &state.colour, &state.model, &state.free, state.at.clone());
-            (state.at, state.errors) = (at, errors);
-            state.colour = self.colour(&state.errors);
-        }
-        let Climbed { at, errors, cost, covariance } =
-            self.climb(&state, &state.colour, &state.model, &state.free, state.at.clone());
-        State { at, errors, cost, covariance, ..state }
     }
 
     fn dropped(&self, state: &State<'_>, it: &Taken) -> Dropped {
@@ -194,19 +179,19 @@ fn interplay(beside: &[Vec<f64>; CHANNELS], alone: &[Vec<f64>; CHANNELS]) -> ByC
     (0..2).filter_map(of).collect()
 }
 
-/// The car without one of the findings; the others stand where they stand then.
-fn taken_out<'a>(mut state: State<'a>, gone: &Taken, left: &mut [Taken]) -> State<'a> {
-    for free in &state.free[gone.own.clone()] {
+/// The car without one of the findings, what is free of it and where that is; the others stand where they stand then.
+fn taken_out<'a>(state: State<'a>, gone: &Taken, left: &mut [Taken]) -> (Model<'a>, Vec<Free>, Vec<f64>) {
+    let State { mut model, mut free, mut at, .. } = state;
+    for free in free.drain(gone.own.clone()) {
         if let Number::Of(place) = free.number {
-            state.model.put(place, free.prior.0);
+            model.put(place, free.prior.0);
         }
     }
-    state.free.drain(gone.own.clone());
-    state.at.drain(gone.own.clone());
+    at.drain(gone.own.clone());
     for it in left.iter_mut().filter(|it| it.own.start > gone.own.start) {
         it.own = it.own.start - gone.own.len()..it.own.end - gone.own.len();
     }
-    state
+    (model, free, at)
 }
 
 /// One of the findings as a search fits it: its own numbers last.

@@ -24,8 +24,13 @@ impl Search<'_> {
     /// The ordinary car at what is likeliest for coloured noise.
     pub(super) fn begin<'a>(&self, found: &FreeFit<'a>) -> State<'a> {
         let (model, free, at) = self.with_wheels(found);
-        let errors = self.errors(&model, &free, &at);
-        let mut state = self.with_slopes(self.in_colour(self.colour(&errors), (&model, &free, &at), errors));
+        self.learned(&model, &free, &at)
+    }
+
+    /// A car with its numbers where they are likeliest, and the noise's colour there. They begin at `at`.
+    pub(super) fn learned<'a>(&self, model: &Model<'a>, free: &[Free], at: &[f64]) -> State<'a> {
+        let errors = self.errors(model, free, at);
+        let mut state = self.with_slopes(self.in_colour(self.colour(&errors), (model, free, at), errors));
         for _ in 0..ROUNDS {
             let next = self.round_from(&state);
             let gained = state.cost - next.cost;

@@ -442,14 +442,17 @@ impl Pipeline {
             abs_working_s: self.abs.working_s(),
             brakes_at_limit: self.brake_slip.is_at_limit(&self.latest.slope),
             limit: self.saturation.friction(),
-            // While tires begin to slide sensors are doubted, too.
-            curve: self
-                .saturating
-                .likelihood()
-                .filter(|_| self.doubted_s < TUNING.spoils_s || self.saturating.slides()),
+            curve: self.saturating.likelihood().filter(|_| !self.is_spoiled()),
             map: self.mapped(),
         };
         self.latest.friction = self.friction.step(now, self.acceleration(now), evidence);
+    }
+
+    /// Doubts have spoiled what tires say of the road: at once where nobody knows how the wheels stand, otherwise after a while,
+    /// but not where both axles slide, of which sensors tell differently.
+    fn is_spoiled(&self) -> bool {
+        let lasts = self.doubted_s >= TUNING.spoils_s && !self.saturating.slides();
+        lasts || self.motion.doubts_steering()
     }
 
     /// Longitudinal acceleration, measured or from the wheels.

@@ -11,6 +11,7 @@
 mod curve;
 mod filter;
 #[cfg(all(test, feature = "simulation"))]
+#[cfg(test)]
 mod tests;
 mod window;
 

@@ -45,7 +45,7 @@ pub struct Lateness {
     smooth: [[f64; 2]; 2],
     /// Mean squares of the rate of the second signal and of the difference, and their mean product, as far as they count.
     rate_square: f64,
-    /// Mean fourth power of the rate.
+    /// Mean square of what counts of the rate's square.
     rate_fourth: f64,
     square: f64,
     product: f64,
@@ -169,6 +169,23 @@ mod tests {
         };
         let [usual, moment] = [0.0, 1.5].map(told_by_s);
         assert!(usual > 6.0 && moment < 1.5, "{usual} {moment}");
+    }
+
+    /// GIVEN equal signals of which, for a second, the second one runs away first THEN that counts less beyond the usual rate.
+    #[test]
+    fn what_changes_unusually_fast_counts_less() {
+        let late_s = |usual_rate: f64| {
+            let mut lateness = Lateness::of_rate(usual_rate);
+            for i in 0..1000 {
+                let t = 0.01 * f64::from(i);
+                let usual = 0.2 * (1.3 * t).sin();
+                let away = |t: f64| 1.5 * (t - 9.0).max(0.0).powi(2);
+                lateness.step([usual + away(t - 0.3), usual + away(t)], 0.0, 0.0, 0.01);
+            }
+            lateness.late_s()
+        };
+        let [counted, uncounted] = [0.2, f64::INFINITY].map(late_s);
+        assert!(counted < 0.5 * uncounted && uncounted > 0.1, "{counted} {uncounted}");
     }
 
     #[test]

@@ -133,7 +133,7 @@ pub struct Witnesses {
     pairs: [Comparison; 3],
     /// Yaw rate with what the steering makes of it, acceleration with that of turning.
     lateness: [Lateness; 2],
-    /// That of the acceleration, as slides hardly count.
+    /// The latter once more, where slides hardly count: is the accelerometer of any use?
     uselessness: Lateness,
 }
 

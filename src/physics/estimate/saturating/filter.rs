@@ -59,8 +59,7 @@ impl Filter {
     ) -> [Innovation; 2] {
         [0, 1].map(|axle| {
             let x = &self.state.mean;
-            let across = self.across(axle, now, car);
-            let alpha = self.slip_angle(axle, now, car);
+            let (across, alpha) = self.slip(axle, now, car);
             let along = now.along[axle];
             let least = LEAST_SHARE * surface.friction;
             let limit = (surface.friction * surface.friction - along * along).max(least * least).sqrt();
@@ -78,16 +77,13 @@ impl Filter {
         })
     }
 
-    /// Of an axle (0 in front), rad.
-    pub fn slip_angle(&self, axle: usize, now: &Window, car: &Car) -> f64 {
-        let steered = if axle == 0 { now.angle - self.state.mean[ANGLE] } else { now.rear_angle };
-        steered - self.across(axle, now, car).atan()
-    }
-
-    /// Lateral over forward velocity of an axle.
-    fn across(&self, axle: usize, now: &Window, car: &Car) -> f64 {
+    /// Lateral over forward velocity and slip angle (rad) of an axle (0 in front).
+    pub fn slip(&self, axle: usize, now: &Window, car: &Car) -> (f64, f64) {
+        let x = &self.state.mean;
         let lever = if axle == 0 { car.a } else { -car.b };
-        (self.state.mean[VY] + lever * now.yaw_rate) / now.speed
+        let across = (x[VY] + lever * now.yaw_rate) / now.speed;
+        let steered = if axle == 0 { now.angle - x[ANGLE] } else { now.rear_angle };
+        (across, steered - across.atan())
     }
 
     /// Over a window.

@@ -218,7 +218,7 @@ impl SaturatingTires {
         self.driving_s += window.elapsed_s;
         self.update(&window, white);
         let likeliest = &self.filters.as_flattened()[self.best()];
-        let slides = |axle| likeliest.slip_angle(axle, &window, &self.car).abs() > TUNING.slides;
+        let slides = |axle| likeliest.slip(axle, &window, &self.car).1.abs() > TUNING.slides;
         self.slides = slides(0) && slides(1);
         if self.unbraked_s < TUNING.unbraked_s {
             self.surface_changed();

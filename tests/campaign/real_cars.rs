@@ -166,6 +166,16 @@ fn no_interval_excludes_what_a_gti_uses_next() {
     }
 }
 
+/// GIVEN a lap whose steering belongs to another lap, and now and then agrees with the yaw rate THEN no friction is told.
+#[test]
+fn a_foreign_steering_tells_no_friction() {
+    let Some(folder) = testing::shared("recordings/gti") else { return };
+    let config = Config::load(&folder.join("laps.toml")).unwrap();
+    let rows = replay(&config, &folder.join("dry1.log.gz"));
+    let told = rows.iter().filter(|row| row.friction.valid || row.friction.high.is_some()).count();
+    assert!(rows.len() > 5000 && told == 0, "{told} of {}", rows.len());
+}
+
 /// Scenes as records, 50 Hz as they were recorded.
 fn zoe_records(folder: &Path, config: &Config, scenes: &[&str]) -> Vec<gripd::identify::Record> {
     let log = |scene: &&str| folder.join(format!("zoe/scene-{scene}.log.gz"));

@@ -41,6 +41,8 @@ struct Tuning {
     most_acceleration: f64,
     /// Sensors that were doubted for so long have spoiled what was learned of the tires, s.
     spoils_s: f64,
+    /// A steering that has agreed for so long is trusted again, however long it did not, s.
+    forgotten_s: f64,
     /// Normalized force (rms) at which the slopes are fully excited.
     full_excitation: f64,
     /// Time constant of the excitation, s.
@@ -54,6 +56,7 @@ const TUNING: Tuning = Tuning {
     agreeing_noise: 3.0,
     most_acceleration: 20.0,
     spoils_s: 4.0,
+    forgotten_s: 30.0,
     full_excitation: 0.1,
     excitation_memory_s: 10.0,
 };
@@ -93,6 +96,8 @@ pub struct Pipeline {
     block_acceleration: Option<f64>,
     /// For how long sensors have been doubted, s.
     doubted_s: f64,
+    /// For how long the steering was doubted, less the time that it has agreed since, s.
+    distrusted_s: f64,
     /// Seconds since a surface change was last noticed.
     unchanged_s: f64,
     /// Seconds that the car moved, those of earlier drives included.
@@ -128,6 +133,7 @@ impl Pipeline {
             excitation: [Excitation::NONE; 2],
             block_acceleration: None,
             doubted_s: 0.0,
+            distrusted_s: 0.0,
             unchanged_s: f64::INFINITY,
             driving_s: 0.0,
             latest: Estimates::default(),
@@ -401,6 +407,8 @@ impl Pipeline {
         } else if std::mem::take(&mut self.doubted_s) > TUNING.spoils_s {
             self.cornering.doubt_ends();
         }
+        let sign = if self.motion.doubts_steering() { 1.0 } else { -1.0 };
+        self.distrusted_s = (self.distrusted_s + sign * now.elapsed_s).clamp(0.0, TUNING.forgotten_s);
         let motion = self.motion.motion();
         let lateral_velocity = motion.map(|m| m.lateral_velocity);
         let lateral = now.lateral_acceleration.unwrap_or(0.0) / crate::model::GRAVITY;
@@ -448,11 +456,12 @@ impl Pipeline {
         self.latest.friction = self.friction.step(now, self.acceleration(now), evidence);
     }
 
-    /// Doubts have spoiled what tires say of the road: at once where nobody knows how the wheels stand, otherwise after a while,
-    /// but not where both axles slide, of which sensors tell differently.
+    /// Doubts have spoiled what tires say of the road. At once where nobody knows how the wheels stand, and after a long
+    /// doubt of the steering until it has agreed for about as long; otherwise after a while, but not where both axles slide,
+    /// of which sensors tell differently.
     fn is_spoiled(&self) -> bool {
         let lasts = self.doubted_s >= TUNING.spoils_s && !self.saturating.slides();
-        lasts || self.motion.doubts_steering()
+        lasts || self.motion.doubts_steering() || self.distrusted_s > TUNING.spoils_s
     }
 
     /// Longitudinal acceleration, measured or from the wheels.

@@ -15,6 +15,7 @@ use super::refit::Refitted;
 use super::round::LEAST_CLEAR;
 use super::trial::What;
 use crate::explain::finding::{TOLD_APART, probability_among};
+use crate::explain::lateness::LEAST_DELAY_S;
 use crate::explain::model::Place;
 use crate::explain::result::{ByChannel, Estimate, Finding, FoundLaw, Nature, Where};
 use crate::explain::select::LEAST_EVIDENCE;
@@ -259,7 +260,8 @@ impl Search<'_> {
         let free = &state.free[place];
         let told = Told::of(state, free)?;
         let at = state.at[place];
-        if free.is_at_bound(at) {
+        let is_any_sensors = told.kind.name == "sensor_delay" && at.abs() < LEAST_DELAY_S;
+        if free.is_at_bound(at) || is_any_sensors {
             return None;
         }
         // The same car without it, all else free.

@@ -27,7 +27,8 @@ use crate::model::effect::EffectConfig;
 use crate::model::{DrivenAxle, Vehicle};
 use crate::{Faults, Quantity, Sample, Sensors};
 
-/// Tuned: `agreeing` with the test `long_drives`, `spoils_s` with `one_channel`, the rest with no test on record.
+/// Tuned: `agreeing` with the test `long_drives`, `spoils_s` with `one_channel` and, for the steering, with
+/// `a_foreign_steering_tells_no_friction`, the rest with no test on record.
 struct Tuning {
     /// Several wheels and filters notice the same change: within this time it is one, s.
     one_change_s: f64,

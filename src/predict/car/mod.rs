@@ -20,7 +20,7 @@ use super::drive::GriddedDrive;
 
 pub use instant::{Compute, Instant};
 pub use physics::model::effect::Before;
-pub use step::{Inputs, State, step_by_rates};
+pub use step::{Inputs, Passed, State};
 
 /// States of the body: vx, vy, yaw rate.
 pub const BODY_STATES: usize = 3;
@@ -193,5 +193,10 @@ impl ExtendedCar {
     pub fn fastest_rate(&self, vx: f64) -> f64 {
         let [sideways, yaw] = self.plant.lateral_rates();
         ((sideways + yaw) / vx.max(1.0)).max(self.effects.fastest_rate(vx))
+    }
+
+    /// The fastest rate at a speed, 1/s, of what [`Self::pass`] knows none of.
+    pub fn fastest_unknown(&self, vx: f64) -> f64 {
+        self.effects.fastest_but_lags(vx)
     }
 }

@@ -130,7 +130,7 @@ fn rows(
             mean(&|i| steered[2 * i], row),
             mean(&|i| predicted.yaw_rate[i], row),
             mean(&|i| predicted.lateral[i], row),
-            mean(&|i| predicted.sideslip[i], row),
+            mean(&|i| predicted.tan_sideslip[i].atan(), row),
             mean(&|i| driven(i).1, row),
             mean(&|i| driven(i).0, row),
         ]);
@@ -261,7 +261,7 @@ mod tests {
         let predicted = Predicted {
             yaw_rate: drive.yaw_rate.clone(),
             lateral: drive.lateral.clone().unwrap(),
-            sideslip: vec![0.0; drive.points()],
+            tan_sideslip: vec![0.0; drive.points()],
             wheels: Default::default(),
         };
         remaining(&[drive], &[predicted], error, 1).unwrap()

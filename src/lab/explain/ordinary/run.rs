@@ -6,7 +6,7 @@ use physics::model::effect::Recorded;
 use super::grid::STEP_S;
 use super::inputs::{FreeDrive, compared_mean};
 use predict::ExtendedCar;
-use predict::car::{Before, Compute, Inputs, Instant, State, step_by_rates};
+use predict::car::{Before, Compute, Inputs, Instant, Passed, State};
 
 /// What a free run says at the grid points.
 #[derive(Clone, Debug, Default)]
@@ -15,8 +15,8 @@ pub struct Predicted {
     pub yaw_rate: Vec<f64>,
     /// As a mean, m/s².
     pub lateral: Vec<f64>,
-    /// rad, positive to the left.
-    pub sideslip: Vec<f64>,
+    /// Lateral over longitudinal velocity, positive to the left: the tangent of the sideslip.
+    pub tan_sideslip: Vec<f64>,
     /// Wheel speeds, rad/s, if they were asked for.
     pub wheels: [Vec<f64>; 4],
 }
@@ -33,8 +33,8 @@ pub struct SpeedSensing {
 /// So far the step's fastest rate may go; more needs smaller steps. Numerical: stable with the midpoint rule.
 const LARGEST_STEP: f64 = 0.8;
 
-/// So far with the rates of two steps alone: what they make of such a rate dies out by a half at each step. Numerical.
-const LARGEST_STEP_BY_RATES: f64 = 0.6;
+/// So far with one instant each, if a rate is not known. Numerical: what they make of it dies out by a half at each step.
+const LARGEST_UNKNOWN_STEP: f64 = 0.6;
 
 /// Substeps are at most so many. Numerical.
 const MOST_SUBSTEPS: f64 = 8.0;
@@ -51,8 +51,8 @@ pub fn run(drive: &FreeDrive, car: &ExtendedCar, speed: SpeedSensing, ask: Compu
 struct Moment {
     state: State,
     before: Before,
-    /// How the state changed then; none where the run begins.
-    rate: Option<State>,
+    /// The grid point before; none where the run begins.
+    passed: Option<Passed>,
 }
 
 /// A free run of all readings that others can branch off from.
@@ -114,7 +114,7 @@ impl Track {
 impl Predicted {
     fn with_room(points: usize) -> Self {
         let room = || Vec::with_capacity(points);
-        Self { yaw_rate: room(), lateral: room(), sideslip: room(), wheels: Default::default() }
+        Self { yaw_rate: room(), lateral: room(), tan_sideslip: room(), wheels: Default::default() }
     }
 
     /// What a car says now.
@@ -122,7 +122,7 @@ impl Predicted {
         let (state, now) = (point.state(), point.now);
         self.yaw_rate.push(now.readings[Quantity::YawRate as usize]);
         self.lateral.push(now.readings[Quantity::LateralAcceleration as usize]);
-        self.sideslip.push(state.body[1].atan2(state.body[0]));
+        self.tan_sideslip.push(state.body[1] / state.body[0]);
         if ask == Compute::Readings {
             for (reading, all) in now.readings.iter().zip(&mut self.wheels) {
                 all.push(reading / speed.scale);
@@ -136,7 +136,7 @@ impl Predicted {
         Self {
             yaw_rate: first(&self.yaw_rate),
             lateral: first(&self.lateral),
-            sideslip: first(&self.sideslip),
+            tan_sideslip: first(&self.tan_sideslip),
             wheels: self.wheels.each_ref().map(first),
         }
     }
@@ -146,7 +146,7 @@ impl Predicted {
         let rest = |own: &mut Vec<f64>, other: &Vec<f64>| own.extend_from_slice(&other[own.len()..]);
         rest(&mut self.yaw_rate, &other.yaw_rate);
         rest(&mut self.lateral, &other.lateral);
-        rest(&mut self.sideslip, &other.sideslip);
+        rest(&mut self.tan_sideslip, &other.tan_sideslip);
         self.wheels.iter_mut().zip(&other.wheels).for_each(|(own, other)| rest(own, other));
     }
 
@@ -196,7 +196,7 @@ pub fn along(
     mut visit: impl FnMut(&Point<'_>),
 ) {
     let along = Along { drive, car, speed, ask };
-    along.run_from(0, Moment { state: along.start(), before: Before::default(), rate: None }, |point| {
+    along.run_from(0, Moment { state: along.start(), before: Before::default(), passed: None }, |point| {
         visit(point);
         true
     });
@@ -227,30 +227,34 @@ impl Along<'_> {
         let steered = drive.steered(car.steering_delay(), first..drive.points());
         for i in first..drive.points() {
             let t = drive.time(i);
-            let at = [0, 1, 2].map(|part| {
-                let t = t + 0.5 * STEP_S * part as f64;
-                car.undo(t, recorded(steered[2 * (i - first) + part]))
-            });
-            let inputs = Inputs::new(at, STEP_S);
+            let input = |part: usize| {
+                car.undo(t + 0.5 * STEP_S * part as f64, recorded(steered[2 * (i - first) + part]))
+            };
+            let (from, to) = (input(0), input(2));
+            let steering_rate = (to.steering_wheel - from.steering_wheel) / STEP_S;
             let (vx, ax) = drive.driven(t, speed.delay_s, speed.scale);
             (moment.state.body[0], moment.state.live[0]) = (vx, ax);
-            let now = car.instant(t, &moment.state, &at[0], inputs.steering_rate, &moment.before, *ask);
-            let steering_rate = inputs.steering_rate;
-            if !visit(&Point { t, moment: &moment, input: &at[0], steering_rate, now: &now }) {
+            let now = car.instant(t, &moment.state, &from, steering_rate, &moment.before, *ask);
+            if !visit(&Point { t, moment: &moment, input: &from, steering_rate, now: &now }) {
                 return;
             }
-            let rate = car.fastest_rate(vx) * STEP_S;
-            let state = match moment.rate.filter(|_| rate <= LARGEST_STEP_BY_RATES) {
-                Some(before) => step_by_rates(&moment.state, &now.rate, &before, STEP_S),
-                None => self.stepped(t, &moment.state, &now, &inputs, (rate / LARGEST_STEP).ceil()),
+            let is_known = car.fastest_unknown(vx) * STEP_S <= LARGEST_UNKNOWN_STEP;
+            let (passed, state) = match &moment.passed {
+                Some(before) if is_known => car.pass(before, &moment.state, &now.rate, STEP_S),
+                _ => {
+                    let here = Passed { state: moment.state, at: moment.state, rate: now.rate };
+                    let inputs = Inputs::new([from, input(1), to], STEP_S);
+                    (here, self.stepped(t, &moment.state, &now, &inputs))
+                }
             };
-            moment = Moment { state, before: now.before(), rate: Some(now.rate) };
+            moment = Moment { state, before: now.before(), passed: Some(passed) };
         }
     }
 
-    /// A step by the midpoint rule, in so many parts.
-    fn stepped(&self, t: f64, from: &State, now: &Instant, inputs: &Inputs, parts: f64) -> State {
-        let parts = parts.clamp(1.0, MOST_SUBSTEPS);
+    /// A step by the midpoint rule, in parts where something is fast.
+    fn stepped(&self, t: f64, from: &State, now: &Instant, inputs: &Inputs) -> State {
+        let rate = self.car.fastest_rate(from.body[0]) * STEP_S;
+        let parts = (rate / LARGEST_STEP).ceil().clamp(1.0, MOST_SUBSTEPS);
         let h = STEP_S / parts;
         let (mut state, mut here) = (*from, *now);
         for part in 0..parts as usize {

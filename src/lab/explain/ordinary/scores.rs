@@ -79,8 +79,9 @@ pub(super) fn traces(drives: &[FreeDrive], found: &[Predicted], plain: &[Predict
 }
 
 pub(super) fn sideslip(drive: &FreeDrive, predicted: &Predicted) -> (String, Vec<[f64; 2]>) {
-    let some = predicted.sideslip.iter().enumerate().step_by(TRACED_EVERY).filter(|(i, _)| drive.counts[*i]);
-    (drive.name.clone(), some.map(|(i, slip)| [drive.time(i), *slip]).collect())
+    let some =
+        predicted.tan_sideslip.iter().enumerate().step_by(TRACED_EVERY).filter(|(i, _)| drive.counts[*i]);
+    (drive.name.clone(), some.map(|(i, tan)| [drive.time(i), tan.atan()]).collect())
 }
 
 fn trace(drive: &FreeDrive, (own, plain): (&Predicted, &Predicted), channel: Quantity) -> Option<FreeTrace> {

@@ -73,6 +73,19 @@ impl EffectList {
         self.list.iter().map(|(effect, _)| effect.fastest_rate(vx)).fold(0.0, f64::max)
     }
 
+    /// The same of those that are no first-order lags.
+    #[inline]
+    pub fn fastest_but_lags(&self, vx: f64) -> f64 {
+        let others = self.list.iter().filter(|(effect, _)| effect.lag_rate(vx).is_none());
+        others.map(|(effect, _)| effect.fastest_rate(vx)).fold(0.0, f64::max)
+    }
+
+    /// The states of those that are, with their rate at a speed, 1/s.
+    #[inline]
+    pub fn lags(&self, vx: f64) -> impl Iterator<Item = (Range<usize>, f64)> {
+        self.list.iter().filter_map(move |(effect, own)| Some((own.clone(), effect.lag_rate(vx)?)))
+    }
+
     /// What the sensors make of the truth.
     #[inline]
     pub fn sense(&self, now: &Now<'_>, felt: &Felt, states: &[f64], readings: &mut Readings) {

@@ -98,8 +98,14 @@ pub trait Effect: Send + Sync + std::fmt::Debug {
     fn rates(&self, _now: &Now<'_>, _felt: &Felt, _states: &[f64], _rates: &mut [f64]) {}
 
     /// The fastest rate of its states at a speed, 1/s: who integrates them needs steps to match.
-    fn fastest_rate(&self, _vx: f64) -> f64 {
-        0.0
+    fn fastest_rate(&self, vx: f64) -> f64 {
+        self.lag_rate(vx).unwrap_or(0.0)
+    }
+
+    /// The rate at a speed, 1/s, if each of its states follows an input as a first-order lag: then who integrates them knows
+    /// where they go.
+    fn lag_rate(&self, _vx: f64) -> Option<f64> {
+        None
     }
 
     /// What the sensors make of the truth.

@@ -87,8 +87,8 @@ impl Effect for RelaxationLength {
         }
     }
 
-    fn fastest_rate(&self, vx: f64) -> f64 {
-        lag::fastest_rate(self.time(vx))
+    fn lag_rate(&self, vx: f64) -> Option<f64> {
+        Some(lag::fastest_rate(self.time(vx)))
     }
 }
 

@@ -61,8 +61,8 @@ impl Effect for SteeringLag {
         }
     }
 
-    fn fastest_rate(&self, _vx: f64) -> f64 {
-        lag::fastest_rate(self.time_constant)
+    fn lag_rate(&self, _vx: f64) -> Option<f64> {
+        Some(lag::fastest_rate(self.time_constant))
     }
 }
 

@@ -86,6 +86,7 @@ impl Search<'_> {
         others.slopes.drain(it.own.clone());
         let free: Vec<_> = others.free.iter().copied().chain(fixed.iter().copied()).collect();
         let from = others.at.iter().copied().chain(fixed.iter().map(|free| free.prior.0)).collect();
+        let from = self.start_at(&state.model, &free, from);
         let climbed = self.climb(&others, &state.colour, &state.model, &free, from);
         let freedom = freedom(&state.free, &state.covariance, it.own.clone());
         let evidence = climbed.cost - state.cost - freedom - self.price_of_trying(&it.trial.name());

@@ -42,7 +42,7 @@ impl Search<'_> {
             }
         }
         let Climbed { at, errors, cost, covariance } =
-            self.climb(&state, &state.colour, &state.model, &state.free, state.at.clone());
+            self.climb(&state, &state.colour, &state.model, &state.free, state.start());
         State { at, errors, cost, covariance, ..state }
     }
 
@@ -50,7 +50,7 @@ impl Search<'_> {
     /// and what is in the colour moves no number. So a round's step is a small part of a way, and is tried in multiples.
     fn round_from<'a>(&self, state: &State<'a>) -> State<'a> {
         let State { model, free, .. } = state;
-        let climbed = self.climb(state, &state.colour, model, free, state.at.clone());
+        let climbed = self.climb(state, &state.colour, model, free, state.start());
         let further = |times: f64| {
             let to = |((from, to), free): ((&f64, &f64), &Free)| {
                 (from + times * (to - from)).clamp(free.bounds.0, free.bounds.1)
@@ -85,7 +85,7 @@ impl Search<'_> {
         errors: Vec<Series>,
     ) -> State<'a> {
         let rows = self.rows(&colour, &errors);
-        let train = self.cost(&colour, &rows, &self.white(&colour, &rows, &errors, 0)).train;
+        let train = self.cost(&colour, &rows, &self.white(&colour, &rows, &errors)).train;
         let cost = train + prior_cost(free, at);
         State {
             model: model.clone(),

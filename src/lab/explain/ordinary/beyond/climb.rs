@@ -1,5 +1,7 @@
 //! Where a model predicts best, for noise of a given colour.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -19,6 +21,13 @@ const TRIES: usize = 6;
 
 /// A search ends where a step gains less, −2 ln likelihood.
 const LEAST_STEP: f64 = 0.3;
+
+/// Slopes of a candidate's own numbers are kept as long as a step gains more, −2 ln likelihood; none ends by old ones.
+/// Numerical.
+const STILL_SERVES: f64 = 10.0 * LEAST_STEP;
+
+/// What becomes of the damping after a step: where it was needed, it will be again. Numerical.
+const LESS_DAMPING: [f64; 2] = [0.1, 0.7];
 
 /// Rounds of learning the noise's colour at most, and what one gains at least. Numerical: what the car without a candidate has not
 /// learned, the candidate would gain; what it has not, it would lose.
@@ -47,6 +56,11 @@ pub struct State<'a> {
 }
 
 impl<'a> State<'a> {
+    /// From where it is.
+    pub(super) fn start(&self) -> Start {
+        Start { at: self.at.clone(), errors: self.errors.clone() }
+    }
+
     /// The car with a trial where it makes no difference; what is free of both, the trial's last, and where that is.
     pub(super) fn beside(&self, trial: &Trial) -> (Model<'a>, Vec<Free>, Vec<f64>) {
         let model = trial.put_into(&self.model);
@@ -71,6 +85,15 @@ pub fn freedom_together(free: &[Free], covariance: &DMatrix<f64>, places: std::o
     after.map_or(0.0, |after| (before - 2.0 * after).max(0.0))
 }
 
+/// Where a search begins.
+#[derive(Clone, Default)]
+pub struct Start {
+    /// The coordinates.
+    pub at: Vec<f64>,
+    /// What is not predicted there.
+    pub errors: Vec<Series>,
+}
+
 /// Where a search ended.
 pub struct Climbed {
     /// The coordinates.
@@ -83,19 +106,31 @@ pub struct Climbed {
     pub covariance: DMatrix<f64>,
 }
 
+impl Climbed {
+    /// From where it ended.
+    pub(super) fn start(&self) -> Start {
+        Start { at: self.at.clone(), errors: self.errors.clone() }
+    }
+}
+
 impl Search<'_> {
+    /// From a place of a model.
+    pub(super) fn start_at(&self, model: &Model<'_>, free: &[Free], at: Vec<f64>) -> Start {
+        Start { errors: self.errors(model, free, &at), at }
+    }
+
     /// Fits a model from a place on and learns the colour of its noise, in turn: what the numbers miss at first is noise.
     pub(super) fn settle(
         &self,
         state: &State<'_>,
         learned: impl Fn(&[Series]) -> Colour,
         mut colour: Colour,
-        (model, free, from): (&Model<'_>, &[Free], Vec<f64>),
+        (model, free, from): (&Model<'_>, &[Free], Start),
     ) -> (Climbed, Colour) {
         let mut here = self.climb(state, &colour, model, free, from);
         for _ in 0..ROUNDS {
             let next_colour = learned(&here.errors);
-            let next = self.climb(state, &next_colour, model, free, here.at.clone());
+            let next = self.climb(state, &next_colour, model, free, here.start());
             let gained = here.cost - next.cost;
             if gained > 0.0 {
                 (here, colour) = (next, next_colour);
@@ -114,34 +149,29 @@ impl Search<'_> {
         colour: &Colour,
         model: &Model<'_>,
         free: &[Free],
-        from: Vec<f64>,
+        from: Start,
     ) -> Climbed {
         let count = free.len();
-        let mut at = from;
-        let mut errors = self.errors(model, free, &at);
+        let Start { mut at, mut errors } = from;
         let rows = self.rows(colour, &state.errors);
         let kept: Vec<DVector<f64>> =
-            state.slopes.iter().map(|slopes| self.white(colour, &rows, slopes, 0)).collect();
-        let mut white = self.white(colour, &rows, &errors, 0);
+            state.slopes.iter().map(|slopes| self.white(colour, &rows, slopes)).collect();
+        let mut white = self.white(colour, &rows, &errors);
         let mut cost = self.cost(colour, &rows, &white).train + prior_cost(free, &at);
         let mut covariance = DMatrix::identity(count, count);
         let mut damping = 0.0;
+        let mut old: Option<Vec<DVector<f64>>> = None;
         for _ in 0..STEPS {
-            let between =
-                |place: usize| free[place].number.place().and_then(|place| model.course_between(place));
-            let has_course = (kept.len()..count).any(|place| between(place).is_some());
-            let tracks = has_course.then(|| self.tracks(model, free, &at));
-            let own = (kept.len()..count).into_par_iter().map(|place| {
-                let branch = tracks.as_deref().zip(between(place));
-                let slope = self.slope(model, free, (&at, &errors), (place, free[place].step), branch);
-                self.white(colour, &rows, &slope, 0)
+            let are_new = old.is_none();
+            let own = old.take().unwrap_or_else(|| {
+                let slopes = self.own_slopes(model, free, (&at, &errors), kept.len()..count);
+                slopes.par_iter().map(|slope| self.white(colour, &rows, slope)).collect()
             });
-            let own: Vec<DVector<f64>> = own.collect();
-            let columns: Vec<DVector<f64>> = kept.iter().cloned().chain(own).collect();
+            let columns: Vec<&DVector<f64>> = kept.iter().chain(&own).collect();
             let (information, gradient) = normal(&columns, &white, &rows, free, &at);
             let before = cost;
             // Levenberg's and Marquardt's.
-            for _ in 0..TRIES {
+            for tries in 0..TRIES {
                 let mut damped = information.clone();
                 for i in 0..count {
                     damped[(i, i)] *= 1.0 + damping;
@@ -151,20 +181,40 @@ impl Search<'_> {
                 let next: Vec<f64> =
                     (0..count).map(|i| (at[i] + step[i]).clamp(free[i].bounds.0, free[i].bounds.1)).collect();
                 let there = self.errors(model, free, &next);
-                let white_there = self.white(colour, &rows, &there, 0);
+                let white_there = self.white(colour, &rows, &there);
                 let cost_there = self.cost(colour, &rows, &white_there).train + prior_cost(free, &next);
                 if cost_there < cost {
                     (at, errors, white, cost) = (next, there, white_there, cost_there);
-                    damping *= 0.1;
+                    damping *= LESS_DAMPING[usize::from(tries > 0)];
                     break;
                 }
                 damping = (10.0 * damping).max(1e-3);
             }
             covariance = information.cholesky().map_or(covariance, |factor| factor.inverse());
-            if before - cost < LEAST_STEP {
+            let gained = before - cost;
+            if gained < LEAST_STEP && are_new {
                 break;
             }
+            old = (gained > STILL_SERVES).then_some(own);
         }
         Climbed { at, errors, cost, covariance }
+    }
+
+    /// How the predictions change with a candidate's own numbers; of the points of a course where they act only.
+    fn own_slopes(
+        &self,
+        model: &Model<'_>,
+        free: &[Free],
+        (at, errors): (&[f64], &[Series]),
+        own: Range<usize>,
+    ) -> Vec<Vec<Series>> {
+        let between = |place: usize| free[place].number.place().and_then(|place| model.course_between(place));
+        let has_course = own.clone().any(|place| between(place).is_some());
+        let tracks = has_course.then(|| self.tracks(model, free, at));
+        let of = |place: usize| {
+            let branch = tracks.as_deref().zip(between(place));
+            self.slope(model, free, (at, errors), (place, free[place].step), branch)
+        };
+        own.into_par_iter().map(of).collect()
     }
 }

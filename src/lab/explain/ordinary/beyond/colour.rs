@@ -99,18 +99,25 @@ impl Follows {
     /// What it does not tell of a channel.
     fn left(&self, channel: usize, series: &Series) -> Vec<f64> {
         let errors = &series[channel];
-        let of = |i: usize| {
-            if i < ORDER {
-                return f64::NAN;
-            }
-            let own: f64 =
-                self.own.iter().enumerate().map(|(lag, weight)| weight * errors[i - 1 - lag]).sum();
-            let others = self.others.iter().flat_map(|(other, weights)| {
-                weights.iter().enumerate().map(move |(lag, weight)| weight * series[*other][i - lag])
-            });
-            errors[i] - own - others.sum::<f64>()
+        let mut left = vec![f64::NAN; errors.len()];
+        let Some(now) = errors.get(ORDER..) else { return left };
+        // Lag by lag, so that the sums are taken side by side.
+        let add = |told: &mut [f64], weight: f64, before: &[f64]| {
+            told.iter_mut().zip(before).for_each(|(told, before)| *told += weight * before);
         };
-        (0..errors.len()).map(of).collect()
+        let (mut own, mut by_others) = (vec![0.0; now.len()], vec![0.0; now.len()]);
+        for (lag, weight) in self.own.iter().enumerate() {
+            add(&mut own, *weight, &errors[ORDER - 1 - lag..]);
+        }
+        for (other, weights) in &self.others {
+            for (lag, weight) in weights.iter().enumerate() {
+                add(&mut by_others, *weight, &series[*other][ORDER - lag..]);
+            }
+        }
+        for (i, left) in left[ORDER..].iter_mut().enumerate() {
+            *left = now[i] - own[i] - by_others[i];
+        }
+        left
     }
 
     /// Of what is missed alike. Errors of opposite sign are not of the motion: a gyroscope that reads too much pulls the model

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::super::numbers::Free;
 use super::Search;
-use super::climb::{Climbed, State, freedom};
+use super::climb::{Climbed, Start, State, freedom};
 use super::refit::Refitted;
 use super::round::{LEAST_CLEAR, LEAST_HELD_GAIN};
 use super::told::Told;
@@ -58,7 +58,7 @@ impl<'a> Search<'_> {
         }
         usual.errors = self.errors(&usual.model, &usual.free, &usual.at);
         let Climbed { at, errors, cost, covariance } =
-            self.climb(&usual, &state.colour, &usual.model, &usual.free, usual.at.clone());
+            self.climb(&usual, &state.colour, &usual.model, &usual.free, usual.start());
         usual.slopes = self.slopes(&usual.model, &usual.free, &at, &errors);
         (usual.at, usual.errors, usual.cost, usual.covariance) = (at, errors, cost, covariance);
         let others: Vec<Trial> = trials
@@ -96,8 +96,8 @@ impl<'a> Search<'_> {
         slopes.truncate(count);
         let there = State { slopes, ..usual.clone() };
         let colour = self.colour(&held.errors);
-        let Climbed { at, errors, cost, covariance } =
-            self.climb(&there, &colour, &held.model, &free, held.at.clone());
+        let from = Start { at: held.at.clone(), errors: held.errors.clone() };
+        let Climbed { at, errors, cost, covariance } = self.climb(&there, &colour, &held.model, &free, from);
         if places.iter().any(|place| unusual(state, &free, &at, *place).is_some()) {
             return None;
         }
@@ -106,7 +106,8 @@ impl<'a> Search<'_> {
             (freedom(&free, &covariance, own()), freedom(&held.free, &held.covariance, own()));
         let evidence = held.evidence + held.cost - cost + was - narrower;
         // The numbers, too, may have found a better place on the way.
-        let alone = self.climb(state, &state.colour, &state.model, &state.free, at[..count].to_vec());
+        let from = self.start_at(&state.model, &state.free, at[..count].to_vec());
+        let alone = self.climb(state, &state.colour, &state.model, &state.free, from);
         let ahead = state.cost.min(alone.cost) - cost - narrower - self.price_of_trying(&held.trial.name());
         Some((ahead, Refitted { free, at, errors, cost, covariance, evidence, ..held }))
     }

@@ -233,7 +233,7 @@ impl Search<'_> {
                 .find(|by| (main.bounds.0..=main.bounds.1).contains(&(at[place] + by)))?;
             let slope = self.slope(&model, &free, (&at, &state.errors), (place, by), None);
             let could_be = self.could_be(&slope, by);
-            let left = ground.left(&(self.white(colour, rows, &slope, 0) * by));
+            let left = ground.left(&(self.white(colour, rows, &slope) * by));
             let held = held_square(&left, rows);
             let left = left.component_mul(&weights.map(f64::sqrt));
             Some(Trace { trial, free: main, by, could_be, left, held })

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::super::numbers::{Free, Scope};
 use super::super::run::Track;
 use super::Search;
-use super::climb::{Climbed, State, freedom, freedom_together};
+use super::climb::{Climbed, Start, State, freedom, freedom_together};
 use super::colour::{CHANNELS, Series};
 use super::scan::Scored;
 use super::trial::Trial;
@@ -142,7 +142,7 @@ impl Search<'_> {
     fn own_cost(&self, state: &State<'_>, errors: &[Series]) -> f64 {
         let short = self.short_colour(&state.errors);
         let rows = self.rows(&short, &state.errors);
-        let cost = self.cost(&short, &rows, &self.white(&short, &rows, errors, 0));
+        let cost = self.cost(&short, &rows, &self.white(&short, &rows, errors));
         cost.train + cost.held
     }
 
@@ -152,11 +152,12 @@ impl Search<'_> {
         let first = free.len();
         free.extend(trial.free(&model));
         let short = self.short_colour(&state.errors);
-        let climbed = starts.into_iter().map(|start| self.climb(state, &short, &model, &free, start));
+        let climb = |at| self.climb(state, &short, &model, &free, self.start_at(&model, &free, at));
+        let climbed = starts.into_iter().map(climb);
         let best = climbed.min_by(|a, b| a.cost.total_cmp(&b.cost));
-        let (at, errors) = best.map_or_else(Default::default, |best| (best.at, best.errors));
+        let best = best.map(|best| best.start()).unwrap_or_default();
         let there = self.is_simulated.then(|| {
-            let mut slopes = self.slopes(&model, &free, &at, &errors);
+            let mut slopes = self.slopes(&model, &free, &best.at, &best.errors);
             slopes.truncate(first);
             State { slopes, ..state.clone() }
         });
@@ -166,17 +167,17 @@ impl Search<'_> {
         let learned =
             |errors: &[Series]| if of_zero { self.short_colour(errors) } else { self.colour(errors) };
         let (Climbed { at, errors, cost, covariance }, colour) =
-            self.settle(state, learned, learned(&errors), (&model, &free, at));
+            self.settle(state, learned, learned(&best.errors), (&model, &free, best));
         let colour = &colour;
         let rows = self.rows(colour, &state.errors);
-        let with = self.cost(colour, &rows, &self.white(colour, &rows, &errors, 0));
-        let without = self.cost(colour, &rows, &self.white(colour, &rows, &state.errors, 0));
+        let with = self.cost(colour, &rows, &self.white(colour, &rows, &errors));
+        let without = self.cost(colour, &rows, &self.white(colour, &rows, &state.errors));
         // The ordinary numbers may have found a better place on the way, which has nothing to do with the effect.
         let without_it = if of_zero { &short } else { &state.colour };
-        let alone =
-            |from: &[f64]| self.climb(state, without_it, &state.model, &state.free, from.to_vec()).cost;
-        let before = if of_zero { alone(&state.at) } else { state.cost };
-        let before = before.min(alone(&at[..first]));
+        let alone = |from: Start| self.climb(state, without_it, &state.model, &state.free, from).cost;
+        let from_there = self.start_at(&state.model, &state.free, at[..first].to_vec());
+        let before = if of_zero { alone(state.start()) } else { state.cost };
+        let before = before.min(alone(from_there.clone()));
         let own = first..free.len();
         let freedom = if trial.is_course() {
             freedom_together(&free, &covariance, own)
@@ -186,7 +187,7 @@ impl Search<'_> {
         let mut evidence = before - cost - freedom - self.price_of_trying(&trial.name());
         if evidence > LEAST_EVIDENCE {
             // And the noise another colour.
-            let there = (&state.model, &state.free[..], at[..first].to_vec());
+            let there = (&state.model, &state.free[..], from_there);
             let (alone, _) = self.settle(state, learned, colour.clone(), there);
             evidence -= (before - alone.cost).max(0.0);
         }

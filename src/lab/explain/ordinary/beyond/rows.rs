@@ -189,23 +189,8 @@ impl Search<'_> {
     }
 
     /// Rows of something in a colour.
-    pub(super) fn white(
-        &self,
-        colour: &Colour,
-        rows: &Rows,
-        series: &[Series],
-        shift: usize,
-    ) -> DVector<f64> {
-        let white: Vec<Vec<Vec<f64>>> = series
-            .iter()
-            .map(|series| (0..CHANNELS).map(|channel| colour.whitened(channel, series)).collect())
-            .collect();
-        let of = |(drive, channel, row): &(usize, usize, usize)| {
-            let all = &white[*drive][*channel];
-            all[(row + shift) % all.len()]
-        };
-        let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
-        DVector::from_iterator(rows.places.len(), rows.places.iter().map(|place| finite(of(place))))
+    pub(super) fn white(&self, colour: &Colour, rows: &Rows, series: &[Series]) -> DVector<f64> {
+        rows.of(&whitened(colour, series), 0)
     }
 
     /// Of whitened errors.
@@ -235,6 +220,25 @@ impl Search<'_> {
     }
 }
 
+impl Rows {
+    /// The rows of something whitened, so many rows later; those at the end are the first ones.
+    pub fn of(&self, white: &[Series], shift: usize) -> DVector<f64> {
+        let of = |(drive, channel, row): &(usize, usize, usize)| {
+            let all = &white[*drive][*channel];
+            let later = row + shift;
+            let value = all[if later < all.len() { later } else { later % all.len() }];
+            if value.is_finite() { value } else { 0.0 }
+        };
+        DVector::from_iterator(self.places.len(), self.places.iter().map(of))
+    }
+}
+
+/// Something of each drive in a colour.
+pub fn whitened(colour: &Colour, series: &[Series]) -> Vec<Series> {
+    let of = |series: &Series| std::array::from_fn(|channel| colour.whitened(channel, series));
+    series.iter().map(of).collect()
+}
+
 /// Grid points of the rows.
 pub fn rows(drive: &FreeDrive) -> impl Iterator<Item = usize> + use<> {
     (0..drive.points()).step_by(EVERY)
@@ -248,7 +252,7 @@ pub fn weights(white: &DVector<f64>, rows: &Rows) -> DVector<f64> {
 
 /// Normal equations with the priors.
 pub fn normal(
-    columns: &[DVector<f64>],
+    columns: &[&DVector<f64>],
     white: &DVector<f64>,
     rows: &Rows,
     free: &[Free],
@@ -262,7 +266,7 @@ pub fn normal(
     let entries: Vec<(usize, usize, f64)> = (0..count)
         .into_par_iter()
         .flat_map_iter(|i| (0..=i).map(move |j| (i, j)))
-        .map(|(i, j)| (i, j, weighed[i].dot(&columns[j])))
+        .map(|(i, j)| (i, j, weighed[i].dot(columns[j])))
         .collect();
     for (i, j, value) in entries {
         information[(i, j)] = value;

@@ -11,7 +11,7 @@ use super::super::run::Track;
 use super::Search;
 use super::climb::State;
 use super::colour::Colour;
-use super::rows::{EVERY, Rows, normal, weights};
+use super::rows::{EVERY, Rows, normal, weights, whitened};
 use super::trial::Trial;
 
 /// Decoys. Statistical: the largest of twenty, of all candidates together.
@@ -55,10 +55,11 @@ impl<'g> Ground<'g> {
     /// None where the ordinary numbers have no solution.
     pub(super) fn new(search: &'g Search<'g>, state: &'g State<'g>, colour: Colour) -> Option<Self> {
         let rows = search.rows(&colour, &state.errors);
-        let white = search.white(&colour, &rows, &state.errors, 0);
+        let white = search.white(&colour, &rows, &state.errors);
         let own: Vec<DVector<f64>> =
-            state.slopes.iter().map(|slopes| search.white(&colour, &rows, slopes, 0)).collect();
-        let (information, gradient) = normal(&own, &white, &rows, &state.free, &state.at);
+            state.slopes.iter().map(|slopes| search.white(&colour, &rows, slopes)).collect();
+        let (information, gradient) =
+            normal(&own.iter().collect::<Vec<_>>(), &white, &rows, &state.free, &state.at);
         let factor = information.cholesky()?;
         let weights = weights(&white, &rows);
         let weighed = own.iter().map(|own| own.component_mul(&weights)).collect();
@@ -125,15 +126,15 @@ impl<'g> Ground<'g> {
                 let branch = trial.acts().map(|between| (&self.tracks[..], between));
                 let slope =
                     self.search.slope(&model, &free, (&at, &self.state.errors), (place, step), branch);
-                let white = |shift: usize| self.search.white(&self.colour, &self.rows, &slope, shift);
-                let Some((gain, by)) = self.score(&white(0), std) else { continue };
+                let white = whitened(&self.colour, &slope);
+                let Some((gain, by)) = self.score(&self.rows.of(&white, 0), std) else { continue };
                 if best.is_none_or(|(most, ..)| gain > most) {
                     best = Some((gain, place - first, free[place].prior.0 + by, by > 0.0));
                 }
                 if !trial.has_time() {
                     for shift in shifts {
-                        let gain = self.score(&white(*shift), std).map_or(0.0, |(gain, _)| gain);
-                        decoy = decoy.max(gain);
+                        let gain = self.score(&self.rows.of(&white, *shift), std);
+                        decoy = decoy.max(gain.map_or(0.0, |(gain, _)| gain));
                     }
                 }
             }
@@ -152,7 +153,7 @@ impl<'g> Ground<'g> {
             let branch = between.map(|between| (&self.tracks[..], between));
             let step = (*place, free[*place].step);
             let slope = self.search.slope(&model, &free, (&at, &self.state.errors), step, branch);
-            Some(self.search.white(&self.colour, &self.rows, &slope, 0))
+            Some(self.search.white(&self.colour, &self.rows, &slope))
         };
         let columns: Vec<DVector<f64>> = places.iter().map(column).collect::<Option<_>>()?;
         let stds = places.iter().map(|place| free[*place].prior.1).collect();

@@ -288,7 +288,7 @@ impl Search<'_> {
     fn expecting<'a>(&self, state: &State<'a>, healthy: usize) -> State<'a> {
         let free = expected(&state.free, &state.at, healthy);
         let Climbed { at, errors, cost, covariance } =
-            self.climb(state, &state.colour, &state.model, &free, state.at.clone());
+            self.climb(state, &state.colour, &state.model, &free, state.start());
         State { free, at, errors, cost, covariance, ..state.clone() }
     }
 }

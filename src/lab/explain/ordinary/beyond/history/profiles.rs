@@ -50,12 +50,13 @@ impl<'s, 'a> Linear<'s, 'a> {
     pub fn new(search: &'s Search<'s>, state: &'s State<'a>) -> Self {
         let colour = search.short_colour(&state.errors);
         let rows = search.rows(&colour, &state.errors);
-        let white = search.white(&colour, &rows, &state.errors, 0);
+        let white = search.white(&colour, &rows, &state.errors);
         let own: Vec<DVector<f64>> =
-            state.slopes.par_iter().map(|slopes| search.white(&colour, &rows, slopes, 0)).collect();
+            state.slopes.par_iter().map(|slopes| search.white(&colour, &rows, slopes)).collect();
         let weights = weights(&white, &rows);
         let weighed = own.iter().map(|own| own.component_mul(&weights)).collect();
-        let (mut information, mut gradient) = normal(&own, &white, &rows, &state.free, &state.at);
+        let (mut information, mut gradient) =
+            normal(&own.iter().collect::<Vec<_>>(), &white, &rows, &state.free, &state.at);
         for (i, free) in state.free.iter().enumerate() {
             information[(i, i)] -= free.prior.1.powi(-2);
             gradient[i] -= free.prior.1.powi(-2) * (free.prior.0 - state.at[i]);
@@ -114,7 +115,7 @@ impl<'s, 'a> Linear<'s, 'a> {
                 None,
             );
             spread.could_be = spread.could_be.min(self.search.could_be(&slope, main.prior.1));
-            let column = self.search.white(&self.colour, &self.rows, &slope, 0);
+            let column = self.search.white(&self.colour, &self.rows, &slope);
             for (number, own) in self.weighed.iter().enumerate() {
                 spread.with[(number, drive)] = own.dot(&column);
             }

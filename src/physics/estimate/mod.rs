@@ -10,6 +10,7 @@ mod brake_slip;
 mod brush;
 mod config;
 mod cornering;
+mod doubted;
 mod expected;
 mod friction;
 mod kinematics;

@@ -6,6 +6,7 @@ use super::brake_slip::BrakeSlip;
 use super::brush::BrushEstimator;
 use super::config::EstimatorsConfig;
 use super::cornering::{Apart, CorneringEstimator, Doubt};
+use super::doubted::{Doubted, Doubts};
 use super::expected::{Contradiction, Expected};
 use super::friction::{Evidence, FrictionMonitor};
 use super::kinematics::{Car, Heard, Kinematics};
@@ -27,8 +28,7 @@ use crate::model::effect::EffectConfig;
 use crate::model::{DrivenAxle, Vehicle};
 use crate::{Faults, Quantity, Sample, Sensors};
 
-/// Tuned: `agreeing` with the test `long_drives`, `spoils_s` with `one_channel` and, for the steering, with
-/// `a_foreign_steering_tells_no_friction`, the rest with no test on record.
+/// Tuned: `agreeing` with the test `long_drives`, the rest with no test on record.
 struct Tuning {
     /// Several wheels and filters notice the same change: within this time it is one, s.
     one_change_s: f64,
@@ -40,10 +40,6 @@ struct Tuning {
     agreeing_noise: f64,
     /// More than this, m/s², is a jump of the speed and no motion. Physical: twice what road tires give.
     most_acceleration: f64,
-    /// Sensors that were doubted for so long have spoiled what was learned of the tires, s.
-    spoils_s: f64,
-    /// A steering that has agreed for so long is trusted again, however long it did not, s.
-    forgotten_s: f64,
     /// Normalized force (rms) at which the slopes are fully excited.
     full_excitation: f64,
     /// Time constant of the excitation, s.
@@ -56,8 +52,6 @@ const TUNING: Tuning = Tuning {
     agreeing: 0.4,
     agreeing_noise: 3.0,
     most_acceleration: 20.0,
-    spoils_s: 4.0,
-    forgotten_s: 30.0,
     full_excitation: 0.1,
     excitation_memory_s: 10.0,
 };
@@ -95,10 +89,7 @@ pub struct Pipeline {
     excitation: [Excitation; 2],
     /// Longitudinal acceleration from the wheels, where no accelerometer has it.
     block_acceleration: Option<f64>,
-    /// For how long sensors have been doubted, s.
-    doubted_s: f64,
-    /// For how long the steering was doubted, less the time that it has agreed since, s.
-    distrusted_s: f64,
+    doubted: Doubted,
     /// Seconds since a surface change was last noticed.
     unchanged_s: f64,
     /// Seconds that the car moved, those of earlier drives included.
@@ -133,8 +124,7 @@ impl Pipeline {
             thesis: None,
             excitation: [Excitation::NONE; 2],
             block_acceleration: None,
-            doubted_s: 0.0,
-            distrusted_s: 0.0,
+            doubted: Doubted::default(),
             unchanged_s: f64::INFINITY,
             driving_s: 0.0,
             latest: Estimates::default(),
@@ -226,9 +216,7 @@ impl Pipeline {
         self.latest.faults = sample.faults;
         self.latest.state = self.state(sample);
         self.unchanged_s += now.elapsed_s;
-        if now.elapsed_s < TUNING.gap_s
-            && now.speed.is_some_and(|speed| speed >= self.config.minimum_speed_mps)
-        {
+        if now.elapsed_s < TUNING.gap_s && self.drives(&now) {
             self.driving_s += now.elapsed_s;
         }
         self.abs.step(&now);
@@ -403,13 +391,10 @@ impl Pipeline {
         self.motion.step(said, self.acceleration(now), &known);
         let (along, motion) = (self.acceleration(now), self.motion.motion());
         self.saturating.step(now, along, motion, &known, self.cornering.noise());
-        if self.motion.doubt().is_some() {
-            self.doubted_s += now.elapsed_s;
-        } else if std::mem::take(&mut self.doubted_s) > TUNING.spoils_s {
+        let doubts = Doubts { any: self.motion.doubt().is_some(), steering: self.motion.doubts_steering() };
+        if self.doubted.step(doubts, self.drives(now), now.elapsed_s) {
             self.cornering.doubt_ends();
         }
-        let sign = if self.motion.doubts_steering() { 1.0 } else { -1.0 };
-        self.distrusted_s = (self.distrusted_s + sign * now.elapsed_s).clamp(0.0, TUNING.forgotten_s);
         let motion = self.motion.motion();
         let lateral_velocity = motion.map(|m| m.lateral_velocity);
         let lateral = now.lateral_acceleration.unwrap_or(0.0) / crate::model::GRAVITY;
@@ -445,24 +430,21 @@ impl Pipeline {
             self.brush.calibrate(friction.mu, friction.std);
         }
         self.brake_slip.step(now, &self.latest.slope);
+        let is_spoiled = self.doubted.has_spoiled_the_curve(self.saturating.slides());
         let evidence = Evidence {
             brush: self.brush.friction(),
             abs: self.abs.last(),
             abs_working_s: self.abs.working_s(),
             brakes_at_limit: self.brake_slip.is_at_limit(&self.latest.slope),
             limit: self.saturation.friction(),
-            curve: self.saturating.likelihood().filter(|_| !self.is_spoiled()),
+            curve: self.saturating.likelihood().filter(|_| !is_spoiled),
             map: self.mapped(),
         };
         self.latest.friction = self.friction.step(now, self.acceleration(now), evidence);
     }
 
-    /// Doubts have spoiled what tires say of the road. At once where nobody knows how the wheels stand, and after a long
-    /// doubt of the steering until it has agreed for about as long; otherwise after a while, but not where both axles slide,
-    /// of which sensors tell differently.
-    fn is_spoiled(&self) -> bool {
-        let lasts = self.doubted_s >= TUNING.spoils_s && !self.saturating.slides();
-        lasts || self.motion.doubts_steering() || self.distrusted_s > TUNING.spoils_s
+    fn drives(&self, now: &Kinematics) -> bool {
+        now.speed.is_some_and(|speed| speed >= self.config.minimum_speed_mps)
     }
 
     /// Longitudinal acceleration, measured or from the wheels.

@@ -44,12 +44,11 @@ impl ExtendedCar {
     pub fn pass(&self, before: &Passed, at: &State, rate: &State, h: f64) -> (Passed, State) {
         let mut here = Passed { state: *at, at: *at, rate: *rate };
         let mut next = *at;
-        let slowly = Following::new(0.0, h);
         let mut body = |i: usize, following: &Following| {
             let then = [before.state.body[i], before.at.body[i], before.rate.body[i]];
             [here.state.body[i], next.body[i]] = following.passed(then, [at.body[i], rate.body[i]]);
         };
-        body(0, &slowly);
+        body(0, &Following::new(0.0, h));
         for (i, rate) in self.plant.lateral_rates().into_iter().enumerate() {
             body(i + 1, &Following::new(rate / at.body[0].max(1.0), h));
         }
@@ -58,9 +57,8 @@ impl ExtendedCar {
             let then = [before.state.own[i], before.at.own[i], before.rate.own[i]];
             [here.state.own[i], next.own[i]] = following.passed(then, [at.own[i], rate.own[i]]);
         };
-        (0..self.own_states()).for_each(|i| own(i, &slowly));
-        for (places, rate) in self.effects.lags(at.body[0]) {
-            let following = Following::new(rate, h);
+        for (places, lag) in self.effects.lags(at.body[0]) {
+            let following = Following::new(lag.unwrap_or(0.0), h);
             places.for_each(|i| own(i, &following));
         }
         (here, next)

@@ -80,10 +80,10 @@ impl EffectList {
         others.map(|(effect, _)| effect.fastest_rate(vx)).fold(0.0, f64::max)
     }
 
-    /// The states of those that are, with their rate at a speed, 1/s.
+    /// Where each one's states are, with their rate at a speed, 1/s, if they are first-order lags.
     #[inline]
-    pub fn lags(&self, vx: f64) -> impl Iterator<Item = (Range<usize>, f64)> {
-        self.list.iter().filter_map(move |(effect, own)| Some((own.clone(), effect.lag_rate(vx)?)))
+    pub fn lags(&self, vx: f64) -> impl Iterator<Item = (Range<usize>, Option<f64>)> {
+        self.list.iter().map(move |(effect, own)| (own.clone(), effect.lag_rate(vx)))
     }
 
     /// What the sensors make of the truth.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::super::numbers::{Free, Number, Scope};
 use super::Search;
 use super::changed::is_of_sensor;
-use super::climb::State;
+use super::climb::{Start, State};
 use super::colour::{CHANNELS, Series};
 use super::course::clear_stretches;
 use super::refit::Refitted;
@@ -278,7 +278,7 @@ impl Search<'_> {
         numbers.push(free.held_at(told.neutral));
         let mut from = without.at.clone();
         from.push(told.neutral);
-        let from = self.start_at(&state.model, &numbers, from);
+        let from = Start { at: from, errors: without.errors.clone() };
         let climbed = self.climb(&without, &state.colour, &state.model, &numbers, from);
         let evidence = climbed.cost - state.cost;
         let prior = (at - free.prior.0) / free.prior.1;

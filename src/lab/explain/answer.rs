@@ -118,6 +118,9 @@ impl<'a> Conclusion<'_, 'a> {
         if let Some((ordinary, decided)) = self.ordinary {
             explanation.take_ordinary(ordinary, decided);
         }
+        if let Some(along) = self.along {
+            explanation.take_along(along);
+        }
         if explanation.is_by_ordinary {
             leave_drift_to_audit(&mut explanation.findings, self.case.chain);
             let wrong = measured_wrong(self.case.recordings, self.case.chain, &explanation.findings);

@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::fit::{Data, Fit};
-use super::ordinary::Ordinary;
+use super::ordinary::{Along, Ordinary};
 use super::result::Verdict;
 use super::select::Selection;
 use predict::GriddedDrive;
@@ -19,6 +19,8 @@ pub struct Conclusion<'c, 'a> {
     pub corrected: &'c Fit<'a>,
     /// The ordinary car, where it could be fitted, and what it decides: the plain model and its effects did not.
     pub ordinary: Option<(&'c Ordinary, Option<Verdict>)>,
+    /// What the measured speed says along the road, where the ordinary car decides.
+    pub along: Option<&'c Along>,
     /// What was chosen.
     pub selection: &'c Selection<'a>,
     /// What the plain model and its effects came to.

@@ -129,6 +129,12 @@ impl<'a> Case<'a> {
             Verdict::Adequate if !is_decided && gains.is_restless_along() => Verdict::UnknownPhysics,
             verdict => verdict,
         });
+        let along = cars.as_ref().filter(|_| decided.is_some()).map(|cars| cars.along(&drives, self.library));
+        let climbs = along.as_ref().is_some_and(|along| along.grade.is_some());
+        let decided = decided.map(|verdict| match verdict {
+            Verdict::Adequate | Verdict::InsufficientExcitation if climbs => Verdict::MissingPhysics,
+            verdict => verdict,
+        });
         let verdict = match decided {
             // Then the plain model's own effects say nothing.
             Some(Verdict::MissingPhysics) => Verdict::Adequate,
@@ -143,6 +149,7 @@ impl<'a> Case<'a> {
             data: &data,
             corrected: &corrected,
             ordinary: ordinary.as_ref().map(|ordinary| (ordinary, decided)),
+            along: along.as_ref(),
             selection: &selection,
             verdict,
         }

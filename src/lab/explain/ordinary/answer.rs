@@ -6,6 +6,7 @@ use physics::Quantity;
 use physics::model::effect::{EffectConfig, Kind};
 use physics::model::{TireKind, Uncertain, Vehicle};
 
+use super::along::Along;
 use super::axles;
 use super::beyond::{Beyond, Powers, Question, beyond, powers_with, rows};
 use super::choice::fit_ordinary;
@@ -26,7 +27,7 @@ use crate::explain::dates::begins;
 use crate::explain::model::{Chosen, Model};
 use crate::explain::result::{Block, ByChannel, Disturbance, Driven, Models, Parts, Verdict};
 use identify::{CorneringStiffness, Values};
-use predict::Recording;
+use predict::{GriddedDrive, Recording};
 
 /// The ordinary car fitted to recordings.
 #[derive(Clone, Debug)]
@@ -157,6 +158,11 @@ impl<'a> FittedCars<'a> {
             begins_utc: self.begins_utc.clone(),
             ..fitted.answer(Asked { references: *references, ..asked })
         }
+    }
+
+    /// What the measured speed says along the road; `gridded` tells how the same recordings were driven.
+    pub fn along(&self, gridded: &[GriddedDrive], library: &[&'static Kind]) -> Along {
+        Along::of(&self.found, &self.drives.drives, gridded, library)
     }
 }
 

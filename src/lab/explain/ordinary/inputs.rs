@@ -54,6 +54,10 @@ pub struct FreeDrive {
     pub yaw_rate: Vec<f64>,
     /// Lateral acceleration there as a mean, m/s²; none where the recording has none.
     pub lateral: Option<Vec<f64>>,
+    /// Longitudinal acceleration likewise, m/s².
+    pub longitudinal: Option<Vec<f64>>,
+    /// Wheel speeds, rad/s, where they are measured.
+    pub wheels: [Option<Vec<f64>>; 4],
     /// Yaw rate by the difference of the front and of the rear wheels, (ω_R − ω_L) r/track, rad/s, where both are measured.
     pub axles: [Option<Vec<f64>>; 2],
     /// Is a grid point held out?
@@ -117,7 +121,8 @@ impl FreeDrive {
         let (from, points) = liveliest_of(&turning, (most_s / STEP_S) as usize);
         let from_s = first + (begin + from) as f64 * STEP_S;
         let time = |i: usize| from_s + i as f64 * STEP_S;
-        let Compared { yaw_rate, lateral, axles } = Compared::of(recording, vehicle, from_s, points);
+        let Compared { yaw_rate, lateral, longitudinal, wheels, axles } =
+            Compared::of(recording, vehicle, from_s, points);
         Ok(Self {
             name: recording.name.clone(),
             work: recording.work.clone(),
@@ -125,6 +130,8 @@ impl FreeDrive {
             steering: steering.to_vec(),
             yaw_rate,
             lateral,
+            longitudinal,
+            wheels,
             axles,
             held: (0..points)
                 .map(|i| match held {
@@ -158,6 +165,8 @@ impl FreeDrive {
             acceleration: self.acceleration.clone(),
             yaw_rate: cut(&self.yaw_rate),
             lateral: self.lateral.as_ref().map(cut),
+            longitudinal: self.longitudinal.as_ref().map(cut),
+            wheels: self.wheels.each_ref().map(|wheel| wheel.as_ref().map(cut)),
             axles: self.axles.each_ref().map(|axle| axle.as_ref().map(cut)),
             held: self.held[from..from + points].to_vec(),
             counts: self.counts[from..from + points].to_vec(),
@@ -240,6 +249,10 @@ pub struct Compared {
     pub yaw_rate: Vec<f64>,
     /// See [`FreeDrive::lateral`].
     pub lateral: Option<Vec<f64>>,
+    /// See [`FreeDrive::longitudinal`].
+    pub longitudinal: Option<Vec<f64>>,
+    /// See [`FreeDrive::wheels`].
+    pub wheels: [Option<Vec<f64>>; 4],
     /// See [`FreeDrive::axles`].
     pub axles: [Option<Vec<f64>>; 2],
 }
@@ -250,19 +263,24 @@ impl Compared {
         let track = |quantity: Quantity| {
             recording.has(quantity).then(|| recording.tracks[quantity as usize].as_slice())
         };
-        let lateral = track(Quantity::LateralAcceleration).map(|track| {
+        let acceleration = |quantity: Quantity| {
             let margin = MEAN_POINTS;
-            let raw = resampled(track, from_s - margin as f64 * STEP_S, points + 2 * margin);
-            mean(&raw, MEAN_POINTS)[margin..margin + points].to_vec()
-        });
+            let raw = resampled(track(quantity)?, from_s - margin as f64 * STEP_S, points + 2 * margin);
+            Some(mean(&raw, MEAN_POINTS)[margin..margin + points].to_vec())
+        };
+        let wheels =
+            Wheel::ALL.map(|wheel| Some(resampled(track(Quantity::wheel_speed(wheel))?, from_s, points)));
         let axles = std::array::from_fn(|axle| {
-            let pair = [Wheel::ALL[2 * axle], Wheel::ALL[2 * axle + 1]].map(Quantity::wheel_speed);
-            let [left, right] = pair.map(track);
-            let [left, right] = [left?, right?].map(|side| resampled(side, from_s, points));
-            Some(turning(vehicle, axle, &left, &right))
+            let [left, right] = [&wheels[2 * axle], &wheels[2 * axle + 1]].map(Option::as_ref);
+            Some(turning(vehicle, axle, left?, right?))
         });
-        let yaw_rate = resampled(&recording.tracks[Quantity::YawRate as usize], from_s, points);
-        Self { yaw_rate, lateral, axles }
+        Self {
+            yaw_rate: resampled(&recording.tracks[Quantity::YawRate as usize], from_s, points),
+            lateral: acceleration(Quantity::LateralAcceleration),
+            longitudinal: acceleration(Quantity::LongitudinalAcceleration),
+            wheels,
+            axles,
+        }
     }
 }
 

@@ -8,6 +8,7 @@
 //! predicts, and errors along the road do not spoil what is said across it. Each recording has its own offsets, delays
 //! and scale of the speed; the car is common to all.
 
+mod along;
 mod answer;
 mod axles;
 mod beyond;
@@ -30,6 +31,7 @@ mod speed;
 mod tires;
 mod zero;
 
+pub(super) use along::Along;
 pub use answer::{Asked, Ordinary, could_tell};
 pub(super) use answer::{FittedCars, with_bend};
 pub use beyond::{

@@ -343,6 +343,8 @@ impl Lacks {
         Self(Compared {
             yaw_rate: minus(&known.yaw_rate, &says.yaw_rate),
             lateral: known.lateral.as_ref().map(|known| minus(known, &says.lateral)),
+            longitudinal: None,
+            wheels: Default::default(),
             axles: [axle(0), axle(1)],
         })
     }

@@ -20,7 +20,7 @@ use super::confirm::Confirmed;
 use super::doubt::is_of_a_finding;
 use super::finding::says;
 use super::history::History;
-use super::ordinary::{Number, Ordinary, Remaining, Simulated};
+use super::ordinary::{Along, Number, Ordinary, Remaining, Simulated};
 use super::used::Used;
 use identify::{AxleStiffness, CorneringStiffness, Doubt, Parameter};
 
@@ -244,14 +244,10 @@ impl Explanation {
             if verdict == Verdict::InsufficientExcitation || !ordinary.beyond.ranking.is_empty() {
                 self.ranking.clone_from(&ordinary.beyond.ranking);
             }
-            let take = |to: &mut Parts<ByChannel>, from: &Parts<ByChannel>| {
-                to.train.extend(from.train.clone());
-                to.holdout.extend(from.holdout.clone());
-            };
-            take(&mut self.fit.baseline, &ordinary.plain_fit);
-            take(&mut self.fit.extended, &ordinary.found_fit);
-            take(&mut self.error.baseline, &ordinary.error.baseline);
-            take(&mut self.error.extended, &ordinary.error.extended);
+            self.fit.baseline.clone_from(&ordinary.plain_fit);
+            self.fit.extended.clone_from(&ordinary.found_fit);
+            self.error.baseline.clone_from(&ordinary.error.baseline);
+            self.error.extended.clone_from(&ordinary.error.extended);
             self.traces = ordinary.traces.iter().map(Trace::of).collect();
             self.driven.clone_from(&ordinary.driven);
             self.split.clone_from(&ordinary.split);
@@ -283,6 +279,29 @@ impl Explanation {
         self.remaining = shares(|remaining| remaining.share);
         self.remaining_null = shares(|remaining| remaining.null);
         self.ordinary = Some(ordinary.clone());
+    }
+}
+
+impl Explanation {
+    /// Says what the measured speed says along the road, beside what the ordinary car says across it.
+    pub fn take_along(&mut self, along: &Along) {
+        let add = |to: &mut Models<Parts<ByChannel>>, [plain, found]: [Parts<ByChannel>; 2]| {
+            let ordinary = to.ordinary.iter_mut().map(|to| (to, &plain));
+            for (to, from) in
+                [(&mut to.baseline, &plain), (&mut to.extended, &found)].into_iter().chain(ordinary)
+            {
+                to.train.extend(from.train.clone());
+                to.holdout.extend(from.holdout.clone());
+            }
+        };
+        add(&mut self.fit, along.fits());
+        add(&mut self.error, along.errors());
+        self.traces.extend(along.traces.iter().map(Trace::of));
+        if let Some(grade) = &along.grade {
+            // What is unusual stands before what every car has.
+            let ordinary = self.findings.iter().position(|finding| finding.kind == Nature::Ordinary);
+            self.findings.insert(ordinary.unwrap_or(self.findings.len()), grade.clone());
+        }
     }
 }
 

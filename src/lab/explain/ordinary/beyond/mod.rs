@@ -53,6 +53,7 @@ use refit::Refitted;
 use round::Round;
 use trial::Trial;
 
+pub use course::clear_stretches;
 pub use course_power::likely_courses;
 pub use history::{History, OverDrives, Since};
 pub use power::{Bar, MOST_TIMES_ORDINARY, Power, Powers, powers_with};

@@ -415,3 +415,44 @@ fn a_zero_that_moves_shows_while_the_car_stands() {
     assert!((value - 0.034).abs() < 2.0 * std && std < 0.05, "{value} ± {std}");
     assert!(certain(&with_stops(|_| 0.01)).is_empty());
 }
+
+/// Two minutes on an oval: straights and long curves, with small corrections.
+fn oval(bank: f64) -> Vec<Sample> {
+    let (straight, ramp, curve, angle) = (8.0, 2.0, 17.5, 0.11);
+    let (mut steering, mut road) = (vec![[0.0, 0.0]], vec![[0.0, 0.0]]);
+    let mut t = straight;
+    for _ in 0..4 {
+        for (at, share) in [(0.0, 0.0), (ramp, 1.0), (curve, 1.0), (curve + ramp, 0.0)] {
+            steering.push([t + at, angle * share]);
+            road.push([t + at, bank * share]);
+        }
+        t += curve + ramp + straight;
+    }
+    let car = &DRIVE[DRIVE.find("[vehicle]").unwrap()..DRIVE.find("[driver]").unwrap()];
+    let sensors = &DRIVE[DRIVE.find("[sensors]").unwrap()..];
+    let sensors = &sensors[..sensors.find("[[effect]]").unwrap_or(sensors.len())];
+    let (times, banks): (Vec<f64>, Vec<f64>) = road.into_iter().map(|[t, bank]| (t, bank)).unzip();
+    let text = format!(
+        "duration_s = {t}\ninitial_speed_mps = 40\n{car}\n\
+         [[steering_wheel_angle]]\nkind = \"points\"\npoints = {steering:?}\n\
+         [[steering_wheel_angle]]\nkind = \"sine\"\namplitude = 0.015\nfrequency_hz = 0.41\n\
+         [[drive_torque]]\nkind = \"sine\"\namplitude = 200\noffset = 320\nfrequency_hz = 0.07\n{sensors}\n\
+         [[effect]]\nkind = \"road_bank\"\nseries = {{ t = {times:?}, value = {banks:?} }}\n"
+    );
+    drive(&Scenario::parse(&text).unwrap(), 5)
+}
+
+/// GIVEN an oval whose long curves are banked WHEN it is audited THEN the accelerometer, which feels less than speed and yaw rate
+/// say, is neither called wrong nor late, and what else it could be is said. On a level one nothing is.
+#[test]
+fn a_banked_oval_makes_no_accelerometer_wrong() {
+    let banked = judge(&oval(0.1));
+    let is_of_lateral = |finding: &&AuditFinding| finding.channel == "lateral_acceleration";
+    assert!(banked.findings.iter().all(|finding| !is_of_lateral(&finding)), "{}", summary(&banked));
+    assert!(banked.unclear.iter().any(|unclear| unclear.what.contains("banked")), "{:?}", banked.unclear);
+    let slope = banked.relations.iter().find(|relation| relation.relation.starts_with("lateral")).unwrap();
+    assert!(slope.gain.unwrap() < 0.85, "the bank is felt: {slope:?}");
+    let level = judge(&oval(0.0));
+    assert!(level.unclear.iter().all(|unclear| !unclear.what.contains("banked")), "{:?}", level.unclear);
+    assert!(level.findings.iter().all(|finding| !is_of_lateral(&finding)), "{}", summary(&level));
+}

@@ -50,6 +50,7 @@ mod precedence;
 mod proof;
 mod put_right;
 mod result;
+mod road;
 mod select;
 mod sensitivity;
 mod shape;

@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::attribution::{AHEAD, Cause, Evidence, FOUND, SURE, SUSPECTED, attribute};
+use super::bank::without_banks;
 use super::relations::{Link, Relation, link};
 use super::report::{AuditFinding, ChainReport, Confidence};
 use super::sensor_group::SensorGroup;
@@ -37,6 +38,7 @@ pub(super) fn delays(series: &Series, report: &mut ChainReport) -> Vec<Link> {
     let links: Vec<Link> = Relation::ALL.into_iter().filter_map(|r| link(series, r)).collect();
     let told = |link: &Link| link.is_clear && link.delay.is_finite() && link.explained > TUNING.told_late;
     let links: Vec<Link> = links.into_iter().filter(told).collect();
+    let links = without_banks(series, links, report);
     for link in &links {
         if let Some(entry) = report.relations.iter_mut().find(|entry| entry.relation == link.relation.name())
         {

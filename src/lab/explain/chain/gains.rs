@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::attribution::{AHEAD, Cause, Evidence, FOUND, SURE, attribute};
+use super::bank::without_banks;
 use super::relations::{Link, Relation, link};
 use super::report::{AuditFinding, ChainReport, Confidence, RelationReport};
 use super::sensor_group::SensorGroup;
@@ -60,6 +61,7 @@ pub(super) fn scales(series: &mut Series, report: &mut ChainReport) {
             note(series, &links, report);
         }
         let links: Vec<Link> = links.into_iter().filter(Link::has_scale).collect();
+        let links = without_banks(series, links, report);
         let Some((channel, factor)) = next_scale(series, &links, report) else { return };
         for quantity in series.quantities(channel) {
             series.scale(quantity, 1.0 / factor);

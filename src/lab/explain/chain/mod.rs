@@ -21,6 +21,7 @@
 //! blocks. Where the drive did not excite a relation the answer is "unclear", with what to drive.
 
 mod attribution;
+mod bank;
 mod car;
 mod delays;
 mod foreign;

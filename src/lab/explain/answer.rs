@@ -7,7 +7,7 @@ use super::case::Answer;
 use super::conclusion::Conclusion;
 use super::course::give_means_to_zeros;
 use super::doubt;
-use super::finding::{finding, leave_drift_to_audit, measured_wrong, ranking, told_apart};
+use super::finding::{finding, leave_banks_open, leave_drift_to_audit, measured_wrong, ranking, told_apart};
 use super::fit::Fit;
 use super::lateness::against_the_earliest;
 use super::locate::{EQUATIONS, Gains, gains, innovations, regimes};
@@ -134,6 +134,7 @@ impl<'a> Conclusion<'_, 'a> {
                 against_the_earliest(&mut explanation.findings);
             }
         }
+        leave_banks_open(&mut explanation.findings, self.case.chain);
         explanation.take_chain(self.case.chain);
         explanation.to_drive = self.to_drive(&explanation.findings);
         let keeps = usize::from(!extended.model.knows_torque);

@@ -130,6 +130,24 @@ pub fn leave_drift_to_audit(findings: &mut Vec<Finding>, chain: &[ChainReport]) 
     }
 }
 
+/// Where all curves are long, a road that is banked in them is as likely as an accelerometer that reads too little of them, or too
+/// late.
+pub fn leave_banks_open(findings: &mut [Finding], chain: &[ChainReport]) {
+    const ROAD: &str = "road_bank";
+    let may_be_banked = chain.iter().any(|report| report.may_be_banked);
+    let lateral = Quantity::LateralAcceleration.name();
+    let is_of_sensor = |finding: &&mut Finding| {
+        ["sensor_scale", "sensor_delay"].contains(&finding.effect.as_str())
+            && finding.channel.as_deref() == Some(lateral)
+    };
+    for finding in findings.iter_mut().filter(|_| may_be_banked).filter(is_of_sensor) {
+        finding.probability = finding.probability.min(0.5);
+        if !finding.indistinguishable_from.iter().any(|other| other == ROAD) {
+            finding.indistinguishable_from.push(ROAD.to_owned());
+        }
+    }
+}
+
 /// Does a finding say what the audit says?
 pub fn says(finding: &Finding, audited: &AuditFinding) -> bool {
     let channel = audited.channel.parse::<Quantity>().ok().filter(|_| audited.effect != TIRE_RADIUS);
@@ -202,4 +220,27 @@ fn own_numbers(conclusion: &Conclusion<'_, '_>, fit: &Fit<'_>, number: usize) ->
         Some((spec.name.to_owned(), Estimate { value: spec.value(coordinate), std }))
     };
     chosen.specs().enumerate().filter_map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scale_may_be_a_bank_where_all_curves_are_long() {
+        let scale = |channel: &str| Finding {
+            effect: "sensor_scale".into(),
+            channel: Some(channel.into()),
+            probability: 0.99,
+            ..Finding::default()
+        };
+        let mut findings = [scale("lateral_acceleration"), scale("yaw_rate")];
+        leave_banks_open(&mut findings, &[ChainReport::default()]);
+        assert!(findings.iter().all(|finding| finding.probability == 0.99));
+        let banked = ChainReport { may_be_banked: true, ..ChainReport::default() };
+        leave_banks_open(&mut findings, &[ChainReport::default(), banked]);
+        assert_eq!(findings[0].indistinguishable_from, ["road_bank"]);
+        assert_eq!((findings[0].probability, findings[1].probability), (0.5, 0.99));
+        assert!(findings[1].indistinguishable_from.is_empty());
+    }
 }

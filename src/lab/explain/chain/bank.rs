@@ -33,16 +33,15 @@ pub(super) fn without_banks(series: &Series, mut links: Vec<Link>, report: &mut 
         return links;
     }
     links.retain(|link| link.relation != Relation::Lateral);
-    if !report.unclear.iter().any(|unclear| unclear.what.contains(BANKED)) {
+    if !std::mem::replace(&mut report.may_be_banked, true) {
+        let relation = Relation::Lateral.name();
         report.unclear(
-            format!("{}: {BANKED} does this, or the sensor", Relation::Lateral.name()),
+            format!("{relation}: a road that is banked in its long curves does this, or the sensor"),
             "drive quick curves to both sides on level ground: no bank follows them",
         );
     }
     links
 }
-
-const BANKED: &str = "a road that is banked in its long curves";
 
 /// The share of what varies in speed × yaw rate that does so within seconds.
 fn quick_share(series: &Series) -> f64 {

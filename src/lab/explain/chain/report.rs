@@ -137,6 +137,9 @@ pub struct ChainReport {
     /// How the yaw rate's zero moves, if that is among the findings.
     #[serde(skip)]
     pub drift: Option<ZeroCourse>,
+    /// May a banked road be what lateral acceleration and yaw rate say of scale and delay?
+    #[serde(skip)]
+    pub may_be_banked: bool,
     /// How well the radii of an axle's wheels are told apart, front and rear, relative; none where the driving does not.
     #[serde(skip)]
     pub radii: Option<[f64; 2]>,

@@ -35,6 +35,9 @@ const THOUGHT: Thought = [(0.0, 10.0), (0.03, 0.07), (0.0, 0.02), (0.0, 0.7), (0
 /// car at 50 km/h loses 0.65 m/s² of its weight.
 const SHORTEST_M: f64 = 30.0;
 
+/// Measured and predicted are compared each so many grid points.
+const COMPARED_EVERY: usize = 10;
+
 /// How late the accelerometer may be beside the speed, s, and in which steps that is tried. Numerical.
 const DELAYS_S: [f64; 2] = [-0.2, 0.2];
 const DELAY_STEP_S: f64 = 0.02;
@@ -150,25 +153,34 @@ impl Along {
             }
         }
         let said = [&plain, found.as_ref().unwrap_or(&plain)].map(|road| felt.said(road));
+        let points = &felt.points;
         for (sums, said) in self.sums.iter_mut().zip(&said) {
-            let rows = (0..felt.rows.len()).map(|row| (felt.held[row], felt.measured[row], said[row]));
+            let rows = points.iter().zip(said).map(|(point, said)| (point.held, point.measured, *said));
             sums.add(Quantity::LongitudinalAcceleration, rows);
         }
-        let [plain, found] = said;
-        let rows = (0..felt.rows.len())
-            .map(|row| [felt.rows[row].t, felt.measured[row], found[row], plain[row]])
-            .collect();
+        let both = said[1].iter().zip(&said[0]);
+        let rows =
+            points.iter().zip(both).map(|(point, (found, plain))| [point.t, point.measured, *found, *plain]);
         let channel = Quantity::LongitudinalAcceleration;
-        self.traces.push(FreeTrace { recording: drive.name.clone(), channel, rows });
+        self.traces.push(FreeTrace { recording: drive.name.clone(), channel, rows: rows.collect() });
     }
 }
 
 /// The accelerometer along the car beside what the change of speed tells.
 struct Felt {
     rows: Vec<Row>,
-    /// What it reads, m/s².
-    measured: Vec<f64>,
+    /// Is a row held out?
     held: Vec<bool>,
+    /// Where it is compared.
+    points: Vec<Point>,
+}
+
+/// What it reads, and what the speed tells of that, m/s², as means over a row's length.
+struct Point {
+    t: f64,
+    measured: f64,
+    told: f64,
+    held: bool,
 }
 
 impl Felt {
@@ -182,10 +194,13 @@ impl Felt {
             faster - said.yaw_rate[i] * speed * said.tan_sideslip[i]
         };
         let told: Vec<f64> = (0..drive.points()).map(faster).collect();
-        let places: Vec<usize> = (EVERY..drive.points().saturating_sub(EVERY))
-            .step_by(EVERY)
-            .filter(|i| drive.counts[*i] && measured[*i].is_finite() && told[*i].is_finite())
-            .collect();
+        let known = |every: usize| -> Vec<usize> {
+            (EVERY..drive.points().saturating_sub(EVERY))
+                .step_by(every)
+                .filter(|i| drive.counts[*i] && measured[*i].is_finite() && told[*i].is_finite())
+                .collect()
+        };
+        let (places, points) = (known(EVERY), known(COMPARED_EVERY));
         let trained = || places.iter().copied().filter(|i| !drive.held[*i]);
         if trained().count() < LEAST_ROWS / 2 {
             return None;
@@ -198,27 +213,36 @@ impl Felt {
         let steps = ((DELAYS_S[1] - DELAYS_S[0]) / DELAY_STEP_S).round() as usize;
         let delays = (0..=steps).map(|step| DELAYS_S[0] + step as f64 * DELAY_STEP_S);
         let delay_s = delays.min_by(|a, b| unlike(*a).total_cmp(&unlike(*b)))?;
-        let told = late(delay_s);
+        let late_told = late(delay_s);
         let mut way = vec![0.0; drive.points()];
         for i in 1..way.len() {
             way[i] = way[i - 1] + driven[i].0 * STEP_S;
         }
-        let (faster, turning) = (slope(&told), slope(&mean(&said.yaw_rate, EVERY)));
+        let (faster, turning) = (slope(&late_told), slope(&mean(&said.yaw_rate, EVERY)));
         let row = |i: &usize| {
-            let by: [f64; NUMBERS] = [1.0, told[*i], -faster[*i], -said.yaw_rate[*i].powi(2), -turning[*i]];
-            Row { t: drive.time(*i), way: way[*i], excess: measured[*i] - told[*i], by }
+            let told = late_told[*i];
+            let by: [f64; NUMBERS] = [1.0, told, -faster[*i], -said.yaw_rate[*i].powi(2), -turning[*i]];
+            Row { t: drive.time(*i), way: way[*i], excess: measured[*i] - told, by }
+        };
+        let point = |i: &usize| Point {
+            t: drive.time(*i),
+            measured: measured[*i],
+            told: late_told[*i],
+            held: drive.held[*i],
         };
         Some(Self {
             rows: places.iter().map(row).collect(),
-            measured: places.iter().map(|i| measured[*i]).collect(),
             held: places.iter().map(|i| drive.held[*i]).collect(),
+            points: points.iter().map(point).collect(),
         })
     }
 
-    /// What it should read.
+    /// What it should read at each point.
     fn said(&self, road: &Road) -> Vec<f64> {
-        let of = |row: usize| self.measured[row] - self.rows[row].excess + road.excess(row, &self.rows);
-        (0..self.rows.len()).map(of).collect()
+        let excess = |row: usize| (self.rows[row].t, road.excess(row, &self.rows));
+        let track: Vec<(f64, f64)> = (0..self.rows.len()).map(excess).collect();
+        let mut cursor = 1;
+        self.points.iter().map(|point| point.told + interpolated(&track, &mut cursor, point.t).0).collect()
     }
 
     fn held_square(&self, road: &Road) -> f64 {

@@ -50,7 +50,6 @@ mod precedence;
 mod proof;
 mod put_right;
 mod result;
-mod road;
 mod select;
 mod sensitivity;
 mod shape;

@@ -27,9 +27,7 @@ const LEAST_DELAY_S: f64 = 0.1;
 pub(super) fn without_banks(series: &Series, mut links: Vec<Link>, report: &mut ChainReport) -> Vec<Link> {
     let Some(link) = links.iter().find(|link| link.relation == Relation::Lateral) else { return links };
     let claims = SCALES.contains(&link.gain) || link.delay.abs() > LEAST_DELAY_S;
-    let quick = quick_share(series);
-    tracing::trace!(quick, gain = link.gain, delay = link.delay, "the variance of curves that is quick");
-    if !claims || quick > LEAST_QUICK {
+    if !claims || quick_share(series) > LEAST_QUICK {
         return links;
     }
     links.retain(|link| link.relation != Relation::Lateral);

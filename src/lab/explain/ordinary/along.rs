@@ -13,12 +13,12 @@ use super::fit::FreeFit;
 use super::grid::{STEP_S, interpolated, mean, slope};
 use super::inputs::FreeDrive;
 use super::numbers::placed;
+use super::road::{LEAST_ROWS, NUMBERS, ROW_S, Road, Row, SCALE, Shape, Thought, price};
 use super::run::{Predicted, later, run};
 use super::scores::FreeTrace;
 use crate::explain::exogenous::follows_motion;
 use crate::explain::proof::Sums;
 use crate::explain::result::{ByChannel, CourseEstimate, Estimate, Finding, Parts, full_name};
-use crate::explain::road::{LEAST_ROWS, NUMBERS, ROW_S, Road, Row, SCALE, Shape, Thought, price};
 use crate::explain::select::LEAST_EVIDENCE;
 use crate::explain::smooth::Smoothed;
 
@@ -140,7 +140,7 @@ impl Along {
             let slope = Slope::of(felt, &shape, evidence);
             let share = 1.0 - felt.held_square(&between) / felt.held_square(&plain);
             let follows = slope.follows(gridded);
-            let off = (slope.scale.value - THOUGHT[SCALE].0) / THOUGHT[SCALE].1;
+            let off = (slope.scale - THOUGHT[SCALE].0) / THOUGHT[SCALE].1;
             tracing::debug!(?shape, evidence, share, follows, off, rms = slope.rms(), "the road's grade");
             let is_told = evidence > LEAST_EVIDENCE
                 && share > 0.0
@@ -264,7 +264,7 @@ struct Slope {
     /// rad, with its deviation.
     grade: Vec<(f64, f64)>,
     /// By what share the sensor reads too much.
-    scale: Estimate,
+    scale: f64,
     /// Time in which it changes, s.
     lasting_s: f64,
     /// So many stretches of the road say something of their own.
@@ -283,11 +283,10 @@ impl Slope {
             .map(|(slope, std)| (((slope - mean) / GRAVITY).clamp(-1.0, 1.0).asin(), std / GRAVITY));
         let (first, last) = (rows[0], rows[rows.len() - 1]);
         let (way, time) = (last.way - first.way, last.t - first.t);
-        let (value, std) = road.sensor[SCALE];
         Self {
             t: rows.iter().map(|row| row.t).collect(),
             grade: grade.collect(),
-            scale: Estimate { value, std },
+            scale: road.sensor[SCALE].0,
             lasting_s: shape.length_m * time / way.max(1.0),
             stretches: (way / (2.0 * shape.length_m)).max(1.0),
             evidence,
@@ -321,10 +320,9 @@ impl Slope {
         finding.explained_share = [(accelerometer.to_owned(), share)].into();
         finding.place.channels = vec![accelerometer.to_owned()];
         finding.place.recording.clone_from(&drive.name);
-        let size = self.rms();
+        let rms = kind.course.map(|course| course.rms_name.to_owned());
         let std = (mean_square(self.grade.iter().map(|(_, std)| *std)) / self.stretches).sqrt();
-        let rms = kind.course.map_or("grade_rms_rad", |course| course.rms_name);
-        finding.parameters.insert(rms.into(), Estimate { value: size, std });
+        finding.parameters.extend(rms.map(|name| (name, Estimate { value: self.rms(), std })));
         let (value, std) = self.grade.iter().copied().unzip();
         let course = CourseEstimate { t: self.t.clone(), value, std, unit: "rad".into() };
         finding.place.intervals = clear_stretches(&course);

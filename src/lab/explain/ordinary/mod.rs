@@ -23,6 +23,7 @@ mod inputs;
 mod numbers;
 mod problem;
 mod remaining;
+mod road;
 mod robust;
 mod run;
 mod scores;

@@ -204,6 +204,8 @@ impl Filtered {
         for (place, variance) in variances.into_iter().enumerate() {
             covariance[(place, place)] = variance;
         }
+        // What is forgotten comes anew; the sensor's numbers stay.
+        let stays = covariance;
         for (place, (value, std)) in OWN.zip(*thought) {
             (mean[place], covariance[(place, place)]) = (value, std * std);
         }
@@ -212,12 +214,8 @@ impl Filtered {
         for (number, row) in rows.iter().enumerate() {
             let before = number.checked_sub(1).map_or(row, |before| &rows[before]);
             let to = moved(shape, rate, row.way - before.way, row.t - before.t);
-            let stays = Square::from_diagonal(&Values::from_fn(|place, _| {
-                variances.get(place).copied().unwrap_or_default()
-            }));
             mean = to * mean;
             covariance = to * covariance * to.transpose();
-            // What is forgotten comes anew; the sensor's numbers stay.
             covariance += stays - to * stays * to.transpose();
             let before = (mean, covariance);
             let told = counts(number).then(|| {
@@ -329,7 +327,7 @@ mod tests {
         assert!(rms(&|it| it.0) < 0.08, "{}", rms(&|it| it.0));
         let apart = rms(&|it| it.0 / it.1);
         assert!((0.6..1.5).contains(&apart), "deviations are what they say: {apart}");
-        let scale = road.sensor[1];
+        let scale = road.sensor[SCALE];
         assert!((scale.0 - 0.04).abs() < 3.0 * scale.1 && scale.1 < 0.02, "{scale:?}");
         // What was not looked at lies between its neighbours.
         let some = |row: usize| (row / 30) % 3 != 2;

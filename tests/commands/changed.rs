@@ -145,7 +145,7 @@ fn a_law_is_found_confirmed_and_applied() {
     let law = "\n[[effect]]\nkind = 'law'\nplace = 'front slip angle'\nexpression = 'coefficient * a_x'\n\
                coefficient = 0.001\n";
     let demo = std::fs::read_to_string(project("config/scenarios/demo.toml")).unwrap();
-    let asphalt = demo.replace("duration_s = 120.0", "duration_s = 44.0");
+    let asphalt = demo.replace("duration_s = 120.0", "duration_s = 60.0");
     std::fs::write(folder.path().join("pulls.toml"), asphalt + law).unwrap();
     for (name, seed) in [("one.log", "5"), ("other.log", "6")] {
         run(folder.path(), &["-q", "simulate", "pulls.toml", "-o", name, "--seed", seed]);

@@ -13,8 +13,8 @@ use bus::Config;
 use identify::Doubt;
 use lab::explain::found::rounded;
 use lab::report::wrapped;
-use physics::model::Uncertain;
 use physics::model::effect::EffectConfig;
+use physics::model::{TireKind, Uncertain};
 
 /// Keys that are paths, by their tables. Relative ones are so to the file that they stand in.
 const PATHS: [(&str, &[&str]); 2] =
@@ -93,10 +93,13 @@ impl<'p> Applied<'p> {
         }
     }
 
-    /// Tires that bend as a magic formula does.
-    pub fn bend_tires(&mut self) {
+    /// Tires that bend as those of the ordinary car do.
+    pub fn bend_tires(&mut self, tire: TireKind) {
         let Some(vehicle) = self.vehicle() else { return };
-        kept::put(vehicle, "tire", value("magic_formula"));
+        kept::put(vehicle, "tire", value(tire.name()));
+        if tire != TireKind::MagicFormula {
+            return;
+        }
         for (name, number) in [("magic_formula_shape", 1.3), ("magic_formula_curvature", 0.0)] {
             if !vehicle.contains_key(name) {
                 vehicle.insert(name, value(number));

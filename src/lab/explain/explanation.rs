@@ -8,7 +8,7 @@ use super::excerpt::Excerpt;
 use super::fit::Data;
 use super::long_recording::LongSearch;
 use super::model::Model;
-use super::ordinary::{FittedCars, Ordinary, with_bend};
+use super::ordinary::{Bent, FittedCars, Ordinary};
 use super::put_right::put_right;
 use super::result::{Explanation, Verdict};
 use super::select::{Selection, select};
@@ -52,10 +52,9 @@ impl<'a> Case<'a> {
             return Answer { explanation, model: plain };
         }
         progress(work::ORDINARY, 0.0);
-        let own = with_bend(self.vehicle);
-        let cars = [&own, self.vehicle];
+        let bent = Bent::of(self.vehicle);
         let recordings = put_right(self.recordings, self.chain);
-        let cars = FittedCars::of(cars, self.effects, &recordings, self.asked(&|_| false));
+        let cars = FittedCars::of((self.vehicle, &bent), self.effects, &recordings, self.asked(&|_| false));
         let ordinary_if =
             |searches: &dyn Fn(&Ordinary) -> bool| Some(cars.as_ref()?.say(self.asked(searches)));
         // A filter that takes noise for white learns nothing of physics where the car shakes, and little where nobody tells

@@ -114,6 +114,18 @@ pub enum TireKind {
     MagicFormula,
 }
 
+impl TireKind {
+    /// As in a configuration.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Piecewise => "piecewise",
+            Self::Brush => "brush",
+            Self::MagicFormula => "magic_formula",
+        }
+    }
+}
+
 /// Names of tire property files: one for both axles, or the front axle's and the rear axle's.
 ///
 /// Names only: nothing here opens files. Who reads a configuration reads them, and puts their numbers into the table.

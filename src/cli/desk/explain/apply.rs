@@ -29,8 +29,8 @@ pub fn toml(from: &Path, to: &Path, answer: &Answer<'_>, force: bool) -> Result<
     ));
     answer_lines(explanation).iter().chain(&explanation.certain).for_each(|line| applied.say(line));
     let ordinary = explanation.parameters.ordinary.as_ref().filter(|_| explanation.is_by_ordinary);
-    if ordinary.is_some() {
-        applied.bend_tires();
+    if let Some(ordinary) = explanation.ordinary.as_ref().filter(|_| explanation.is_by_ordinary) {
+        applied.bend_tires(ordinary.tire);
     }
     for (name, estimate) in ordinary.unwrap_or(&explanation.parameters.extended) {
         if applied.has(name) && !explanation.in_doubt.contains_key(name) {

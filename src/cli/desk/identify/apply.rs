@@ -30,10 +30,10 @@ pub fn toml((from, to): (&Path, &Path), found: &Identification, force: bool) -> 
     applied.text(&[])
 }
 
-/// The same of the ordinary car, whose tires bend as a magic formula does.
+/// The same of the ordinary car, whose tires bend.
 pub fn of_ordinary((from, to): (&Path, &Path), found: &Ordinary, force: bool) -> Result<String, Failure> {
     let mut applied = begin(from, to, found.seconds)?;
-    applied.bend_tires();
+    applied.bend_tires(found.tire);
     for it in found.numbers.iter().filter(|it| is_of_the_vehicle(&it.name)) {
         match &it.doubt {
             Some(doubt) => applied.put_doubtful(&it.name, doubt, force),

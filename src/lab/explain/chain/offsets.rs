@@ -1,7 +1,7 @@
 //! What each channel reads when it should read zero.
 
 use super::regression::{FREE, Fit, Prior, fit, student};
-use super::relations::{Link, Relation, rows};
+use super::relations::{LOADED_RADIUS, Link, Relation, rows};
 use super::report::{AuditFinding, ChainReport, Confidence, Offset};
 use super::series::Series;
 use super::standing::Standing;
@@ -139,7 +139,7 @@ pub(super) fn offsets(series: &Series, delays: &[Link], report: &mut ChainReport
 
 /// The rear wheels' difference when the yaw rate reads zero; equal radii within some tenths of a percent. Going round one way
 /// at one speed, a zero and a slope look alike: track and radius are known by a tenth at least.
-fn yaw_rate(series: &Series, delay: f64) -> Option<Fit<3>> {
+fn yaw_rate(series: &Series, delay: f64) -> Option<Fit<4>> {
     let rear = (Quantity::WheelSpeedRl, Quantity::WheelSpeedRr, series.vehicle.track_rear_m.value);
     turning(series, rear, delay, (1.0, 0.1))
 }
@@ -152,18 +152,20 @@ const RADII_DIFFER_MUCH: f64 = 0.03;
 const STRAINED: f64 = 2.0;
 
 /// The difference of an axle's wheels against the yaw rate: its slope, with what is thought of it; what it is where the yaw
-/// rate reads zero; and a share of the speed, which is what radii make that differ.
+/// rate reads zero; a share of the speed, which is what radii make that differ; and what the load does to these in curves.
 fn turning(
     series: &Series,
     (left, right, track): (Quantity, Quantity, f64),
     delay: f64,
     slope: Prior,
-) -> Option<Fit<3>> {
+) -> Option<Fit<4>> {
     let (left, right) = (series.raw(left), series.raw(right));
     let to_yaw = series.vehicle.wheel_radius_m.value / track;
     let y = series.smoothed(|row| (right[row] - left[row]) * to_yaw);
-    let rows = rows(series, &y, delay, |_| true, |row| [series.r[row], 1.0, series.v[row]]);
-    let with = |differ: f64| fit(&rows, [slope, FREE, (0.0, differ / track)]);
+    let features = |row: usize| [series.r[row], 1.0, series.v[row], series.v[row] * series.lateral(row)];
+    let rows = rows(series, &y, delay, |_| true, features);
+    let loaded = (0.0, LOADED_RADIUS / track);
+    let with = |differ: f64| fit(&rows, [slope, FREE, (0.0, differ / track), loaded]);
     let usual = with(RADII_DIFFER)?;
     let is_strained = usual.value[2].abs() * track > STRAINED * RADII_DIFFER;
     if is_strained { with(RADII_DIFFER_MUCH) } else { Some(usual) }

@@ -20,7 +20,7 @@ const ACCELEROMETER_PLACE_M: f64 = 0.15;
 const YAW_ZERO: f64 = 0.01;
 /// Outer wheels, pressed down, roll on a smaller radius: difference of the two, relative, per lateral
 /// acceleration, at most about this, s²/m. Physical.
-const LOADED_RADIUS: f64 = 8e-4;
+pub(super) const LOADED_RADIUS: f64 = 8e-4;
 /// Delays beyond this are longer than what tires and body make a relation look late by, s. Physical.
 const EVIDENT_DELAY_S: f64 = 0.2;
 /// Delays are looked for up to this, s. Physical: the bound of `sensor_delay`.
@@ -213,7 +213,7 @@ fn axle(series: &Series, left: Quantity, right: Quantity, relation: Relation, sh
         &y,
         shift,
         |row| gentle(series, row),
-        |row| [series.r[row], series.r_dot[row], 1.0, series.v[row], series.v[row] * series.vr[row]],
+        |row| [series.r[row], series.r_dot[row], 1.0, series.v[row], series.v[row] * series.lateral(row)],
     );
     let fit = fit(&rows, [FREE, FREE, FREE, FREE, (0.0, LOADED_RADIUS / track)])?;
     summary(relation, &fit, &rows)

@@ -240,6 +240,12 @@ impl Series {
         self.moving = self.v.iter().map(|v| *v > slowest).collect();
     }
 
+    /// The lateral acceleration by the yaw rate alone: v r + v̇y, vy = b r − v κ a_y.
+    pub(super) fn lateral(&self, row: usize) -> f64 {
+        let (rear, _) = self.kappa(false);
+        self.vr[row] + self.vehicle.b() * self.r_dot[row] - rear * self.v[row] * self.vr_dot[row]
+    }
+
     /// Understeer parameter κ = 1/(c g) of an axle with normalized stiffness c, s²/m, and how well it is
     /// known: slip angle per lateral acceleration.
     pub(super) fn kappa(&self, front: bool) -> (f64, f64) {

@@ -9,7 +9,7 @@ use physics::model::{TireKind, Uncertain, Vehicle};
 use super::along::Along;
 use super::axles;
 use super::beyond::{Beyond, Powers, Question, beyond, powers_with, rows};
-use super::choice::fit_ordinary;
+use super::choice::{fit_ordinary, is_refused};
 use super::drives::{Drives, MOST_S};
 use super::fit::{FreeFit, begin_counting, fit};
 use super::fitted_number::{Number, numbers};
@@ -46,6 +46,8 @@ pub struct Ordinary {
     pub driven: Vec<Driven>,
     /// Its numbers.
     pub numbers: Vec<Number>,
+    /// How its tires bend.
+    pub tire: TireKind,
     /// Its axles, what gives way in the steering with them.
     pub cornering_stiffness: CorneringStiffness,
     /// Those of the car as configured.
@@ -121,7 +123,6 @@ const MOST_UNACCOUNTED: f64 = 0.5;
 
 /// The ordinary car fitted to recordings of one car, and the car as configured beside it.
 pub struct FittedCars<'a> {
-    own: &'a Vehicle,
     drives: Drives,
     found: FreeFit<'a>,
     plain: FreeFit<'a>,
@@ -129,30 +130,39 @@ pub struct FittedCars<'a> {
 }
 
 impl<'a> FittedCars<'a> {
-    /// Of the vehicle, `own` being that [`with_bend`]. None where no recording can be used, or none beside its references.
+    /// Of the vehicle beside what it is with tires that bend. None where no recording can be used, or none beside its references.
     pub fn of(
-        [own, vehicle]: [&'a Vehicle; 2],
+        (vehicle, bent): (&'a Vehicle, &'a Bent),
         effects: &[EffectConfig],
         recordings: &[Recording],
         asked: Asked<'_>,
     ) -> Option<Self> {
-        let all = Drives::of(own, recordings, asked)?;
+        let all = Drives::of(&bent.smooth, recordings, asked)?;
         let drives = &all.drives;
-        let model = as_configured(own, effects);
+        let model = as_configured(&bent.smooth, effects);
         let plain = Model { vehicle, values: Values::of(vehicle), ..model.clone() };
         // The ordinary car twice, with and without what the data may refuse.
         begin_counting(drives, 3);
         let (found, plain) = rayon::join(
-            || fit_ordinary(&model, own, drives),
+            || fit_ordinary(&model, &bent.smooth, drives),
             || fit(&plain, on_time(free(&plain, vehicle, drives)), drives),
         );
-        Some(Self { own, found, plain, begins_utc: begins(recordings), drives: all })
+        let leaves = |fit: &FreeFit<'_>| does_repeat(&repeating(drives, &fit.predicted, asked.seed));
+        let found = match &bent.brush {
+            Some(brush) if leaves(&found) => {
+                let other = fit_ordinary(&as_configured(brush, effects), brush, drives);
+                // What repeats is the tires' bend where another one leaves nothing of it.
+                if !leaves(&other) && is_refused(&found, &other, drives) { other } else { found }
+            }
+            _ => found,
+        };
+        Some(Self { found, plain, begins_utc: begins(recordings), drives: all })
     }
 
     /// What they say.
     pub fn say(&self, asked: Asked<'_>) -> Ordinary {
-        let Self { own: vehicle, found, plain, drives: Drives { drives, references, left_out }, .. } = self;
-        let fitted = Fitted { vehicle, drives, found, plain, simulated: None };
+        let Self { found, plain, drives: Drives { drives, references, left_out }, .. } = self;
+        let fitted = Fitted { vehicle: found.model.vehicle, drives, found, plain, simulated: None };
         Ordinary {
             left_out: left_out.clone(),
             begins_utc: self.begins_utc.clone(),
@@ -174,13 +184,13 @@ impl Ordinary {
         recordings: &[Recording],
         asked: Asked<'_>,
     ) -> Option<Self> {
-        let own = with_bend(vehicle);
-        Some(FittedCars::of([&own, vehicle], effects, recordings, asked)?.say(asked))
+        let bent = Bent::of(vehicle);
+        Some(FittedCars::of((vehicle, &bent), effects, recordings, asked)?.say(asked))
     }
 
     /// What it comes to, where the plain model and its effects leave much. Does any of the recordings turn?
     pub fn verdict(&self, turns: bool) -> Verdict {
-        let repeats = self.remaining.values().any(Remaining::repeats);
+        let repeats = does_repeat(&self.remaining);
         match () {
             // Straight on, noise is the larger part of the yaw rate, however well the car is known.
             () if !self.is_the_car() && !turns && !repeats => Verdict::InsufficientExcitation,
@@ -239,18 +249,7 @@ impl Fitted<'_> {
         let &Self { vehicle, drives, found, plain, simulated } = self;
         let predicted = &found.predicted;
         let plain_squares = CHANNELS.map(|channel| held_square(drives, &plain.predicted, channel));
-        let error = |channel: Quantity| {
-            move |drive: &FreeDrive, own: &Predicted, i: usize| {
-                measured(drive, channel).map_or(f64::NAN, |of| of[i] - said(own, channel)[i])
-            }
-        };
-        let repeating = |predicted: &[Predicted]| -> BTreeMap<String, Remaining> {
-            let of = |channel: Quantity| {
-                Some((channel.name().to_owned(), remaining(drives, predicted, error(channel), seed)?))
-            };
-            CHANNELS.into_iter().filter_map(of).collect()
-        };
-        let repeats = |predicted: &[Predicted]| repeating(predicted).values().any(Remaining::repeats);
+        let repeats = |predicted: &[Predicted]| does_repeat(&repeating(drives, predicted, seed));
         let mut answer = Ordinary {
             fit: fits(drives, predicted),
             plain_fit: fits(drives, &plain.predicted),
@@ -258,11 +257,12 @@ impl Fitted<'_> {
             error: Models::default(),
             split: drives.iter().flat_map(FreeDrive::blocks).collect(),
             driven: drives.iter().map(|drive| drive.driven_every(TRACED_EVERY)).collect(),
+            tire: vehicle.tire,
             cornering_stiffness: axles::of(found),
             numbers: numbers(found, drives),
             plain_numbers: numbers(plain, drives),
             disturbances: BTreeMap::new(),
-            remaining: repeating(predicted),
+            remaining: repeating(drives, predicted, seed),
             leaves_most: false,
             left_out: Vec::new(),
             traces: Vec::new(),
@@ -285,7 +285,7 @@ impl Fitted<'_> {
                 zero_is_still,
                 simulated,
                 plain: plain_squares,
-                repeating: answer.remaining.values().any(Remaining::repeats),
+                repeating: does_repeat(&answer.remaining),
                 repeats: &repeats,
                 seed,
             };
@@ -296,7 +296,7 @@ impl Fitted<'_> {
         answer.found_fit = fits(drives, with_found);
         answer.error = errors(drives, [&plain.predicted, predicted, with_found]);
         if answer.beyond.predicted.is_some() {
-            let left = repeating(with_found);
+            let left = repeating(drives, with_found, seed);
             if let (true, Some(ordinary)) =
                 (left.values().any(Remaining::repeats_clearly), &answer.error.ordinary)
             {
@@ -324,6 +324,21 @@ impl Fitted<'_> {
         answer.traces = traces(drives, with_found, &plain.predicted);
         answer
     }
+}
+
+/// What repeats of what runs leave, by channel.
+fn repeating(drives: &[FreeDrive], predicted: &[Predicted], seed: u64) -> BTreeMap<String, Remaining> {
+    let of = |channel: Quantity| {
+        let error = |drive: &FreeDrive, own: &Predicted, i: usize| {
+            measured(drive, channel).map_or(f64::NAN, |of| of[i] - said(own, channel)[i])
+        };
+        Some((channel.name().to_owned(), remaining(drives, predicted, error, seed)?))
+    };
+    CHANNELS.into_iter().filter_map(of).collect()
+}
+
+fn does_repeat(remaining: &BTreeMap<String, Remaining>) -> bool {
+    remaining.values().any(Remaining::repeats)
 }
 
 /// Squared error that repeats, over both channels, each by what the ordinary car misses there.
@@ -379,6 +394,24 @@ pub fn with_bend(vehicle: &Vehicle) -> Vehicle {
     own
 }
 
+/// A vehicle with tires that bend before their limit. How is seen in most drives as a number of the tire at best; where the noise
+/// is small it is seen that a brush's stiffness falls in proportion to the force, that of the magic formula with its square.
+pub struct Bent {
+    /// [`with_bend`].
+    smooth: Vehicle,
+    /// None where the table itself has a magic formula.
+    brush: Option<Vehicle>,
+}
+
+impl Bent {
+    /// Of this vehicle.
+    pub fn of(vehicle: &Vehicle) -> Self {
+        let is_told = vehicle.tire == TireKind::MagicFormula;
+        let brush = (!is_told).then(|| Vehicle { tire: TireKind::Brush, ..vehicle.clone() });
+        Self { smooth: with_bend(vehicle), brush }
+    }
+}
+
 /// The model of this vehicle with these effects, what is uncertain of them free. Delays are searched for, not supposed.
 pub(super) fn as_configured<'a>(own: &'a Vehicle, effects: &[EffectConfig]) -> Model<'a> {
     let effects = effects.iter().map(|effect| Chosen::configured(effect).free_where_uncertain()).collect();
@@ -403,7 +436,7 @@ fn shaking(drives: &[FreeDrive], predicted: &[Predicted]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::bench::recorded;
+    use super::super::super::bench::{recorded, recorded_as};
     use super::*;
 
     /// What is hidden in a recording comes out of a free run: the car, delays and offsets.
@@ -430,6 +463,19 @@ mod tests {
         let told = Ordinary { beyond: Beyond { is_unusual: true, ..Beyond::default() }, ..found };
         assert_eq!(told.verdict(true), Verdict::MissingPhysics);
         assert_eq!(Ordinary { leaves_most: true, ..told }.verdict(true), Verdict::UnknownPhysics);
+    }
+
+    /// GIVEN a brush's tires and hardly any noise, and a table that knows of no bend WHEN the ordinary car is fitted THEN its tires
+    /// bend as a brush's do, and nothing is left that repeats.
+    #[test]
+    fn where_the_noise_is_small_a_brush_is_seen() {
+        let (mut vehicle, recording) = recorded_as("", |scenario| {
+            scenario.sensors.by_name.values_mut().for_each(|sensor| sensor.noise_std *= 0.1);
+        });
+        vehicle.tire = TireKind::Linear;
+        let found = Ordinary::of(&vehicle, &[], &[recording], Asked::CAR).unwrap();
+        assert_eq!(found.tire, TireKind::Brush);
+        assert_eq!(found.verdict(true), Verdict::Adequate, "{:?}", found.remaining);
     }
 
     #[test]

@@ -17,13 +17,18 @@ pub fn fit_ordinary<'a>(model: &Model<'a>, vehicle: &Vehicle, drives: &[FreeDriv
     let [usual, simpler] = with_ordinary(model);
     let fitted = |model: &Model<'a>| fit(model, free(model, vehicle, drives), drives);
     let (usual, simpler) = rayon::join(|| fitted(&usual), || fitted(&simpler));
-    let memory = simpler.time_constants_s.map(Scale::memory_of);
-    let [of_usual, of_simpler] = [&usual, &simpler].map(|fit| {
+    if is_refused(&usual, &simpler, drives) { simpler } else { usual }
+}
+
+/// Do the data refuse the first of two fits for the other one?
+pub fn is_refused(usual: &FreeFit<'_>, other: &FreeFit<'_>, drives: &[FreeDrive]) -> bool {
+    let memory = other.time_constants_s.map(Scale::memory_of);
+    let [of_usual, of_other] = [usual, other].map(|fit| {
         let problem = Problem { model: &fit.model, free: &fit.free, drives };
         problem.prior_cost(&fit.at) + problem.misfit(fit, memory)
     });
-    tracing::debug!(of_usual, of_simpler, "the ordinary car with what the data may refuse, and without");
-    if of_usual > of_simpler + REFUSED { simpler } else { usual }
+    tracing::debug!(of_usual, of_other, "the ordinary car, and another one if the data refuse it");
+    of_usual > of_other + REFUSED
 }
 
 impl Problem<'_, '_> {

@@ -34,7 +34,7 @@ mod zero;
 
 pub(super) use along::Along;
 pub use answer::{Asked, Ordinary, could_tell};
-pub(super) use answer::{FittedCars, with_bend};
+pub(super) use answer::{Bent, FittedCars};
 pub use beyond::{
     Bar, Beyond, History, MOST_TIMES_ORDINARY, OverDrives, Power, Powers, Since, likely_courses,
 };

@@ -51,7 +51,8 @@ pub fn of(found: &FreeFit<'_>, configured: &Model<'_>, drives: &[FreeDrive]) -> 
             axle.measured.push((drive.name.clone(), forces));
         }
     }
-    let fitted = found.model.car();
+    let (fitted, _) = placed(&found.model, &found.free, &found.at, 0);
+    let fitted = fitted.car();
     let configured = configured.car();
     for (place, axle) in both.iter_mut().enumerate() {
         let all = axle.measured.iter().flat_map(|(_, forces)| forces);
@@ -114,11 +115,14 @@ fn measured(found: &FreeFit<'_>, place: usize, drive: &FreeDrive, said: &Predict
 mod tests {
     use super::super::super::bench::recorded;
     use super::super::{Asked, Ordinary};
+    use physics::model::Uncertain;
 
-    /// In a drive without noise the points lie on the tire that made them.
+    /// The points lie on the tire that was fitted, whatever the table says.
     #[test]
     fn the_sensors_forces_lie_on_the_fitted_tire() {
-        let (vehicle, recording) = recorded("");
+        let (mut vehicle, recording) = recorded("");
+        vehicle.lateral_stiffness_front = Uncertain { value: 16.0, std: 6.0 };
+        vehicle.lateral_stiffness_rear = Uncertain { value: 9.0, std: 4.0 };
         let found = Ordinary::of(&vehicle, &[], &[recording], Asked::CAR).unwrap();
         for axle in &found.tires {
             let forces = &axle.measured[0].1;

@@ -296,6 +296,12 @@ impl Explanation {
         };
         add(&mut self.fit, along.fits());
         add(&mut self.error, along.errors());
+        let [plain, found] = [&self.error.baseline.holdout, &self.error.extended.holdout];
+        let left = |(channel, found): (&String, &f64)| {
+            let plain = plain.get(channel).filter(|plain| **plain > 0.0)?;
+            Some((channel.clone(), (found / plain).powi(2)))
+        };
+        self.unexplained = found.iter().filter_map(left).collect();
         self.traces.extend(along.traces.iter().map(Trace::of));
         if let Some(grade) = &along.grade {
             // What is unusual stands before what every car has.

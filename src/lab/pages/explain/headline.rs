@@ -42,10 +42,17 @@ pub fn headline(explanation: &Explanation) -> String {
         }
         Verdict::Adequate => "The plain model is adequate".into(),
         Verdict::Unchanged => "Nothing has changed since the references".into(),
-        Verdict::UnknownPhysics => "Something is missing that no known effect explains".into(),
+        Verdict::UnknownPhysics if explanation.findings.is_empty() => UNKNOWN.into(),
+        // Else it would be looked for in the car first.
+        Verdict::UnknownPhysics => {
+            format!("{}; beside it something that no known effect explains", found(&explanation.findings))
+        }
         Verdict::InsufficientExcitation => "This drive says too little to judge the model".into(),
     }
 }
+
+/// That there is something, and nothing else.
+const UNKNOWN: &str = "Something is missing that no known effect explains";
 
 /// More names than that are counted.
 const MOST_NAMES: usize = 3;

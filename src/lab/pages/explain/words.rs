@@ -1,5 +1,6 @@
 //! Names and units as a chassis engineer says them.
 
+use crate::explain::chain::AuditFinding;
 use crate::explain::{Estimate, Finding, ToDrive, Where};
 use identify::Parameter;
 use physics::model::effect::{self, Kind, Spec};
@@ -145,7 +146,7 @@ pub fn effect_named(text: &str) -> String {
 
 /// Is it of the measurement rather than of the car?
 pub fn is_of_sensors(name: &str) -> bool {
-    effect::named(name).is_some_and(Kind::is_of_measurement)
+    name == AuditFinding::FOREIGN || effect::named(name).is_some_and(Kind::is_of_measurement)
 }
 
 /// A number as it is shown.

@@ -8,6 +8,7 @@ use crate::cli::desk::applied::Applied;
 use lab::explain::found;
 use lab::explain::{Estimate, Explanation, Finding, Simulated};
 use lab::pages::explain::{answer_lines, name_of};
+use physics::model::TireKind;
 use physics::model::effect::named;
 
 /// Numbers of a tire with a bend of its own.
@@ -51,7 +52,7 @@ pub fn toml(
             Some((key, number)) => {
                 // Stiffness and friction are of the tire that was fitted.
                 if simulated.is_bent && OF_TIRES.contains(&key) {
-                    applied.bend_tires();
+                    applied.bend_tires(TireKind::MagicFormula);
                 }
                 applied.put(key, (number.value, number.std));
                 true

@@ -41,7 +41,7 @@ impl Search<'_> {
                 break;
             }
         }
-        let Climbed { at, errors, cost, covariance } =
+        let Climbed { at, errors, cost, covariance, .. } =
             self.climb(&state, &state.colour, &state.model, &state.free, state.start());
         State { at, errors, cost, covariance, ..state }
     }

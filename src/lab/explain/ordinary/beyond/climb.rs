@@ -26,6 +26,9 @@ const LEAST_STEP: f64 = 0.3;
 /// Numerical.
 const STILL_SERVES: f64 = 10.0 * LEAST_STEP;
 
+/// All slopes are taken anew where they mislead and the search has gained more since they were, −2 ln likelihood. Numerical.
+const SERVES_FOR: f64 = 100.0 * LEAST_STEP;
+
 /// What becomes of the damping after a step: where it was needed, it will be again. Numerical.
 const LESS_DAMPING: [f64; 2] = [0.1, 0.7];
 
@@ -58,7 +61,7 @@ pub struct State<'a> {
 impl<'a> State<'a> {
     /// From where it is.
     pub(super) fn start(&self) -> Start {
-        Start { at: self.at.clone(), errors: self.errors.clone() }
+        Start { at: self.at.clone(), errors: self.errors.clone(), slopes: Vec::new() }
     }
 
     /// The car with a trial where it makes no difference; what is free of both, the trial's last, and where that is.
@@ -92,6 +95,8 @@ pub struct Start {
     pub at: Vec<f64>,
     /// What is not predicted there.
     pub errors: Vec<Series>,
+    /// How the predictions change with each number somewhere near, if anybody knows.
+    pub slopes: Vec<Vec<Series>>,
 }
 
 /// Where a search ended.
@@ -100,6 +105,8 @@ pub struct Climbed {
     pub at: Vec<f64>,
     /// What is not predicted there.
     pub errors: Vec<Series>,
+    /// How the predictions change with each number near there.
+    pub slopes: Vec<Vec<Series>>,
     /// −2 ln likelihood of the training part, the prior's counted in.
     pub cost: f64,
     /// Covariance of the coordinates.
@@ -109,14 +116,14 @@ pub struct Climbed {
 impl Climbed {
     /// From where it ended.
     pub(super) fn start(&self) -> Start {
-        Start { at: self.at.clone(), errors: self.errors.clone() }
+        Start { at: self.at.clone(), errors: self.errors.clone(), slopes: self.slopes.clone() }
     }
 }
 
 impl Search<'_> {
     /// From a place of a model.
     pub(super) fn start_at(&self, model: &Model<'_>, free: &[Free], at: Vec<f64>) -> Start {
-        Start { errors: self.errors(model, free, &at), at }
+        Start { errors: self.errors(model, free, &at), at, slopes: Vec::new() }
     }
 
     /// Fits a model from a place on and learns the colour of its noise, in turn: what the numbers miss at first is noise.
@@ -142,7 +149,7 @@ impl Search<'_> {
         (here, colour)
     }
 
-    /// Fits a model from a place on, the slopes of its first numbers being those of the state.
+    /// Fits a model from a place on. The slopes of its first numbers are those of the state, as long as they serve.
     pub(super) fn climb(
         &self,
         state: &State<'_>,
@@ -152,34 +159,38 @@ impl Search<'_> {
         from: Start,
     ) -> Climbed {
         let count = free.len();
-        let Start { mut at, mut errors } = from;
+        let Start { mut at, mut errors, slopes } = from;
         let rows = self.rows(colour, &state.errors);
-        let kept: Vec<DVector<f64>> =
-            state.slopes.iter().map(|slopes| self.white(colour, &rows, slopes)).collect();
+        let white_all = |slopes: &[Vec<Series>]| -> Vec<DVector<f64>> {
+            slopes.par_iter().map(|slope| self.white(colour, &rows, slope)).collect()
+        };
+        let mut slopes = if slopes.is_empty() { state.slopes.clone() } else { slopes };
+        let mut columns = white_all(&slopes);
         let mut white = self.white(colour, &rows, &errors);
         let mut cost = self.cost(colour, &rows, &white).train + prior_cost(free, &at);
         let mut covariance = DMatrix::identity(count, count);
         let mut damping = 0.0;
-        let mut old: Option<Vec<DVector<f64>>> = None;
+        let (mut renewed, mut are_own_new) = (slopes.len()..count, true);
+        let mut serves_from = if at == state.at { cost } else { f64::INFINITY };
         for _ in 0..STEPS {
-            let are_new = old.is_none();
-            let own = old.take().unwrap_or_else(|| {
-                let slopes = self.own_slopes(model, free, (&at, &errors), kept.len()..count);
-                slopes.par_iter().map(|slope| self.white(colour, &rows, slope)).collect()
-            });
-            let columns: Vec<&DVector<f64>> = kept.iter().chain(&own).collect();
-            let (information, gradient) = normal(&columns, &white, &rows, free, &at);
+            let new = self.slopes_of(model, free, (&at, &errors), renewed.clone());
+            columns.splice(renewed.start.., white_all(&new));
+            slopes.splice(renewed.start.., new);
+            let (information, gradient) =
+                normal(&columns.iter().collect::<Vec<_>>(), &white, &rows, free, &at);
             let before = cost;
+            let mut misleads = false;
             // Levenberg's and Marquardt's.
             for tries in 0..TRIES {
                 let mut damped = information.clone();
                 for i in 0..count {
                     damped[(i, i)] *= 1.0 + damping;
                 }
-                let Some(factor) = damped.cholesky() else { break };
-                let step = factor.solve(&gradient);
-                let next: Vec<f64> =
-                    (0..count).map(|i| (at[i] + step[i]).clamp(free[i].bounds.0, free[i].bounds.1)).collect();
+                let Some(next) = bounded_step(&damped, &gradient, free, &at) else { break };
+                let step = DVector::from_fn(count, |i, _| next[i] - at[i]);
+                if are_own_new && 2.0 * step.dot(&gradient) - step.dot(&(&information * &step)) < LEAST_STEP {
+                    break;
+                }
                 let there = self.errors(model, free, &next);
                 let white_there = self.white(colour, &rows, &there);
                 let cost_there = self.cost(colour, &rows, &white_there).train + prior_cost(free, &next);
@@ -188,33 +199,100 @@ impl Search<'_> {
                     damping *= LESS_DAMPING[usize::from(tries > 0)];
                     break;
                 }
+                misleads = serves_from - cost > SERVES_FOR;
+                if misleads {
+                    break;
+                }
                 damping = (10.0 * damping).max(1e-3);
             }
             covariance = information.cholesky().map_or(covariance, |factor| factor.inverse());
             let gained = before - cost;
-            if gained < LEAST_STEP && are_new {
+            if misleads {
+                (renewed, are_own_new, serves_from) = (0..count, true, cost);
+                continue;
+            }
+            if gained < LEAST_STEP && are_own_new {
                 break;
             }
-            old = (gained > STILL_SERVES).then_some(own);
+            are_own_new = gained <= STILL_SERVES;
+            renewed = if are_own_new { state.slopes.len()..count } else { count..count };
         }
-        Climbed { at, errors, cost, covariance }
+        Climbed { at, errors, slopes, cost, covariance }
     }
 
-    /// How the predictions change with a candidate's own numbers; of the points of a course where they act only.
-    fn own_slopes(
+    /// How the predictions change with these numbers; of the points of a course where they act only.
+    fn slopes_of(
         &self,
         model: &Model<'_>,
         free: &[Free],
         (at, errors): (&[f64], &[Series]),
-        own: Range<usize>,
+        places: Range<usize>,
     ) -> Vec<Vec<Series>> {
         let between = |place: usize| free[place].number.place().and_then(|place| model.course_between(place));
-        let has_course = own.clone().any(|place| between(place).is_some());
+        let has_course = places.clone().any(|place| between(place).is_some());
         let tracks = has_course.then(|| self.tracks(model, free, at));
         let of = |place: usize| {
             let branch = tracks.as_deref().zip(between(place));
             self.slope(model, free, (at, errors), (place, free[place].step), branch)
         };
-        own.into_par_iter().map(of).collect()
+        places.into_par_iter().map(of).collect()
+    }
+}
+
+/// Gauss' and Newton's step within the bounds: what a number cannot do the others do without it. One that meets its bound stays
+/// there for this step.
+fn bounded_step(
+    information: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    free: &[Free],
+    at: &[f64],
+) -> Option<Vec<f64>> {
+    let (mut information, mut wanted) = (information.clone(), gradient.clone());
+    let mut is_held = vec![false; free.len()];
+    loop {
+        let step = information.clone().cholesky()?.solve(&wanted);
+        let within = |i: usize| (at[i] + step[i]).clamp(free[i].bounds.0, free[i].bounds.1);
+        let outside: Vec<usize> =
+            (0..free.len()).filter(|i| !is_held[*i] && within(*i) != at[*i] + step[*i]).collect();
+        if outside.is_empty() {
+            return Some((0..free.len()).map(within).collect());
+        }
+        for i in outside {
+            is_held[i] = true;
+            let by = within(i) - at[i];
+            wanted.axpy(-by, &information.column(i).clone_owned(), 1.0);
+            information.row_mut(i).fill(0.0);
+            information.column_mut(i).fill(0.0);
+            (information[(i, i)], wanted[i]) = (1.0, by);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::numbers::{Number, Scope};
+    use super::*;
+
+    /// GIVEN two numbers that take each other's place, one of which can hardly move WHEN a step is taken THEN the other one goes
+    /// where it is best beside that, and not where it was best beside the step that could not be.
+    #[test]
+    fn what_a_number_cannot_do_the_other_does_without_it() {
+        let free = [(-0.1, 0.1), (-9.0, 9.0)].map(|bounds| Free {
+            number: Number::SpeedScale,
+            of: Scope::Car,
+            prior: (0.0, 1.0),
+            bounds,
+            step: 0.01,
+        });
+        let information = DMatrix::from_row_slice(2, 2, &[2.0, 1.5, 1.5, 2.0]);
+        let gradient = DVector::from_vec(vec![2.0, 1.0]);
+        let next = bounded_step(&information, &gradient, &free, &[0.0, 0.0]).unwrap();
+        assert_eq!(next[0], 0.1);
+        assert!((next[1] - (1.0 - 1.5 * 0.1) / 2.0).abs() < 1e-12, "{next:?}");
+        // Without bounds both would have gone elsewhere.
+        let wide = free.map(|free| Free { bounds: (-9.0, 9.0), ..free });
+        let next = bounded_step(&information, &gradient, &wide, &[0.0, 0.0]).unwrap();
+        let best = information.cholesky().unwrap().solve(&gradient);
+        assert!((next[0] - best[0]).abs() + (next[1] - best[1]).abs() < 1e-12, "{next:?} {best}");
     }
 }

@@ -57,7 +57,7 @@ impl<'a> Search<'_> {
             *free = free.held_at(free.prior.0);
         }
         usual.errors = self.errors(&usual.model, &usual.free, &usual.at);
-        let Climbed { at, errors, cost, covariance } =
+        let Climbed { at, errors, cost, covariance, .. } =
             self.climb(&usual, &state.colour, &usual.model, &usual.free, usual.start());
         usual.slopes = self.slopes(&usual.model, &usual.free, &at, &errors);
         (usual.at, usual.errors, usual.cost, usual.covariance) = (at, errors, cost, covariance);
@@ -96,8 +96,9 @@ impl<'a> Search<'_> {
         slopes.truncate(count);
         let there = State { slopes, ..usual.clone() };
         let colour = self.colour(&held.errors);
-        let from = Start { at: held.at.clone(), errors: held.errors.clone() };
-        let Climbed { at, errors, cost, covariance } = self.climb(&there, &colour, &held.model, &free, from);
+        let from = Start { at: held.at.clone(), errors: held.errors.clone(), slopes: Vec::new() };
+        let Climbed { at, errors, cost, covariance, .. } =
+            self.climb(&there, &colour, &held.model, &free, from);
         if places.iter().any(|place| unusual(state, &free, &at, *place).is_some()) {
             return None;
         }

@@ -166,7 +166,7 @@ impl Search<'_> {
         let of_zero = trial.is_of_zero();
         let learned =
             |errors: &[Series]| if of_zero { self.short_colour(errors) } else { self.colour(errors) };
-        let (Climbed { at, errors, cost, covariance }, colour) =
+        let (Climbed { at, errors, slopes, cost, covariance }, colour) =
             self.settle(state, learned, learned(&best.errors), (&model, &free, best));
         let colour = &colour;
         let rows = self.rows(colour, &state.errors);
@@ -175,7 +175,8 @@ impl Search<'_> {
         // The ordinary numbers may have found a better place on the way, which has nothing to do with the effect.
         let without_it = if of_zero { &short } else { &state.colour };
         let alone = |from: Start| self.climb(state, without_it, &state.model, &state.free, from).cost;
-        let from_there = self.start_at(&state.model, &state.free, at[..first].to_vec());
+        let mut from_there = self.start_at(&state.model, &state.free, at[..first].to_vec());
+        from_there.slopes = slopes[..first].to_vec();
         let before = if of_zero { alone(state.start()) } else { state.cost };
         let before = before.min(alone(from_there.clone()));
         let own = first..free.len();

@@ -3,10 +3,10 @@
 use nalgebra::DMatrix;
 
 use super::super::super::bench::recorded;
-use super::super::answer::as_configured;
+use super::super::answer::{as_configured, with_bend};
 use super::super::inputs::Held;
 use super::super::numbers::free;
-use super::super::{Asked, Ordinary, with_bend};
+use super::super::{Asked, Ordinary};
 use super::*;
 use physics::model::effect::{self, KINDS, named};
 

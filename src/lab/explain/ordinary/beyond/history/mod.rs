@@ -287,7 +287,7 @@ impl Search<'_> {
     /// The same car with what the first drives let expect of the others.
     fn expecting<'a>(&self, state: &State<'a>, healthy: usize) -> State<'a> {
         let free = expected(&state.free, &state.at, healthy);
-        let Climbed { at, errors, cost, covariance } =
+        let Climbed { at, errors, cost, covariance, .. } =
             self.climb(state, &state.colour, &state.model, &free, state.start());
         State { free, at, errors, cost, covariance, ..state.clone() }
     }

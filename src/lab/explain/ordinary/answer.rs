@@ -9,7 +9,7 @@ use physics::model::{TireKind, Uncertain, Vehicle};
 use super::along::Along;
 use super::axles;
 use super::beyond::{Beyond, Powers, Question, beyond, powers_with, rows};
-use super::choice::{fit_ordinary, is_refused};
+use super::choice::{REFUSED, fit_ordinary, is_refused};
 use super::drives::{Drives, MOST_S};
 use super::fit::{FreeFit, begin_counting, fit};
 use super::fitted_number::{Number, numbers};
@@ -114,6 +114,11 @@ impl Asked<'_> {
 /// differ by.
 const SHAPE: Uncertain = Uncertain { value: 1.3, std: 0.15 };
 
+/// Beside something else that repeats the tires bend as a brush's by so much likelihood, 2 ln. Tuned by
+/// `what_no_library_has_is_told_as_a_law`, 26, and `an_accelerometer_that_sits_ahead_is_not_called_early`, 89: there the bend is
+/// a law else.
+const SURELY_BENT: f64 = 50.0;
+
 /// Below this share of the held-out yaw rate the car is not the one that drove, or its steering is not the one that
 /// steered: then nothing can be said of what is left. A drive that hardly turns is not better.
 pub(super) const LEAST_FIT: f64 = 60.0;
@@ -151,8 +156,9 @@ impl<'a> FittedCars<'a> {
         let found = match &bent.brush {
             Some(brush) if leaves(&found) => {
                 let other = fit_ordinary(&as_configured(brush, effects), brush, drives);
-                // What repeats is the tires' bend where another one leaves nothing of it.
-                if !leaves(&other) && is_refused(&found, &other, drives) { other } else { found }
+                // What repeats is the tires' bend where another one leaves nothing of it; else it may be a shadow of what does.
+                let least = if leaves(&other) { SURELY_BENT } else { REFUSED };
+                if is_refused(&found, &other, least, drives) { other } else { found }
             }
             _ => found,
         };

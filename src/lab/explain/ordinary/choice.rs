@@ -8,7 +8,7 @@ use crate::explain::model::Model;
 use physics::model::Vehicle;
 
 /// Statistical: odds of 20 to 1, in 2 ln.
-const REFUSED: f64 = 6.0;
+pub const REFUSED: f64 = 6.0;
 
 /// Fits the model with the physics that every car has, and without what of that the data refuse.
 ///
@@ -17,18 +17,18 @@ pub fn fit_ordinary<'a>(model: &Model<'a>, vehicle: &Vehicle, drives: &[FreeDriv
     let [usual, simpler] = with_ordinary(model);
     let fitted = |model: &Model<'a>| fit(model, free(model, vehicle, drives), drives);
     let (usual, simpler) = rayon::join(|| fitted(&usual), || fitted(&simpler));
-    if is_refused(&usual, &simpler, drives) { simpler } else { usual }
+    if is_refused(&usual, &simpler, REFUSED, drives) { simpler } else { usual }
 }
 
-/// Do the data refuse the first of two fits for the other one?
-pub fn is_refused(usual: &FreeFit<'_>, other: &FreeFit<'_>, drives: &[FreeDrive]) -> bool {
+/// Do the data refuse the first of two fits for the other one, by so much?
+pub fn is_refused(usual: &FreeFit<'_>, other: &FreeFit<'_>, least: f64, drives: &[FreeDrive]) -> bool {
     let memory = other.time_constants_s.map(Scale::memory_of);
     let [of_usual, of_other] = [usual, other].map(|fit| {
         let problem = Problem { model: &fit.model, free: &fit.free, drives };
         problem.prior_cost(&fit.at) + problem.misfit(fit, memory)
     });
     tracing::debug!(of_usual, of_other, "the ordinary car, and another one if the data refuse it");
-    of_usual > of_other + REFUSED
+    of_usual > of_other + least
 }
 
 impl Problem<'_, '_> {

@@ -3,6 +3,7 @@
 
 use nalgebra::DMatrix;
 
+use super::bounded::bounded_step;
 use super::grid::STEP_S;
 use super::inputs::FreeDrive;
 use super::numbers::{Free, Number};
@@ -208,7 +209,9 @@ impl<'a> Problem<'_, 'a> {
                 let normal = self.normal(&at, &predicted, &slopes, scale);
                 let before = cost;
                 for _ in 0..tries {
-                    let next = self.stepped(&at, &normal, damping);
+                    let (information, gradient) = (&normal.information, &normal.gradient);
+                    let step = bounded_step(information, gradient, damping, self.free, &at);
+                    let next = step.unwrap_or_else(|| at.clone());
                     let there = self.predict(&next);
                     let cost_there = self.cost(&next, &there, scale);
                     if cost_there < cost {

@@ -12,6 +12,7 @@ mod along;
 mod answer;
 mod axles;
 mod beyond;
+mod bounded;
 mod choice;
 pub mod conceal;
 mod drives;

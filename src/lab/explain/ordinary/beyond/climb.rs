@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use super::super::bounded::bounded_step;
 use super::super::numbers::{Free, prior_cost};
 use super::Search;
 use super::colour::{Colour, Series};
@@ -61,7 +62,7 @@ pub struct State<'a> {
 impl<'a> State<'a> {
     /// From where it is.
     pub(super) fn start(&self) -> Start {
-        Start { at: self.at.clone(), errors: self.errors.clone(), slopes: Vec::new() }
+        Start { at: self.at.clone(), errors: self.errors.clone(), ..Start::default() }
     }
 
     /// The car with a trial where it makes no difference; what is free of both, the trial's last, and where that is.
@@ -123,7 +124,7 @@ impl Climbed {
 impl Search<'_> {
     /// From a place of a model.
     pub(super) fn start_at(&self, model: &Model<'_>, free: &[Free], at: Vec<f64>) -> Start {
-        Start { errors: self.errors(model, free, &at), at, slopes: Vec::new() }
+        Start { errors: self.errors(model, free, &at), at, ..Start::default() }
     }
 
     /// Fits a model from a place on and learns the colour of its noise, in turn: what the numbers miss at first is noise.
@@ -182,11 +183,7 @@ impl Search<'_> {
             let mut misleads = false;
             // Levenberg's and Marquardt's.
             for tries in 0..TRIES {
-                let mut damped = information.clone();
-                for i in 0..count {
-                    damped[(i, i)] *= 1.0 + damping;
-                }
-                let Some(next) = bounded_step(&damped, &gradient, free, &at) else { break };
+                let Some(next) = bounded_step(&information, &gradient, damping, free, &at) else { break };
                 let step = DVector::from_fn(count, |i, _| next[i] - at[i]);
                 if are_own_new && 2.0 * step.dot(&gradient) - step.dot(&(&information * &step)) < LEAST_STEP {
                     break;
@@ -236,63 +233,5 @@ impl Search<'_> {
             self.slope(model, free, (at, errors), (place, free[place].step), branch)
         };
         places.into_par_iter().map(of).collect()
-    }
-}
-
-/// Gauss' and Newton's step within the bounds: what a number cannot do the others do without it. One that meets its bound stays
-/// there for this step.
-fn bounded_step(
-    information: &DMatrix<f64>,
-    gradient: &DVector<f64>,
-    free: &[Free],
-    at: &[f64],
-) -> Option<Vec<f64>> {
-    let (mut information, mut wanted) = (information.clone(), gradient.clone());
-    let mut is_held = vec![false; free.len()];
-    loop {
-        let step = information.clone().cholesky()?.solve(&wanted);
-        let within = |i: usize| (at[i] + step[i]).clamp(free[i].bounds.0, free[i].bounds.1);
-        let outside: Vec<usize> =
-            (0..free.len()).filter(|i| !is_held[*i] && within(*i) != at[*i] + step[*i]).collect();
-        if outside.is_empty() {
-            return Some((0..free.len()).map(within).collect());
-        }
-        for i in outside {
-            is_held[i] = true;
-            let by = within(i) - at[i];
-            wanted.axpy(-by, &information.column(i).clone_owned(), 1.0);
-            information.row_mut(i).fill(0.0);
-            information.column_mut(i).fill(0.0);
-            (information[(i, i)], wanted[i]) = (1.0, by);
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::super::numbers::{Number, Scope};
-    use super::*;
-
-    /// GIVEN two numbers that take each other's place, one of which can hardly move WHEN a step is taken THEN the other one goes
-    /// where it is best beside that, and not where it was best beside the step that could not be.
-    #[test]
-    fn what_a_number_cannot_do_the_other_does_without_it() {
-        let free = [(-0.1, 0.1), (-9.0, 9.0)].map(|bounds| Free {
-            number: Number::SpeedScale,
-            of: Scope::Car,
-            prior: (0.0, 1.0),
-            bounds,
-            step: 0.01,
-        });
-        let information = DMatrix::from_row_slice(2, 2, &[2.0, 1.5, 1.5, 2.0]);
-        let gradient = DVector::from_vec(vec![2.0, 1.0]);
-        let next = bounded_step(&information, &gradient, &free, &[0.0, 0.0]).unwrap();
-        assert_eq!(next[0], 0.1);
-        assert!((next[1] - (1.0 - 1.5 * 0.1) / 2.0).abs() < 1e-12, "{next:?}");
-        // Without bounds both would have gone elsewhere.
-        let wide = free.map(|free| Free { bounds: (-9.0, 9.0), ..free });
-        let next = bounded_step(&information, &gradient, &wide, &[0.0, 0.0]).unwrap();
-        let best = information.cholesky().unwrap().solve(&gradient);
-        assert!((next[0] - best[0]).abs() + (next[1] - best[1]).abs() < 1e-12, "{next:?} {best}");
     }
 }

@@ -96,7 +96,7 @@ impl<'a> Search<'_> {
         slopes.truncate(count);
         let there = State { slopes, ..usual.clone() };
         let colour = self.colour(&held.errors);
-        let from = Start { at: held.at.clone(), errors: held.errors.clone(), slopes: Vec::new() };
+        let from = Start { at: held.at.clone(), errors: held.errors.clone(), ..Start::default() };
         let Climbed { at, errors, cost, covariance, .. } =
             self.climb(&there, &colour, &held.model, &free, from);
         if places.iter().any(|place| unusual(state, &free, &at, *place).is_some()) {

@@ -278,7 +278,7 @@ impl Search<'_> {
         numbers.push(free.held_at(told.neutral));
         let mut from = without.at.clone();
         from.push(told.neutral);
-        let from = Start { at: from, errors: without.errors.clone(), slopes: Vec::new() };
+        let from = Start { at: from, errors: without.errors.clone(), ..Start::default() };
         let climbed = self.climb(&without, &state.colour, &state.model, &numbers, from);
         let evidence = climbed.cost - state.cost;
         let prior = (at - free.prior.0) / free.prior.1;

@@ -18,11 +18,12 @@ use physics::model::Vehicle;
 
 /// What it predicts and what it leaves, a line each.
 pub fn lines(ordinary: &Ordinary) -> Vec<String> {
-    let mut all = vec![
-        "relaxation, compliance, roll and a bend of the tires; delays, offsets and scale of each recording; driven by \
-         steering and measured speed alone"
-            .to_owned(),
-    ];
+    let is_pressed = ordinary.numbers.iter().any(|number| number.name.starts_with("downforce."));
+    let mut all = vec![format!(
+        "relaxation, compliance, roll{} and a bend of the tires; delays, offsets and scale of each recording; driven by \
+         steering and measured speed alone",
+        if is_pressed { ", downforce" } else { "" },
+    )];
     for (channel, fit) in &ordinary.fit.holdout {
         let mut line = format!(
             "{}: {fit:.1} % held out (the car as configured: {:.1} %)",

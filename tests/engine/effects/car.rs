@@ -158,6 +158,19 @@ fn load_transfer_loads_outer_and_front_wheels_and_softens_axles() {
 }
 
 #[test]
+fn downforce_presses_all_wheels_and_makes_the_axles_stiffer() {
+    let effect = "[[effect]]\nkind = \"downforce\"\ndownforce_area_m2 = 3\nload_sensitivity = 0";
+    for speed in [20.0, 40.0] {
+        let drive = drive(1.0, speed, "", effect);
+        let more = drive.end().fz.iter().sum::<f64>() - MASS * GRAVITY;
+        close(more, 0.5 * 1.225 * 3.0 * drive.end().longitudinal_velocity.powi(2), 1e-6);
+    }
+    // Shared as the weight is, it makes both axles stiffer by the same.
+    let stiffer = 1.0 + 0.5 * 1.225 * 3.0 * 400.0 / (MASS * GRAVITY);
+    close(turn(effect).last(YawRate), steady_yaw_rate(20.0, 0.02, A, AXLES.map(|axle| stiffer * axle)), 3e-3);
+}
+
+#[test]
 fn tire_radius_is_seen_in_its_wheel_speed() {
     let drive = drive(2.0, 20.0, "", "[[effect]]\nkind = \"tire_radius\"\nrelative_difference_fl = 0.02");
     let ratio = |of: Quantity| drive.of(of).iter().map(|speed| speed * RADIUS).collect::<Vec<_>>();

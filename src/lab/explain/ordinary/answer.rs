@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use physics::Quantity;
 use physics::model::effect::{EffectConfig, Kind};
-use physics::model::{TireKind, Uncertain, Vehicle};
+use physics::model::{TireKind, Vehicle};
 
 use super::along::Along;
 use super::axles;
+use super::bend::{Bent, with_bend};
 use super::beyond::{Beyond, Powers, Question, beyond, powers_with, rows};
 use super::choice::{REFUSED, fit_ordinary, is_refused};
 use super::drives::{Drives, MOST_S};
@@ -109,10 +110,6 @@ impl Asked<'_> {
         seed: 1,
     };
 }
-
-/// The magic formula's shape for lateral force where no table has it: 1.3 (Bakker, Nyborg & Pacejka 1987), and what cars
-/// differ by.
-const SHAPE: Uncertain = Uncertain { value: 1.3, std: 0.15 };
 
 /// Beside something else that repeats the tires bend as a brush's by so much likelihood, 2 ln. Tuned by
 /// `what_no_library_has_is_told_as_a_law`, 26, and `an_accelerometer_that_sits_ahead_is_not_called_early`, 89: there the bend is
@@ -296,6 +293,7 @@ impl Fitted<'_> {
                 seed,
             };
             answer.beyond = beyond(found, vehicle, drives, question);
+            answer.beyond.agree_with(&answer.numbers);
         }
         let with_found = answer.beyond.predicted.clone();
         let with_found = with_found.as_deref().unwrap_or(predicted);
@@ -387,35 +385,6 @@ pub fn could_tell(
     let planned =
         planned.iter().map(|recording| FreeDrive::new(recording, &own, Held::EveryThird, MOST_S).ok());
     Some(powers_with(&found, &own, &drives, question, planned.collect()))
-}
-
-/// Every tire bends before its limit; with a shape of its own the curve is between a line and a brush.
-pub fn with_bend(vehicle: &Vehicle) -> Vehicle {
-    let mut own = vehicle.clone();
-    if own.tire != TireKind::MagicFormula {
-        own.tire = TireKind::MagicFormula;
-        own.magic_formula_shape = SHAPE;
-        own.magic_formula_curvature = Uncertain::known(0.0);
-    }
-    own
-}
-
-/// A vehicle with tires that bend before their limit. How is seen in most drives as a number of the tire at best; where the noise
-/// is small it is seen that a brush's stiffness falls in proportion to the force, that of the magic formula with its square.
-pub struct Bent {
-    /// [`with_bend`].
-    smooth: Vehicle,
-    /// None where the table itself has a magic formula.
-    brush: Option<Vehicle>,
-}
-
-impl Bent {
-    /// Of this vehicle.
-    pub fn of(vehicle: &Vehicle) -> Self {
-        let is_told = vehicle.tire == TireKind::MagicFormula;
-        let brush = (!is_told).then(|| Vehicle { tire: TireKind::Brush, ..vehicle.clone() });
-        Self { smooth: with_bend(vehicle), brush }
-    }
 }
 
 /// The model of this vehicle with these effects, what is uncertain of them free. Delays are searched for, not supposed.

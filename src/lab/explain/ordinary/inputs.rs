@@ -29,8 +29,8 @@ const MEAN_POINTS: usize = 20;
 /// The acceleration is the slope of the speed's mean over so many points. Numerical: 0.1 s.
 const SLOPE_POINTS: usize = 11;
 
-/// More of the friction is used in this share of the time only. Statistical: of a lap a second.
-const USED_QUANTILE: f64 = 0.97;
+/// What is called the most is exceeded in the rest of the time only. Statistical: of a lap a second.
+const MOST_QUANTILE: f64 = 0.97;
 
 /// Seconds at the recording's ends that are left out: delays look beyond the ends. The yardstick's.
 const MARGIN_S: f64 = 1.0;
@@ -218,11 +218,21 @@ impl FreeDrive {
             let felt = self.lateral.as_ref().map_or(f64::INFINITY, |lateral| lateral[i].abs());
             across.min(felt).hypot(at(&self.acceleration, self.time(i))) / GRAVITY
         };
+        self.most(used)
+    }
+
+    /// The speed that is hardly exceeded in what is fitted to, m/s.
+    pub fn fastest(&self) -> Option<f64> {
+        self.most(|i| at(&self.speed, self.time(i)))
+    }
+
+    /// What is exceeded in a small share of the time only, of what is fitted to.
+    fn most(&self, of: impl Fn(usize) -> f64) -> Option<f64> {
         let counts = |i: &usize| self.counts[*i] && !self.held[*i];
         let mut all: Vec<f64> =
-            (0..self.points()).filter(counts).map(used).filter(|used| used.is_finite()).collect();
+            (0..self.points()).filter(counts).map(of).filter(|value| value.is_finite()).collect();
         all.sort_by(f64::total_cmp);
-        all.get((USED_QUANTILE * all.len() as f64) as usize).copied()
+        all.get((MOST_QUANTILE * all.len() as f64) as usize).copied()
     }
 
     /// Speed, m/s, and acceleration, m/s², at a time, from a record that is so late and so much too small.

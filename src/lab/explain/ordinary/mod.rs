@@ -11,6 +11,7 @@
 mod along;
 mod answer;
 mod axles;
+mod bend;
 mod beyond;
 mod bounded;
 mod choice;
@@ -34,8 +35,9 @@ mod tires;
 mod zero;
 
 pub(super) use along::Along;
+pub(super) use answer::FittedCars;
 pub use answer::{Asked, Ordinary, could_tell};
-pub(super) use answer::{Bent, FittedCars};
+pub(super) use bend::Bent;
 pub use beyond::{
     Bar, Beyond, History, MOST_TIMES_ORDINARY, OverDrives, Power, Powers, Since, likely_courses,
 };

@@ -116,11 +116,23 @@ const ORDINARY: &[OrdinaryKind] = &[
 /// where a car goes, what the equations lack about differentials, brakes and tires is more than what they gain.
 const LOAD_TRANSFER: &str = "load_transfer";
 
-/// The model with the physics that every car has, unless the configuration has switched it on; and the same without what
-/// the data may refuse.
-pub fn with_ordinary<'a>(model: &Model<'a>) -> [Model<'a>; 2] {
+/// Physics that every car has, and that shows in few: what presses a race car onto the road at 60 m/s with its own weight
+/// is a hundredth of a passenger car's in town. One to two square metres at an axle are usual there (Katz, Race Car
+/// Aerodynamics, ch. 7).
+const PRESSED: OrdinaryKind = (
+    "downforce",
+    &[("downforce_area_m2", 2.0, 1.5), ("share_behind_static", 0.0, 0.05), ("load_sensitivity", 0.45, 0.2)],
+);
+
+/// The model with the physics that every car has, unless the configuration has switched it on; the same without what the
+/// data may refuse; and with what shows in few.
+pub fn with_ordinary<'a>(model: &Model<'a>) -> [Model<'a>; 3] {
     let simpler = ORDINARY.iter().filter(|(name, _)| *name != LOAD_TRANSFER);
-    [with_all(model, ORDINARY.iter()), with_all(model, simpler)]
+    [
+        with_all(model, ORDINARY.iter()),
+        with_all(model, simpler),
+        with_all(model, ORDINARY.iter().chain([&PRESSED])),
+    ]
 }
 
 fn with_all<'a>(model: &Model<'a>, all: impl Iterator<Item = &'static OrdinaryKind>) -> Model<'a> {
@@ -145,7 +157,7 @@ fn with_all<'a>(model: &Model<'a>, all: impl Iterator<Item = &'static OrdinaryKi
 
 /// What cars of the class have of an effect's number, where it is listed.
 fn class_of(kind: &str, name: &str) -> Option<(f64, f64)> {
-    let (_, numbers) = ORDINARY.iter().find(|(ordinary, _)| *ordinary == kind)?;
+    let (_, numbers) = ORDINARY.iter().chain([&PRESSED]).find(|(ordinary, _)| *ordinary == kind)?;
     numbers.iter().find(|(number, ..)| *number == name).map(|(_, mean, std)| (*mean, *std))
 }
 

@@ -19,7 +19,8 @@ use physics::model::effect::EffectConfig;
 use physics::model::{TireKind, Uncertain, Vehicle};
 use serde::Serialize;
 
-use super::answer::{Asked, Fitted, LEAST_FIT, Ordinary, as_configured, with_bend};
+use super::answer::{Asked, Fitted, LEAST_FIT, Ordinary, as_configured};
+use super::bend::with_bend;
 use super::drives::MOST_S;
 use super::fit::{FreeFit, fit};
 use super::inputs::{Compared, FreeDrive, Held, Unusable, turning};

@@ -24,6 +24,7 @@ mod config;
 mod course;
 mod crosswind;
 mod disturbance;
+mod downforce;
 mod friction_change;
 mod friction_split;
 mod grip;
@@ -134,6 +135,7 @@ pub static KINDS: &[&Kind] = &[
     &cg_shift::KIND,
     &air_drag::KIND,
     &load_transfer::KIND,
+    &downforce::KIND,
     &rolling_resistance::KIND,
     &tire_radius::KIND,
     &radius_growth::KIND,
@@ -175,7 +177,7 @@ mod tests {
         let mut names: Vec<_> = KINDS.iter().map(|kind| kind.name).collect();
         names.sort_unstable();
         let contract = "accelerometer_position air_drag body_roll brake_yaw_moment cg_shift channel_swap \
-                        combined_slip crosswind friction_change friction_split load_transfer payload \
+                        combined_slip crosswind downforce friction_change friction_split load_transfer payload \
                         radius_growth rear_steer relaxation_length road_bank road_grade roll_steer \
                         rolling_resistance sensor_bias sensor_delay sensor_drift sensor_scale sensor_sign \
                         steering_compliance steering_lag steering_ratio surface_stiffness tire_radius \

@@ -38,14 +38,15 @@ mod without;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::fit::FreeFit;
+use super::fitted_number::Number;
 use super::inputs::FreeDrive;
 use super::numbers::Scope;
 use super::run::Predicted;
 use super::scores::{self, held_square};
-use crate::explain::result::{Finding, Nature, Ranked};
+use crate::explain::result::{Estimate, Finding, Nature, Ranked};
 use physics::Quantity;
 use physics::model::Vehicle;
-use physics::model::effect::Kind;
+use physics::model::effect::{Kind, named};
 
 use again::Taken;
 use climb::State;
@@ -86,6 +87,23 @@ const MOST_OF_SIMULATION: usize = 6;
 const LEAST_BESIDE: f64 = 0.1;
 
 impl Beyond {
+    /// What every car has, and was found without anything beside it, is told with the numbers of the ordinary car: its search here
+    /// sees the noise's colour and the wheels, too, and ends a little elsewhere.
+    pub fn agree_with(&mut self, numbers: &[Number]) {
+        if self.predicted.is_some() {
+            return;
+        }
+        for finding in &mut self.findings {
+            for (name, told) in &mut finding.parameters {
+                let full = format!("{}.{name}", finding.effect);
+                let Some(number) = numbers.iter().find(|number| number.name == full) else { continue };
+                let spec = named(&finding.effect).and_then(|kind| kind.spec(kind.place_of(name)?, None));
+                let by_model = spec.map_or(0.0, |spec| spec.model_error) * number.estimate.value;
+                *told = Estimate { value: number.estimate.value, std: number.estimate.std.hypot(by_model) };
+            }
+        }
+    }
+
     /// Takes a finding, with which the car predicts this. What healthy drives or a simulation have not is unusual whatever it
     /// is.
     fn take(&mut self, finding: Finding, predicted: Vec<Predicted>, may_be_usual: bool) {

@@ -3,7 +3,8 @@
 use nalgebra::DMatrix;
 
 use super::super::super::bench::recorded;
-use super::super::answer::{as_configured, with_bend};
+use super::super::answer::as_configured;
+use super::super::bend::with_bend;
 use super::super::inputs::Held;
 use super::super::numbers::free;
 use super::super::{Asked, Ordinary};

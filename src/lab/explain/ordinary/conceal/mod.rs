@@ -15,7 +15,7 @@ mod course;
 mod difference;
 mod readings;
 
-pub use super::answer::with_bend;
+pub use super::bend::with_bend;
 pub use course::drawn;
 pub use difference::{Base, Car};
 

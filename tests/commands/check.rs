@@ -134,3 +134,71 @@ fn a_configuration_alone_is_described() {
     }
     assert!(!text.contains("measurement chain"));
 }
+
+/// What is wrong with the demo's recording when a sign, a scale, a delay, a zero and a tire are put into it.
+const WRONG: &str = r#"
+[[effect]]
+kind = "sensor_sign"
+channel = "yaw_rate"
+[[effect]]
+kind = "sensor_scale"
+channel = "lateral_acceleration"
+relative_error = 0.15
+[[effect]]
+kind = "sensor_delay"
+channel = "steering_wheel_angle"
+delay_s = 0.12
+[[effect]]
+kind = "sensor_bias"
+channel = "longitudinal_acceleration"
+bias = 0.8
+at_s = 60
+[[effect]]
+kind = "tire_radius"
+relative_difference_rl = 0.02
+"#;
+
+/// The demo's configuration, for any folder.
+fn demo_car(more: &str) -> String {
+    let dbc = program::project("dbc/demo.dbc").canonicalize().unwrap();
+    let text = std::fs::read_to_string(program::project("config/demo.toml")).unwrap();
+    text.replace("../dbc/demo.dbc", dbc.to_str().unwrap()) + more
+}
+
+/// GIVEN a recording with wrong sensors, and a configuration whose effects say so WHEN it is checked THEN the audit says what it
+/// says of the recording without either; the same configuration beside healthy sensors is told to be wrong; explain's audit, too.
+#[test]
+fn what_the_configurations_effects_say_is_not_found_again() {
+    let scratch = tempfile::tempdir().unwrap();
+    let folder = scratch.path();
+    for (name, text) in [("car.toml", demo_car("")), ("told.toml", demo_car(WRONG)), ("e.toml", WRONG.into())]
+    {
+        std::fs::write(folder.join(name), text).unwrap();
+    }
+    let scenario = program::project("config/scenarios/demo.toml");
+    let run = |arguments: &str| {
+        let output = program::gripd_in(folder, arguments);
+        assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    run(&format!("-q simulate {} -o drive.log", scenario.display()));
+    run("-q conceal -c car.toml drive.log -o wrong.log --effect e.toml");
+
+    let of = |config: &str, log: &str| chain(&folder.join(config), &[folder.join(log)]);
+    let found = |report: &serde_json::Value| -> Vec<String> {
+        let findings = report["chain"]["findings"].as_array().unwrap().iter();
+        findings.map(|f| format!("{}:{}", f["effect"], f["channel"])).collect()
+    };
+    let clean = of("car.toml", "drive.log");
+    let told = of("told.toml", "wrong.log");
+    assert!(certain(&of("car.toml", "wrong.log")).contains(&"sensor_sign:yaw_rate".to_owned()));
+    assert_eq!(found(&told), found(&clean));
+    assert_eq!(told["configuration"]["effects"].as_array().unwrap().len(), 5);
+    assert!(told["configuration"]["effects"][0]["taken_out"].as_bool().unwrap());
+
+    let twice = of("told.toml", "drive.log");
+    let sign = &twice["chain"]["findings"][0];
+    assert_eq!((&sign["effect"], &sign["channel"]), (&"sensor_sign".into(), &"yaw_rate".into()));
+    assert!(sign["or"].to_string().contains("leave it away"), "{sign}");
+    assert!(run("check -c told.toml").contains("sensor_sign of yaw_rate"));
+}

@@ -9,6 +9,7 @@ use bus::Config;
 use bus::can::Frame;
 use bus::service::sensors;
 use bus::signals::{Inputs, Pushed, Sampler};
+use physics::estimate::{Heard, PlainReadings};
 use physics::{Micros, Quantity, Sample, Sensors};
 
 /// What a configuration reads from a bus.
@@ -61,6 +62,17 @@ pub fn of_recording_altered(
     sampler.flush();
     samples.extend(std::iter::from_fn(|| sampler.next_sample()));
     Ok(samples)
+}
+
+/// Samples as a plain car's sensors would have made them: without what the configuration's effects do to them, as far as
+/// its tables do not hold that already ([`Config::corrected`]).
+pub fn make_plain(samples: &mut [Sample], config: &Config) {
+    let Some(mut plain) = PlainReadings::new(&config.vehicle, &config.effect) else { return };
+    let mut heard = Heard::default();
+    for sample in samples {
+        heard.hear(sample);
+        *sample = plain.step(sample, heard, None).sample;
+    }
 }
 
 /// What a recording has of the configured quantities. One that never has a value counts as one that the car does not

@@ -10,6 +10,8 @@ use bus::dbc::{Database, Warning};
 use bus::signals::publish::Publisher;
 use bus::signals::{Inputs, SignalsConfig};
 use physics::Quantity;
+use physics::estimate::PlainReadings;
+use physics::model::effect::EffectConfig;
 
 /// Everything about a usable configuration.
 #[derive(Debug, Serialize)]
@@ -36,8 +38,20 @@ pub struct ConfigurationReport {
     pub published: Vec<Published>,
     /// Time between two rounds of published frames, ms.
     pub publish_period_ms: u32,
+    /// The `[[effect]]` tables of the configuration.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<EffectReport>,
     /// `[vehicle]` keys that are not given, with the value used instead.
     pub vehicle_defaults: Vec<VehicleDefault>,
+}
+
+/// One `[[effect]]` table.
+#[derive(Debug, Serialize)]
+pub struct EffectReport {
+    /// Its kind, with the channel if it has one.
+    pub effect: String,
+    /// Is it taken out of the readings before anything is told of them?
+    pub taken_out: bool,
 }
 
 /// One quantity's way from the bus.
@@ -181,6 +195,7 @@ impl Parts {
             publish_warnings: self.publisher.warnings().iter().map(ToString::to_string).collect(),
             published: self.published(config),
             publish_period_ms: config.publish.period_ms,
+            effects: Vec::new(),
             vehicle_defaults: defaults(config),
         }
     }
@@ -282,6 +297,16 @@ pub fn cost(quantity: Quantity) -> &'static str {
         }
         _ => "nothing can be estimated",
     }
+}
+
+/// The effects of a configuration as it is written; what its tables can hold is in those of the corrected one.
+pub fn effects(written: &Config, corrected: &Config) -> Vec<EffectReport> {
+    let is_left = |effect: &EffectConfig| {
+        corrected.effect.iter().any(|left| left.title() == effect.title())
+            && !PlainReadings::takes(&corrected.vehicle, effect)
+    };
+    let report = |effect| EffectReport { effect: EffectConfig::title(effect), taken_out: !is_left(effect) };
+    written.effect.iter().map(report).collect()
 }
 
 /// `[vehicle]` keys that neither the file nor its tire files have.

@@ -19,10 +19,12 @@ use super::output::{check_outputs, write_json};
 use super::part::Part;
 use super::printable::Printable;
 use super::progress::Progress;
+use super::samples;
 use bus::Config;
 use bus::service::sensors;
 use bus::signals::{Inputs, Sampler, SamplerConfig, SignalsConfig};
-use lab::explain::chain::{self, ChainReport};
+use lab::explain::chain::{self, AuditFinding, ChainReport};
+use physics::model::effect::EffectConfig;
 use physics::{Quantity, Sample};
 
 pub(super) use self::configuration::{Parts, cost};
@@ -58,16 +60,23 @@ pub struct Report {
 impl Check {
     /// Runs it.
     pub fn run(self) -> Result<(), Failure> {
-        let config = crate::cli::configuration::load(&self.config)?;
+        let written = crate::cli::configuration::load(&self.config)?;
+        // What its effects say of sensors is no finding any more: readings as the service takes them.
+        let config = written.clone().corrected();
         check_outputs(self.logs.iter().chain([&self.config]).chain(config.files()), &self.json)?;
         let parts =
             Parts::build(&config, &self.config).map_err(|problems| Failure::Usage(list(&problems)))?;
-        let configuration = parts.report(&config, &self.config);
+        let configuration = ConfigurationReport {
+            effects: configuration::effects(&written, &config),
+            ..parts.report(&config, &self.config)
+        };
         let (recordings, chain) = match self.logs.as_slice() {
             [] => (None, None),
             logs => {
-                let (recordings, samples) = read(logs, self.part, &config, &parts)?;
-                let chain = chain::audit(&samples, &config.vehicle, &sensors(&parts.inputs));
+                let (recordings, mut samples) = read(logs, self.part, &config, &parts)?;
+                samples::make_plain(&mut samples, &config);
+                let mut chain = chain::audit(&samples, &config.vehicle, &sensors(&parts.inputs));
+                chain.findings.iter_mut().for_each(|finding| beside_effects(finding, &written.effect));
                 (Some(recordings), Some(chain))
             }
         };
@@ -82,6 +91,20 @@ impl Check {
             write_json(path, &report)?;
         }
         report.recordings.as_ref().map_or(Ok(()), failure)
+    }
+}
+
+/// What an effect of the configuration says already may be said twice: there, and in `[signals]` or by a healthy sensor.
+fn beside_effects(finding: &mut AuditFinding, effects: &[EffectConfig]) {
+    let is_same = |effect: &&EffectConfig| {
+        let channel = effect.channel().map_or_else(String::new, |channel| channel.to_string());
+        effect.kind().name == finding.effect && (channel == finding.channel || channel.is_empty())
+    };
+    if let Some(effect) = effects.iter().find(is_same) {
+        finding.or.push(format!(
+            "the [[effect]] {} of the configuration, which is taken out already, is wrong: correct it, or leave it away",
+            effect.title()
+        ));
     }
 }
 

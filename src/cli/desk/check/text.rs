@@ -79,6 +79,22 @@ fn configuration(out: &mut Layout<impl Write>, report: &ConfigurationReport) -> 
         ]
     };
     out.table(0, &SIGNALS, &report.quantities.iter().map(row).collect::<Vec<_>>())?;
+    let effects = |is_taken: bool| -> Vec<&str> {
+        let such = report.effects.iter().filter(|effect| effect.taken_out == is_taken);
+        such.map(|effect| effect.effect.as_str()).collect()
+    };
+    let [left, taken] = [effects(false), effects(true)];
+    if !taken.is_empty() {
+        out.gap()?;
+        out.line(&format!(
+            "effects of the configuration that are taken out of all readings: {}; what is found wrong is wrong beside them",
+            taken.join(", ")
+        ))?;
+    }
+    if !left.is_empty() {
+        out.gap()?;
+        out.line(&format!("effects for simulations, of which nothing is used here: {}", left.join(", ")))?;
+    }
     if !report.missing.is_empty() {
         out.gap()?;
         out.line("not configured:")?;

@@ -8,10 +8,10 @@ use crate::cli::desk::progress::Progress;
 use crate::cli::desk::samples;
 use bus::Config;
 use bus::can::Frame;
-use bus::signals::Sampler;
+use bus::signals::{Sampler, SamplerConfig};
 use lab::explain::chain::{self, ChainReport};
 use lab::explain::{Order, Recording, order};
-use physics::{Micros, Quantity};
+use physics::{Micros, Quantity, Sample, Sensors};
 
 /// Everything that was read.
 pub struct Read {
@@ -83,17 +83,56 @@ pub fn one(
     unchecked.cross_checks = false;
     let mut sampler = Sampler::new(inputs.clone(), &unchecked);
     let mut tracks = Tracks::new(path.display().to_string());
+    let mut beside = BesideEffects::new(config, &unchecked)?;
     let take = |frame: &Frame, sampler: &Sampler, start: Option<Micros>| {
         tracks.take(start.unwrap_or(frame.time), sampler);
+        if let Some(beside) = &mut beside {
+            beside.push(frame);
+        }
     };
     let samples = samples::of_recording_altered((path, part), alter, &mut sampler, progress, broken, take)?;
     if tracks.recording.seconds() == 0.0 && broken.is_empty() {
         return Err(samples::none_of(&inputs, path, "nothing to explain"));
     }
     let there = samples::there(&inputs, &samples, path)?;
-    let chain = chain::audit(&samples, &config.vehicle, &there);
+    let chain = match beside {
+        Some(beside) => beside.audit(&there),
+        None => chain::audit(&samples, &config.vehicle, &there),
+    };
     tracks.recording.begins_s = tracks.start.map(Micros::seconds);
     Ok(One { chain, start: tracks.start.unwrap_or_default(), recording: tracks.recording })
+}
+
+/// The samples without what the configuration's effects do to them: the simulations have these effects, so that the audit
+/// must not find them again.
+struct BesideEffects {
+    config: Config,
+    sampler: Sampler,
+    samples: Vec<Sample>,
+}
+
+impl BesideEffects {
+    /// None for a car without effects.
+    fn new(config: &Config, sampling: &SamplerConfig) -> Result<Option<Self>, Failure> {
+        if config.effect.is_empty() {
+            return Ok(None);
+        }
+        let config = config.clone().corrected();
+        let sampler = Sampler::new(samples::inputs(&config)?, sampling);
+        Ok(Some(Self { config, sampler, samples: Vec::new() }))
+    }
+
+    fn push(&mut self, frame: &Frame) {
+        self.sampler.push(frame);
+        self.samples.extend(std::iter::from_fn(|| self.sampler.next_sample()));
+    }
+
+    fn audit(mut self, there: &Sensors) -> ChainReport {
+        self.sampler.flush();
+        self.samples.extend(std::iter::from_fn(|| self.sampler.next_sample()));
+        samples::make_plain(&mut self.samples, &self.config);
+        chain::audit(&self.samples, &self.config.vehicle, there)
+    }
 }
 
 /// Readings as they come.

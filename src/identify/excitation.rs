@@ -1,11 +1,12 @@
-//! Does the steering wheel move at all?
+//! Does the steering wheel move at all, and do the tires come near their limit?
 //!
 //! It is an input, and inputs are taken at their word: going straight on, their noise would be taken for
 //! steering that the car does not follow, and the tires for soft ones.
 
 use super::parameter::Parameter;
 use super::record::{Record, Row};
-use super::smooth::centred_mean;
+use super::segment::Segment;
+use super::smooth::{centred_mean, centred_slope};
 use physics::model::{GRAVITY, TireKind, Vehicle};
 
 /// Steering that moves by less than this many times its noise tells nothing of the tires.
@@ -61,9 +62,57 @@ pub(super) fn slides(records: &[Record], vehicle: &Vehicle) -> bool {
         })
 }
 
+/// Why a friction is not told, however sure the search is of it: where little of it was used, its number is what the assumed
+/// shape of the tire's curve makes of the small forces. `used` is what the drive has used of 1, as a friction.
+pub fn far_from_limit(friction: f64, used: f64) -> Option<String> {
+    (used < NEAR_THE_LIMIT * friction).then(|| {
+        format!(
+            "the tires are far from their limit: only {used:.2} was used, less than {:.0} % of it; the road gives at least that",
+            100.0 * NEAR_THE_LIMIT
+        )
+    })
+}
+
+/// The friction that was used in what is fitted to, but for the hardest moments: across by speed × yaw rate or the
+/// accelerometer, whichever says less (a bank is in the one, roll in the other), along by the change of speed. That the
+/// driven axle does so alone is not counted: how its force depends on its slip is what the search takes the friction from.
+pub(super) fn used_friction(records: &[Record], segments: &[Segment], vehicle: &Vehicle) -> Option<f64> {
+    let mut all: Vec<f64> = Vec::new();
+    for (number, record) in records.iter().enumerate() {
+        let half = (0.5 * OVER_S / record.period_s).round().max(1.0) as usize;
+        let smooth = |of: &dyn Fn(&Row) -> f64| {
+            let raw: Vec<f64> = record.rows.iter().map(of).collect();
+            centred_mean(&raw, half)
+        };
+        let speed = smooth(&|row| row.speed(vehicle));
+        let yaw_rate = smooth(&|row| row.yaw_rate);
+        let felt = smooth(&|row| row.lateral_acceleration);
+        let gained = centred_slope(&speed, half, record.period_s);
+        let own = || segments.iter().filter(|segment| segment.record == number);
+        let is_fitted = |row: &Row| {
+            own().any(|it| (it.t..it.t + it.measured.len() as f64 * it.period_s).contains(&row.t))
+        };
+        for (i, _) in record.rows.iter().enumerate().filter(|(_, row)| is_fitted(row)) {
+            // The smaller of both: `min` leaves not-a-numbers out.
+            let across = (speed[i] * yaw_rate[i]).abs().min(felt[i].abs());
+            let along = if gained[i].is_finite() { gained[i] } else { 0.0 };
+            all.push(across.hypot(along) / GRAVITY);
+        }
+    }
+    all.retain(|used| used.is_finite());
+    all.sort_by(f64::total_cmp);
+    all.get(((1.0 - NOW_AND_THEN) * all.len() as f64) as usize).copied()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_friction_of_which_little_is_used_is_not_told() {
+        assert!(far_from_limit(0.73, 0.41).unwrap().contains("only 0.41"));
+        assert_eq!(far_from_limit(1.04, 0.98), None);
+    }
     use physics::model::Scenario;
     use physics::model::scenario::thesis::SIM1;
     use physics::model::simulate::SimulatedDrive;

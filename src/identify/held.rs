@@ -4,10 +4,10 @@
 //! asked for makes up for them, with an interval that knows nothing of that. Freeing them too shows it (Hausman's test of a
 //! specification, 1978): estimates that differ by more than their variances can are not of the same thing.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::fit::{Fit, Noise, Search};
-use super::free::Free;
+use super::free::{Free, Tied};
 use super::parameter::Parameter;
 use super::uncertainty;
 
@@ -32,10 +32,9 @@ pub(super) fn freed(search: &Search<'_>, end: &Fit, held: &[Free], usual: &Noise
     let all: Vec<Free> = search.free.iter().chain(held).copied().collect();
     let wider = Search { free: &all, ..*search };
     let fit = wider.with_more(end, held.iter().map(|free| free.mean), usual)?;
-    let inverse = fit.all.eliminate(0.0)?.information.cholesky()?.inverse();
-    let overstated = uncertainty::overstated(&fit, &all)?;
+    let covariance = covariance(&fit, &all)?;
     let asked = search.free.len();
-    let std = DVector::from_fn(asked, |i, _| (overstated * inverse[(i, i)]).sqrt());
+    let std = DVector::from_fn(asked, |i, _| covariance[(i, i)].sqrt());
     let moved = |place: usize| {
         let free = &all[asked + place];
         let scale = if free.std.is_finite() { free.std } else { 1.0 };
@@ -47,6 +46,46 @@ pub(super) fn freed(search: &Search<'_>, end: &Fit, held: &[Free], usual: &Noise
         std,
         most: most.map(|place| held[place].parameters.first()),
     })
+}
+
+fn covariance(fit: &Fit, free: &[Free]) -> Option<DMatrix<f64>> {
+    let inverse = fit.all.eliminate(0.0)?.information.cholesky()?.inverse();
+    Some(uncertainty::overstated(fit, free)? * inverse)
+}
+
+/// How one stiffness of both axles is to be read: how to ask for each, and what each is where the recordings tell them apart.
+pub(super) fn of_both(search: &Search<'_>, end: &Fit, each: [Free; 2], usual: &Noise) -> String {
+    let [front, rear] = each.map(|free| free.parameters.name());
+    let apart = apart(search, end, each, usual).map_or_else(String::new, |apart| format!("; {apart}"));
+    format!("one value for both axles (--parameters {front},{rear} for each){apart}")
+}
+
+/// The stiffness of each axle where their difference is none of chance.
+fn apart(search: &Search<'_>, end: &Fit, [front, rear]: [Free; 2], usual: &Noise) -> Option<String> {
+    let place = search.free.iter().position(|free| free.parameters == Tied::BothLateral)?;
+    let mut all = search.free.to_vec();
+    all[place] = front;
+    all.push(rear);
+    let wider = Search { free: &all, ..*search };
+    let fit = wider.with_more(end, std::iter::once(end.point.theta[place]), usual)?;
+    let covariance = covariance(&fit, &all)?;
+    let places = [place, all.len() - 1];
+    let [front_at, rear_at] = places.map(|place| fit.point.theta[place]);
+    let [of_front, of_rear, common] =
+        [(0, 0), (1, 1), (0, 1)].map(|(a, b)| covariance[(places[a], places[b])]);
+    let std = (of_front + of_rear - 2.0 * common).max(0.0).sqrt();
+    if !((front_at - rear_at).abs() > BEYOND_CHANCE * std) {
+        return None;
+    }
+    let said = |free: &Free, at: f64, variance: f64| {
+        let value = free.value(at);
+        format!("{} ± {}", short(value), short(variance.sqrt() * free.parameters.value_by_coordinate(at)))
+    };
+    Some(format!(
+        "the axles differ: with each of them free the front is {}, the rear {}",
+        said(&front, front_at, of_front),
+        said(&rear, rear_at, of_rear)
+    ))
 }
 
 impl Freed {

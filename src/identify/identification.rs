@@ -13,13 +13,13 @@ use super::doubt::Doubt;
 use super::error::IdentifyError;
 use super::excitation;
 use super::fit::{Ahead, Fit, Noise, Search};
-use super::free::Free;
+use super::free::{Free, Tied};
 use super::free_run;
 use super::held::{self, Freed};
 use super::input_noise;
 use super::longitudinal_input::LongitudinalInput;
 use super::motion::Output;
-use super::parameter::Values;
+use super::parameter::{Parameter, Values};
 use super::prepare;
 use super::profile;
 use super::record::Record;
@@ -44,6 +44,10 @@ pub struct Identifier<'a> {
     drive: LongitudinalInput,
     noise: Noise,
     is_steered: bool,
+    /// Both axles' stiffnesses, where one value for both is asked for.
+    each_axle: Option<[Free; 2]>,
+    /// How much of a friction of 1 was used in what is fitted to.
+    used: Option<f64>,
 }
 
 impl<'a> Identifier<'a> {
@@ -74,6 +78,8 @@ impl<'a> Identifier<'a> {
         let values = Values::of(vehicle);
         let free = setup::free(vehicle, config, has, drive)?;
         let held = setup::held(vehicle, config, has, drive, &free);
+        let is_of_both = free.iter().any(|free| free.parameters == Tied::BothLateral);
+        let each_axle = setup::each_axle(vehicle, config, has, drive).filter(|_| is_of_both);
         let records = setup::prepared(records, vehicle, drive);
         let segments =
             prepare::segments(&records, vehicle, &values, drive, config.segment_s, 0.5 * config.segment_s);
@@ -88,7 +94,21 @@ impl<'a> Identifier<'a> {
         }
         let noise = setup::first_noise(&records);
         let is_steered = excitation::is_steered(&records);
-        Ok(Self { vehicle, config, records, values, free, held, segments, drive, noise, is_steered })
+        let used = excitation::used_friction(&records, &segments, vehicle);
+        Ok(Self {
+            vehicle,
+            config,
+            records,
+            values,
+            free,
+            held,
+            segments,
+            drive,
+            noise,
+            is_steered,
+            each_axle,
+            used,
+        })
     }
 
     /// Names of the free parameters.
@@ -217,6 +237,11 @@ impl<'a> Identifier<'a> {
             parameters.push(self.identified(place, &fit, &sure, freed.as_ref()));
         }
         axles::beside_what_cannot_be(&mut parameters);
+        if let Some(each) = self.each_axle {
+            let both = held::of_both(&self.search_in(), &fit, each, &self.noise);
+            let its = parameters.iter_mut().find(|it| it.name == Tied::BothLateral.name());
+            its.into_iter().for_each(|it| it.note(&both));
+        }
         progress("free run", 0.0);
         let values = self.search_in().values_at(&self.corrected(&fit, &sure));
         let correlation = sure.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
@@ -354,6 +379,12 @@ impl<'a> Identifier<'a> {
         }
         if !self.is_steered && excitation::needs_steering(free.parameters.first()) {
             return (false, "the steering wheel is not moved by more than its own noise".into());
+        }
+        let friction = Some(free.value(fit.point.theta[place]))
+            .filter(|_| free.parameters.first() == Parameter::Friction);
+        if let Some(far) = friction.zip(self.used).and_then(|(it, used)| excitation::far_from_limit(it, used))
+        {
+            return (false, far);
         }
         if sure.decided_by_noise[place] {
             return (false, "the noise of steering or wheel speeds decides it: too little excitation".into());

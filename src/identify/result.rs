@@ -39,6 +39,12 @@ pub struct Identified {
 }
 
 impl Identified {
+    /// Says something more beside its verdict.
+    pub(super) fn note(&mut self, words: &str) {
+        let before = if self.reason.is_empty() { "" } else { "; " };
+        self.reason = format!("{}{before}{words}", self.reason);
+    }
+
     /// Does it end at a bound, or do the recordings tell it and contradict the table?
     pub fn is_in_doubt(&self) -> bool {
         self.doubt.as_ref().is_some_and(|doubt| self.is_clear || doubt.at_bound)

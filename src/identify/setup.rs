@@ -111,6 +111,19 @@ pub(super) fn held(
     held
 }
 
+/// Both axles' stiffnesses, each for itself; none where one alone could not be asked for.
+pub(super) fn each_axle(
+    vehicle: &Vehicle,
+    config: &IdentifyConfig,
+    has: impl Fn(Quantity) -> bool,
+    drive: LongitudinalInput,
+) -> Option<[Free; 2]> {
+    let names =
+        [Parameter::LateralFront, Parameter::LateralRear].map(|parameter| parameter.name().to_owned());
+    let each = IdentifyConfig { parameters: names.to_vec(), ..config.clone() };
+    free(vehicle, &each, has, drive).ok()?.try_into().ok()
+}
+
 /// What the sensors' data sheets say of their noise.
 pub(super) fn first_noise(records: &[Record]) -> Noise {
     let std = |quantity: Quantity| {

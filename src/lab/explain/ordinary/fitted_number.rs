@@ -5,7 +5,7 @@ use super::inputs::FreeDrive;
 use super::numbers::{Free, Scope};
 use crate::explain::doubt::doubt;
 use crate::explain::result::Estimate;
-use identify::{Doubt, Parameter, against};
+use identify::{Doubt, Parameter, against, far_from_limit};
 
 /// A number of the car or of a recording's measurement.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +22,8 @@ pub struct Number {
     pub is_at_bound: bool,
     /// Why it is not to be taken over as it is.
     pub doubt: Option<Doubt>,
+    /// Why the drives cannot tell it: a friction that they are far from.
+    pub out_of_reach: Option<String>,
     /// Where the searches began, where their first steps ended, and the cost there.
     pub starts: Vec<[f64; 3]>,
 }
@@ -34,6 +36,9 @@ impl Number {
                 "the search ends at the bound {:.4}: the equations do not fit here",
                 self.estimate.value
             ));
+        }
+        if let Some(far) = &self.out_of_reach {
+            return Some(far.clone());
         }
         if self.estimate.std > LEAST_TOLD * self.prior.std {
             return Some("the recordings add little to what was known before".to_owned());
@@ -49,12 +54,15 @@ impl Number {
 pub(super) const LEAST_TOLD: f64 = 0.7;
 
 pub(super) fn numbers(found: &FreeFit<'_>, drives: &[FreeDrive]) -> Vec<Number> {
+    let used = drives.iter().filter_map(FreeDrive::used_friction).reduce(f64::max);
     let of = |(i, free): (usize, &Free)| {
         let (name, value, slope) = free.named(&found.model, found.at[i]);
         let (_, mean, slope_there) = free.named(&found.model, free.prior.0);
         let estimate = Estimate { value, std: found.covariance[(i, i)].max(0.0).sqrt() * slope.abs() };
         let is_at_bound = free.is_at_bound(found.at[i]);
+        let is_friction = Parameter::named(&name) == Some(Parameter::Friction);
         Number {
+            out_of_reach: used.filter(|_| is_friction).and_then(|used| far_from_limit(value, used)),
             doubt: doubt(&name, estimate, found.model.vehicle, is_at_bound),
             name,
             recording: match free.of {

@@ -3,6 +3,7 @@
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use super::sizes::Size;
 use crate::cli::Failure;
 use bus::dbc::Database;
 use bus::propose::{CarClass, Place, Wishes};
@@ -21,25 +22,25 @@ pub struct Answers {
         .try_map(|name| DrivenAxle::named(&name).ok_or("no axle is called so")))]
     pub driven: Option<DrivenAxle>,
     /// Mass with driver and load, kg.
-    #[arg(long, value_name = "KG", value_parser = number)]
+    #[arg(long, value_name = "KG", value_parser = |text: &str| Size::MASS.parse(text))]
     pub mass: Option<Uncertain>,
     /// Distance between the axles, m.
-    #[arg(long, value_name = "M", value_parser = number)]
+    #[arg(long, value_name = "M", value_parser = |text: &str| Size::WHEELBASE.parse(text))]
     pub wheelbase: Option<Uncertain>,
     /// From the front axle to the centre of gravity, m.
-    #[arg(long, value_name = "M", value_parser = number)]
+    #[arg(long, value_name = "M", value_parser = |text: &str| Size::CG_TO_FRONT.parse(text))]
     pub cg_to_front: Option<Uncertain>,
     /// Height of the centre of gravity, m.
-    #[arg(long, value_name = "M", value_parser = number)]
+    #[arg(long, value_name = "M", value_parser = |text: &str| Size::CG_HEIGHT.parse(text))]
     pub cg_height: Option<Uncertain>,
     /// Track width of both axles, m.
-    #[arg(long, value_name = "M", value_parser = number)]
+    #[arg(long, value_name = "M", value_parser = |text: &str| Size::TRACK.parse(text))]
     pub track: Option<Uncertain>,
     /// Rolling radius of the tires, m.
-    #[arg(long, value_name = "M", value_parser = number)]
+    #[arg(long, value_name = "M", value_parser = |text: &str| Size::WHEEL_RADIUS.parse(text))]
     pub wheel_radius: Option<Uncertain>,
     /// Steering wheel angle over road wheel angle.
-    #[arg(long, value_name = "RATIO", value_parser = number)]
+    #[arg(long, value_name = "RATIO", value_parser = |text: &str| Size::STEERING_RATIO.parse(text))]
     pub steering_ratio: Option<Uncertain>,
 }
 
@@ -58,22 +59,6 @@ impl Answers {
         ];
         all.into_iter().filter_map(|(key, value)| Some((key, value?))).collect()
     }
-}
-
-/// `1600`, or `1600+-50`, `1600±50`, `1600+/-50`.
-pub fn number(text: &str) -> Result<Uncertain, String> {
-    let parts: Vec<&str> = ["+/-", "+-", "±"]
-        .iter()
-        .find_map(|sign| text.split_once(sign))
-        .map_or(vec![text], |(a, b)| vec![a, b]);
-    let parsed = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
-    let wrong = || format!("`{text}` is no number; write 1600, or 1600+-50 with its standard deviation");
-    let value = parts.first().and_then(|text| parsed(text)).ok_or_else(wrong)?;
-    let std = parts.get(1).map_or(Some(0.0), |text| parsed(text)).ok_or_else(wrong)?;
-    if value <= 0.0 || std < 0.0 {
-        return Err(format!("`{text}`: must be more than zero, and its deviation not less"));
-    }
-    Ok(Uncertain { value, std })
 }
 
 /// `--signal`: each quantity with its place in the database, or with none.
@@ -101,20 +86,4 @@ pub fn wishes(signals: &[String], database: &Database) -> Result<Wishes, Failure
         }
     }
     Ok(wishes)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_with_and_without_a_deviation() {
-        assert_eq!(number("1600"), Ok(Uncertain::known(1600.0)));
-        for text in ["1600+-50", "1600 ± 50", "1600+/-50", "1.6e3+-50"] {
-            assert_eq!(number(text), Ok(Uncertain { value: 1600.0, std: 50.0 }), "{text}");
-        }
-        for text in ["", "heavy", "1600+-", "-3", "0", "1600+--5", "inf", "NaN"] {
-            assert!(number(text).is_err(), "{text}");
-        }
-    }
 }

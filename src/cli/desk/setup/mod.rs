@@ -4,6 +4,7 @@ mod answers;
 mod questions;
 mod report;
 mod rounds;
+mod sizes;
 
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};

@@ -2,8 +2,9 @@
 
 use std::io::{self, BufRead, Write};
 
-use super::answers::{Answers, number};
+use super::answers::Answers;
 use super::is_unsure;
+use super::sizes::Size;
 use crate::cli::printable::printable;
 use bus::propose::{CarClass, Confidence, Proposal};
 use physics::Quantity;
@@ -65,16 +66,20 @@ impl<R: BufRead, W: Write> Questions<R, W> {
             answers.driven = self.ask(question, &default, known)?;
         }
         let unknown = format!("not known: that of a {class}");
-        let mut number_of = |answer: &mut Option<Uncertain>, question: &str| -> io::Result<()> {
+        let mut number_of = |answer: &mut Option<Uncertain>, size: Size, question: &str| -> io::Result<()> {
             if answer.is_none() {
-                *answer = self.ask(question, &unknown, number)?;
+                *answer = self.ask(question, &unknown, |text| size.parse(text))?;
             }
             Ok(())
         };
-        number_of(&mut answers.mass, "Mass with driver and load, kg (1600, or 1600+-50)")?;
-        number_of(&mut answers.wheelbase, "Wheelbase, m")?;
-        number_of(&mut answers.cg_to_front, "From the front axle to the centre of gravity, m")?;
-        number_of(&mut answers.wheel_radius, "Rolling radius of the tires, m")
+        number_of(&mut answers.mass, Size::MASS, "Mass with driver and load, kg (1600, or 1600+-50)")?;
+        number_of(&mut answers.wheelbase, Size::WHEELBASE, "Wheelbase, m")?;
+        number_of(
+            &mut answers.cg_to_front,
+            Size::CG_TO_FRONT,
+            "From the front axle to the centre of gravity, m",
+        )?;
+        number_of(&mut answers.wheel_radius, Size::WHEEL_RADIUS, "Rolling radius of the tires, m")
     }
 
     /// The answer; `None` for the default.

@@ -47,8 +47,8 @@ pub struct Drive {
 impl Drive {
     /// Nothing is opened yet.
     pub fn new(engine: Engine, config: &Config, logs: &[PathBuf], part: &Part) -> Self {
-        let heard =
-            Heard { present: 0, learning: Learning::default(), estimators: config.estimators.clone() };
+        let learning = Learning::new(config.vehicle.driven_axle);
+        let heard = Heard { learning, estimators: config.estimators.clone() };
         Self {
             engine,
             waiting: logs.iter().cloned().collect(),
@@ -110,7 +110,7 @@ impl Drive {
         self.close();
         self.engine.finish(&mut Hearing { heard: &mut self.heard, listener });
         self.progress.finish();
-        for quantity in Quantity::ALL.into_iter().filter(|q| self.heard.present & q.bit() == 0) {
+        for quantity in Quantity::ALL.into_iter().filter(|q| !self.heard.learning.has(*q)) {
             if self.engine.sampler().inputs().has(quantity) && self.engine.counts().samples > 0 {
                 tracing::warn!("{quantity} is configured and never has a value in what was replayed");
             }
@@ -158,8 +158,6 @@ impl Driven {
 
 /// What a drive keeps of what goes by.
 struct Heard {
-    /// Quantities that had a value, as bits.
-    present: u16,
     learning: Learning,
     estimators: EstimatorsConfig,
 }
@@ -178,7 +176,7 @@ struct Hearing<'h, L> {
 
 impl<L: Listener> Sink for Hearing<'_, L> {
     fn estimates(&mut self, sample: &Sample, estimates: &Estimates) {
-        self.heard.present |= sample.present();
+        self.heard.learning.hear(sample);
         self.heard.learning.take(estimates, &self.heard.estimators);
         self.listener.estimates(sample, estimates);
     }

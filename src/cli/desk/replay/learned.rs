@@ -3,10 +3,11 @@
 use super::super::closing::{Line, percent, table};
 use identify::{AxleStiffness, CorneringStiffness};
 use lab::report::{Page, escape, number};
-use physics::Estimates;
 use physics::estimate::EstimatorsConfig;
 use physics::estimates::{Estimate, State};
+use physics::model::DrivenAxle;
 use physics::time::Clock;
+use physics::{Estimates, Quantity, Sample, Wheel};
 
 /// Why a number was not valid in a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -73,11 +74,14 @@ struct Tally {
 }
 
 /// Watches all rows.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Learning {
     rows: u64,
     /// Of the recording.
     clock: Clock,
+    driven: DrivenAxle,
+    /// Quantities that had a value, as bits.
+    present: u16,
     tallies: [Tally; ALL.len()],
     /// The highest use of the friction, when, s from the recording's start, and of which recording.
     used: Option<(f64, f64, Clock)>,
@@ -86,6 +90,29 @@ pub struct Learning {
 }
 
 impl Learning {
+    /// Of a car that is driven by this axle.
+    pub fn new(driven: DrivenAxle) -> Self {
+        Self {
+            rows: 0,
+            clock: Clock::default(),
+            driven,
+            present: 0,
+            tallies: Default::default(),
+            used: None,
+            excitation: [0.0; 2],
+        }
+    }
+
+    /// Takes note of what a sample has.
+    pub fn hear(&mut self, sample: &Sample) {
+        self.present |= sample.present();
+    }
+
+    /// Has this ever had a value?
+    pub const fn has(&self, quantity: Quantity) -> bool {
+        self.present & quantity.bit() != 0
+    }
+
     /// A recording begins; what comes next is of it.
     pub fn begin(&mut self, clock: Clock) {
         self.clock = clock;
@@ -136,9 +163,13 @@ impl Learning {
     }
 
     fn lines(&self, config: &EstimatorsConfig) -> Vec<Line> {
-        // Wheels that are not driven have no slope, and nobody misses it.
-        let is_there = |(published, tally): &(Published, &Tally)| {
-            !matches!(published, Slope(2..) | Offset(2..)) || tally.last.is_some()
+        // Wheels that are not driven have no slope, and nobody misses it; where all are, one slope stands for all.
+        let is_there = |(published, tally): &(Published, &Tally)| match *published {
+            Slope(wheel) | Offset(wheel) => {
+                tally.last.is_some()
+                    || self.driven.drives(Wheel::ALL[wheel]) && (wheel < 2 || self.driven == DrivenAxle::Rear)
+            }
+            _ => true,
         };
         let line = |(published, tally): (Published, &Tally)| Line {
             name: published.name(),
@@ -172,11 +203,35 @@ impl Learning {
         CorneringStiffness { front: of(0), rear: of(1) }
     }
 
+    /// What it cannot be told without, and never came.
+    fn missing(&self, published: Published) -> Option<Quantity> {
+        let first_missing =
+            |needed: &[Quantity]| needed.iter().copied().find(|quantity| !self.has(*quantity));
+        match published {
+            // By the speed that the accelerometer carries on.
+            Slope(_) | Offset(_) if self.driven == DrivenAxle::All => {
+                let wheels = Wheel::ALL.map(Quantity::wheel_speed);
+                first_missing(&wheels).or_else(|| first_missing(&[Quantity::LongitudinalAcceleration]))
+            }
+            // Beside the wheel of the same side that rolls freely.
+            Slope(wheel) | Offset(wheel) => {
+                first_missing(&[wheel, (wheel + 2) % 4].map(|wheel| Quantity::wheel_speed(Wheel::ALL[wheel])))
+            }
+            Cornering(_) => first_missing(&[Quantity::LateralAcceleration]),
+            Sideslip | Friction => None,
+        }
+    }
+
     /// The most frequent reason in words.
     fn why(&self, published: Published, tally: &Tally, config: &EstimatorsConfig) -> String {
         let all = [Why::NoInput, Why::Standing, Why::LittleUse, Why::Unsure, Why::Doubted];
         let most = all.into_iter().max_by_key(|why| (tally.why[*why as usize], std::cmp::Reverse(*why)));
         let Some(why) = most.filter(|why| tally.why[*why as usize] > 0) else { return String::new() };
+        if tally.valid == 0
+            && let Some(missing) = self.missing(published)
+        {
+            return format!("no {missing} in the recording, and without it there is none");
+        }
         let excitation = |place: usize| format!("{} %", number(100.0 * self.excitation[place], 0));
         match (why, published) {
             (Why::NoInput, _) => "required signals are missing (gripd check)".into(),
@@ -286,6 +341,11 @@ mod tests {
     use physics::Micros;
     use physics::estimates::Motion;
 
+    /// Of a car that sends all quantities.
+    fn everything(driven: DrivenAxle) -> Learning {
+        Learning { present: u16::MAX, ..Learning::new(driven) }
+    }
+
     fn driving(time_s: f64) -> Estimates {
         let motion = Motion { speed: Some(20.0), ..Motion::default() };
         let time = Micros::from_seconds(time_s);
@@ -295,7 +355,7 @@ mod tests {
     #[test]
     fn a_drive_that_teaches_nothing_says_why() {
         let config = EstimatorsConfig::default();
-        let mut learning = Learning::default();
+        let mut learning = everything(DrivenAxle::Front);
         assert_eq!(learning.text(&config), "");
         for tick in 0..100 {
             let mut row = driving(0.01 * f64::from(tick));
@@ -316,7 +376,7 @@ mod tests {
     #[test]
     fn what_is_valid_has_its_share_and_its_last_value() {
         let config = EstimatorsConfig::default();
-        let mut learning = Learning::default();
+        let mut learning = everything(DrivenAxle::Front);
         let estimate = Some(Estimate { value: 30.0, std: 2.0, age_s: 0.0 });
         for tick in 0..4 {
             let mut row = driving(f64::from(tick));
@@ -331,5 +391,32 @@ mod tests {
         let slope = line("Slip slope, front left");
         assert!(slope.contains("75 %") && slope.contains("30.0 ± 2.0"), "{slope}");
         assert!(line("Cornering stiffness, front").contains("σ above 15 % of it"), "{text}");
+    }
+
+    #[test]
+    fn what_never_came_is_the_reason() {
+        let config = EstimatorsConfig::default();
+        let line = |driven, missing: Quantity, name: &str| {
+            let mut learning = everything(driven);
+            learning.present &= !missing.bit();
+            let mut row = driving(1.0);
+            (row.excitation_long, row.excitation_lat) = (1.0, 1.0);
+            learning.take(&row, &config);
+            let text = learning.text(&config);
+            text.lines().find(|line| line.starts_with(name)).unwrap_or_default().to_owned()
+        };
+        let lateral = line(DrivenAxle::Front, Quantity::LateralAcceleration, "Cornering stiffness, rear");
+        assert!(lateral.contains("no lateral_acceleration in the recording"), "{lateral}");
+        for driven in [DrivenAxle::Front, DrivenAxle::Rear, DrivenAxle::All] {
+            let name =
+                if driven == DrivenAxle::Rear { "Slip slope, rear left" } else { "Slip slope, front left" };
+            let left = line(driven, Quantity::WheelSpeedRl, name);
+            assert!(left.contains("no wheel_speed_rl in the recording"), "{left}");
+        }
+        let right = line(DrivenAxle::Front, Quantity::WheelSpeedRl, "Slip slope, front right");
+        assert!(right.contains("σ above"), "{right}");
+        assert_eq!(line(DrivenAxle::Rear, Quantity::WheelSpeedRl, "Slip slope, front"), "");
+        let all = line(DrivenAxle::All, Quantity::LongitudinalAcceleration, "Slip slope, front left");
+        assert!(all.contains("no longitudinal_acceleration"), "{all}");
     }
 }

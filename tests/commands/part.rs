@@ -54,6 +54,34 @@ fn a_part_is_all_that_is_taken() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("drive.log is of 0.0 to 20.0 s"), "{output:?}");
 }
 
+/// GIVEN a part that is beyond the end, or one in which the car is hardly driven THEN check tells the recording's span and nothing
+/// of signals, and `explain --apply` writes nothing and says why.
+#[test]
+fn of_a_part_that_tells_nothing_nothing_is_made() {
+    let scratch = tempfile::tempdir().unwrap();
+    let folder = scratch.path();
+    let demo = std::fs::read_to_string(project("config/scenarios/demo.toml")).unwrap();
+    std::fs::write(folder.join("scenario.toml"), demo.replace("duration_s = 120.0", "duration_s = 20.0"))
+        .unwrap();
+    assert!(run(folder, &["-q", "simulate", "scenario.toml", "-o", "drive.log"]).status.success());
+    let config = project("config/demo.toml");
+    let config = config.to_str().unwrap();
+
+    let output = run(folder, &["check", "-c", config, "drive.log", "--from", "1000"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("drive.log is of 0.0 to 20.0 s") && !said.contains("signals."), "{said}");
+
+    let explain =
+        ["explain", "-c", config, "drive.log", "--to", "4", "--json", "a.json", "--apply", "new.toml"];
+    let output = run(folder, &explain);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("--apply has nothing to write to new.toml"), "{said}");
+    assert!(said.contains("insufficient_excitation"), "{said}");
+    assert!(!folder.join("new.toml").exists() && folder.join("a.json").exists());
+}
+
 /// GIVEN a recording whose stamps are dates WHEN a part is asked for by the date THEN it is the part that seconds give; what
 /// is no moment, and what is on another day, is told with the recording's span; and every answer has both clocks.
 #[test]

@@ -16,7 +16,7 @@ use self::configuration::ConfigurationReport;
 use self::recording::Recorder;
 use super::Failure;
 use super::output::{check_outputs, write_json};
-use super::part::Part;
+use super::part::{Part, PartError};
 use super::printable::Printable;
 use super::progress::Progress;
 use super::samples;
@@ -163,6 +163,8 @@ pub(super) fn read(
         let broken = loop {
             match reader.next_frame() {
                 Ok(None) => break None,
+                // Of a part that there is not, every warning would be false.
+                Err(error @ PartError::Nothing(_)) => return Err(error.into()),
                 Err(error) => break Some(error.to_string()),
                 Ok(Some(frame)) => {
                     let pushed = sampler.push(&frame);

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::cli::Failure;
 use crate::cli::desk::applied::Applied;
 use lab::explain::found::{self, rounded};
-use lab::explain::{Answer, Verdict};
+use lab::explain::{Answer, Explanation, Verdict};
 use lab::pages::explain::answer_lines;
 use physics::model::Uncertain;
 use physics::model::effect::{Course, EffectConfig, Series};
@@ -20,6 +20,13 @@ pub fn toml(from: &Path, to: &Path, answer: &Answer<'_>, force: bool) -> Result<
     let explanation = &answer.explanation;
     if let Some(simulated) = &explanation.simulation {
         return beside::toml(from, to, explanation, simulated);
+    }
+    if explanation.verdict == Verdict::InsufficientExcitation && is_without_numbers(explanation) {
+        return Err(nothing(
+            from,
+            to,
+            "the recordings say too little to fit anything (insufficient_excitation)",
+        ));
     }
     let mut applied = Applied::read(from, to)?;
     applied.say(&format!(
@@ -48,6 +55,22 @@ pub fn toml(from: &Path, to: &Path, answer: &Answer<'_>, force: bool) -> Result<
         _ => Vec::new(),
     };
     applied.text(&effects)
+}
+
+/// Was nothing of the car fitted at all?
+fn is_without_numbers(explanation: &Explanation) -> bool {
+    let numbers = &explanation.parameters;
+    let ordinary = numbers.ordinary.as_ref().is_some_and(|ordinary| !ordinary.is_empty());
+    !ordinary && numbers.extended.is_empty() && explanation.in_doubt.is_empty()
+}
+
+/// The failure of an `--apply` that would only have copied the configuration.
+fn nothing(from: &Path, to: &Path, why: &str) -> Failure {
+    Failure::work(format_args!(
+        "--apply has nothing to write to {}: {why}; {} stays what it is",
+        to.display(),
+        from.display()
+    ))
 }
 
 /// What was found, as the configuration's tables.

@@ -25,13 +25,7 @@ pub fn toml(
     explanation: &Explanation,
     simulated: &Simulated,
 ) -> Result<String, Failure> {
-    let nothing = |why: &str| {
-        Failure::work(format_args!(
-            "--apply has nothing to write to {}: {why}; {} stays what it is",
-            to.display(),
-            from.display()
-        ))
-    };
+    let nothing = |why: &str| super::nothing(from, to, why);
     if explanation.findings.is_empty() {
         return Err(nothing("nothing was found that the simulation leaves out"));
     }

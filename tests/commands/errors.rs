@@ -202,6 +202,38 @@ fn shells_complete_names_of_parameters() {
     }
 }
 
+/// GIVEN bash WHEN a list's second name is begun THEN it is completed behind the comma.
+#[test]
+fn bash_completes_behind_a_comma() {
+    let garage = Garage::new();
+    let script = garage.gripd(&["completions", "bash"]).stdout.clone()
+        + "COMP_WORDS=(gripd identify --parameters friction,lateral_stiffness_f); COMP_CWORD=3\n\
+           _gripd_lists gripd friction,lateral_stiffness_f --parameters; printf '%s\n' \"${COMPREPLY[@]}\"\n\
+           complete -p gripd";
+    std::fs::write(garage.path("try.sh"), script).unwrap();
+    let Ok(output) = std::process::Command::new("bash").arg(garage.path("try.sh")).output() else { return };
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(told.starts_with("friction,lateral_stiffness_front\n"), "{told}{output:?}");
+    assert!(told.contains("-F _gripd_lists "), "{told}");
+}
+
+/// GIVEN a name for a recording whose ending is no format's THEN whoever writes recordings refuses it.
+#[test]
+fn no_recording_is_written_under_an_unknown_ending() {
+    let garage = Garage::new();
+    std::fs::copy(program::project("config/scenarios/demo.toml"), garage.path("scenario.toml")).unwrap();
+    for command in [
+        &["replay", "-c", "car.toml", "drive.log", "-o", "out.xyz"][..],
+        &["simulate", "scenario.toml", "-o", "out.xyz"],
+        &["convert", "drive.log", "-o", "out.xyz"],
+    ] {
+        let refused = garage.gripd(command);
+        refused.with(2, &["out.xyz: no format ends in .xyz"]);
+        assert_eq!(refused.stderr.contains("--format"), command[0] == "convert", "{}", refused.stderr);
+        assert!(!garage.path("out.xyz").exists());
+    }
+}
+
 #[test]
 fn the_good_car_is_good() {
     let garage = Garage::new();

@@ -44,7 +44,7 @@ impl Convert {
         let mut reader = self.part.open(&self.recording)?;
         let format = match self.format {
             Some(format) => format,
-            None => recordings::format_of(&self.out)?,
+            None => recordings::format_of(&self.out, ", or say --format")?,
         };
         let mut log = Writer::create(&self.out, format, "can0")?;
         let progress = Progress::of_files(std::slice::from_ref(&self.recording));

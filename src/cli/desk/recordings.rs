@@ -5,11 +5,12 @@ use std::path::Path;
 use super::Failure;
 use bus::can::recording::{Format, Reader, Written};
 
-/// The format that a name asks for: a candump log where it has no ending, or is no file's name.
+/// The format that a name asks for: a candump log where it has no ending, or is no file's name. `or` is what else the command
+/// could be told.
 ///
 /// # Errors
 /// An ending that no format has: what it was meant to be, nobody knows.
-pub fn format_of(path: &Path) -> Result<Format, Failure> {
+pub fn format_of(path: &Path, or: &str) -> Result<Format, Failure> {
     let unpacked = match path.extension().and_then(|end| end.to_str()) {
         Some("gz" | "zst") => path.with_extension(""),
         _ => path.to_owned(),
@@ -17,7 +18,7 @@ pub fn format_of(path: &Path) -> Result<Format, Failure> {
     let Some(ending) = unpacked.extension() else { return Ok(Format::Candump) };
     Format::of_name(path).ok_or_else(|| {
         Failure::usage(format_args!(
-            "{}: no format ends in .{}; name it .log (candump), .asc, .blf, .mf4, .trc or .csv, or say --format",
+            "{}: no format ends in .{}; name it .log (candump), .asc, .blf, .mf4, .trc or .csv{or}",
             path.display(),
             ending.to_string_lossy()
         ))

@@ -89,7 +89,7 @@ impl Simulate {
         // Speeds in km/h are made with the radius they will be read with.
         let radius = config.vehicle.wheel_radius_m.value;
         let outputs = Outputs::compile(&config.signals, &database, radius).map_err(Failure::usage)?;
-        let format = Format::of_name(&self.out).unwrap_or(Format::Candump);
+        let format = super::recordings::format_of(&self.out, "")?;
         let log = Writer::create(&self.out, format, &config.bus.interface)?;
         Ok(Simulated {
             simulation,

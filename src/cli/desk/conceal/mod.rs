@@ -125,7 +125,7 @@ fn written(
     }
     let notes = alterer.looked(seed);
     recordings::warn(&reader);
-    let format = Format::of_name(out).unwrap_or(Format::Candump);
+    let format = recordings::format_of(out, "")?;
     if (reader.format(), format) == (Format::Candump, Format::Candump) {
         candump::rewrite(log, out, |frame| alterer.alter(frame, change))?;
     } else {

@@ -16,7 +16,7 @@ use super::tables::rows::{Column, estimates_columns, estimates_row, samples_colu
 use super::tables::{Table, TableFormat, table};
 use bus::Config;
 use bus::can::Frame;
-use bus::can::recording::{Format, LogError, Writer};
+use bus::can::recording::{Format, Writer};
 use bus::service::saved::{Claim, Refusal};
 use bus::service::{Engine, SavedState, Sink};
 use lab::pages::plot;
@@ -182,9 +182,9 @@ impl Results {
     fn create(command: &Replay, config: &Config) -> Result<Self, Failure> {
         let interface = config.publish.interface.as_deref().unwrap_or(&config.bus.interface);
         let out = command.out.as_ref().map(|path| {
-            let format = Format::of_name(path).unwrap_or(Format::Candump);
+            let format = super::recordings::format_of(path, "")?;
             let writer = Writer::create(path, format, interface)?;
-            Ok(Recording { path: path.clone(), format, writer })
+            Ok::<_, Failure>(Recording { path: path.clone(), format, writer })
         });
         let quantities: Vec<Quantity> = config.signals.quantities.keys().copied().collect();
         let begun = |path: Option<&PathBuf>, title, columns: &[Column]| {
@@ -197,7 +197,7 @@ impl Results {
         let estimates = begun(command.estimates.as_ref(), "estimates", &estimates_columns())?;
         let samples = begun(command.samples.as_ref(), "samples", &samples_columns(&quantities))?;
         Ok(Self {
-            out: out.transpose().map_err(|error: LogError| Failure::from(error))?,
+            out: out.transpose()?,
             all: command.all,
             estimates,
             samples,

@@ -26,9 +26,10 @@ pub fn lines(ordinary: &Ordinary) -> Vec<String> {
     )];
     for (channel, fit) in &ordinary.fit.holdout {
         let mut line = format!(
-            "{}: {fit:.1} % held out (the car as configured: {:.1} %)",
+            "{}: {} % held out (the car as configured: {} %)",
             plain(channel),
-            ordinary.plain_fit.holdout.get(channel).copied().unwrap_or(f64::NAN)
+            words::number(*fit, 1),
+            words::number(ordinary.plain_fit.holdout.get(channel).copied().unwrap_or(f64::NAN), 1)
         );
         if let Some(left) = ordinary.disturbances.get(channel) {
             let _ = write!(
@@ -67,16 +68,18 @@ pub fn text(ordinary: &Ordinary) -> String {
     for number in &ordinary.numbers {
         let of =
             number.recording.as_ref().map_or(String::new(), |recording| format!(" of {}", file(recording)));
-        let _ = writeln!(
-            text,
-            "{:44} {:>12} {:>10}   {:>11} ± {:<9}{}",
+        let begin = format!(
+            "{:44} {:>12} {:>10}   {:>11} ± {:<9} ",
             format!("{}{of}", number.name),
             three(number.estimate.value),
             three(number.estimate.std),
             three(number.prior.value),
             three(number.prior.std),
-            number.untold().map_or(String::new(), |why| format!(" {why}")),
         );
+        text += &match number.untold() {
+            Some(why) => wrapped(&begin, 6, &why),
+            None => begin.trim_end().to_owned() + "\n",
+        };
     }
     text
 }

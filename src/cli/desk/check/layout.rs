@@ -44,6 +44,13 @@ impl<W: Write> Layout<W> {
     /// A table, each line behind so many blanks. Columns for which there is no room follow in a table of their own, with the
     /// first column again.
     pub fn table(&mut self, indent: usize, columns: &[Column], rows: &[Vec<String>]) -> io::Result<()> {
+        // On a terminal a cell that is wider than its column widens it.
+        let widened = |(place, (head, width, is_right)): (usize, &Column)| {
+            let cells = rows.iter().filter_map(|row| row.get(place)).map(|cell| cell.chars().count());
+            (*head, cells.chain([*width]).max().unwrap_or(*width), *is_right)
+        };
+        let widened: Vec<Column> = columns.iter().enumerate().map(widened).collect();
+        let columns = if self.is_narrow { &widened } else { columns };
         let parts = if self.is_narrow { parts(indent, columns) } else { vec![(1..columns.len()).collect()] };
         for (number, part) in parts.iter().enumerate() {
             if number > 0 {
@@ -106,6 +113,16 @@ mod tests {
         assert!(narrow.lines().all(|line| line.chars().count() <= WIDTH), "{narrow}");
         assert_eq!(narrow.matches("yaw_rate").count(), 2, "{narrow}");
         assert!(narrow.contains("none") && narrow.contains("A.B"), "{narrow}");
+    }
+
+    #[test]
+    fn a_cell_that_is_too_wide_makes_room_for_itself() {
+        let mut layout = Layout::new(Vec::new(), true);
+        let row = ["yaw_rate", &"M.Coarse + M.Fine ".repeat(4), "12", "none"].map(str::to_owned).to_vec();
+        layout.table(2, &COLUMNS, &[row]).unwrap();
+        let text = String::from_utf8(layout.out).unwrap();
+        assert!(text.lines().all(|line| line.chars().count() <= WIDTH), "{text}");
+        assert!(text.lines().next().unwrap().ends_with("signal"), "{text}");
     }
 
     #[test]

@@ -26,7 +26,8 @@ pub fn print(explanation: &Explanation, output: &mut impl Write) -> io::Result<(
 
 /// The whole text.
 fn text(explanation: &Explanation) -> String {
-    let mut text = words::answer(explanation).join("\n") + "\n";
+    let mut text = String::new();
+    words::answer(explanation).iter().for_each(|line| wrapped(&mut text, "", line));
     for line in caveats::used(explanation) {
         wrapped(&mut text, "Used: ", &stopped(&line));
     }

@@ -30,6 +30,7 @@ pub fn toml(story: &Story<'_>) -> String {
             name if name.starts_with("slip_offset") => {
                 let wheel = name.trim_start_matches("slip_offset_").to_uppercase();
                 comments += &format!("#   wheel {wheel}: turns {}\n", faster(parameter));
+                comments += "#     (no key: gripd finds it while it runs)\n";
             }
             name if name.ends_with("_offset") => comments += &signal_offset(story, name, parameter),
             name => text += &line(name),
@@ -52,7 +53,7 @@ fn faster(parameter: &Identified) -> String {
     let decimals = digits(value, std);
     let word = if value < 0.0 { "slower" } else { "faster" };
     let (value, std) = (number(value.abs(), decimals), number(std, decimals));
-    format!("{value} ± {std} % {word} than its table radius says (no key: gripd finds it while it runs)")
+    format!("{value} ± {std} % {word} than its table radius says")
 }
 
 /// The entry's offset as it is, and as it should be.

@@ -14,8 +14,7 @@ pub fn text(story: &Story<'_>) -> String {
     }
     let rows: Vec<[String; 6]> = found.parameters.iter().map(row).collect();
     text.push('\n');
-    let head = ["parameter", "unit", "the table's", "identified", "95 % interval", "identifiable"]
-        .map(str::to_owned);
+    let head = ["parameter", "unit", "the table's", "identified", "95 % interval", "told"].map(str::to_owned);
     table(&mut text, &head, &rows);
     for parameter in found.parameters.iter().filter(|parameter| parameter.is_in_doubt()) {
         text += &wrapped("in doubt: ", 4, &in_doubt(parameter));
@@ -153,15 +152,18 @@ pub fn fit_rows(story: &Story<'_>, [before, after]: [&Fits; 2]) -> Vec<[String; 
     found.noise.iter().map(row).collect()
 }
 
-/// Columns as wide as their widest cell; the last one is not padded.
+/// Further lines of a row are so far to the right.
+const BELOW: usize = 6;
+
+/// Columns as wide as their widest cell; what the last one says goes on below where there is no room for it.
 fn table(text: &mut String, head: &[String; 6], rows: &[[String; 6]]) {
     let all = || std::iter::once(head).chain(rows);
     let widths: Vec<usize> =
         (0..6).map(|column| all().map(|row| row[column].chars().count()).max().unwrap_or(0)).collect();
     for row in all() {
-        let cells: Vec<String> =
-            row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:<width$}")).collect();
-        *text += cells.join("  ").trim_end();
-        text.push('\n');
+        let begin: String =
+            row.iter().zip(&widths).take(5).map(|(cell, &width)| format!("{cell:<width$}  ")).collect();
+        let (begin, words) = if row[5].is_empty() { (begin.trim_end(), "") } else { (&*begin, &*row[5]) };
+        *text += &wrapped(begin, BELOW, words);
     }
 }

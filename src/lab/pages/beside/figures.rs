@@ -76,6 +76,7 @@ impl Beside {
             self.error(axis, channel, model).iter().map(|it| (f64::from(*it) * factor) as f32).collect();
         let most = factor * self.most(axis, channel);
         let shade = format!("error, {}, {unit}", self.name(model));
+        let mut has_gaps = false;
         for (place, drive) in self.drives.iter().enumerate().take(MOST_TRACKS) {
             let rows = axis.rows(place);
             let track = Track {
@@ -86,6 +87,7 @@ impl Beside {
                 shade: &error[rows],
             };
             if track.is_known() {
+                has_gaps |= track.has_gaps();
                 figure.points.push(track.points((&shade, most), MOST_POINTS));
             }
         }
@@ -93,6 +95,10 @@ impl Beside {
         figure.caption = format!(
             "Coloured by the error of the {of}. From speed and yaw rate alone: it drifts by some per cent of the way."
         );
+        if has_gaps {
+            figure.caption += " Where there is no line nothing was predicted, as while braking, and the car is taken to go on as \
+                               before.";
+        }
         if self.drives.len() > MOST_TRACKS {
             figure.caption += &format!(" The first {MOST_TRACKS} recordings.");
         }

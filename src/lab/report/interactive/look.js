@@ -80,7 +80,13 @@ function axes(names = {}) {
     values: (plot, splits) => splits.map((value) => String(value).replace('-', '−')),
     ...more,
   });
-  return [one(BELOW, { space: 60, ...names.x }), one(LEFT, { space: 32, ...names.y })];
+  return [one(BELOW, { space: 60, ...names.x }), one(leftOf, { space: 32, ...names.y })];
+}
+
+// Room for the widest number beside an axis; all panels begin at the same place where none is wider than usual.
+function leftOf(plot, values) {
+  const letters = (values ?? []).map((value) => (value ?? '').length);
+  return Math.max(LEFT, 14 + 7 * Math.max(0, ...letters));
 }
 
 // The place of a time in a list of times in order: the nearest one's.

@@ -157,7 +157,7 @@ class TimePanel {
     ctx.setLineDash([3 * pixel, 3 * pixel]);
     ctx.lineWidth = pixel;
     let written = -Infinity;
-    for (const { at_s: at, name } of this.data.marks) {
+    for (const { at_s: at, name } of [...this.data.marks].sort((one, other) => one.at_s - other.at_s)) {
       const x = plot.valToPos(at, 'x', true);
       if (x < bbox.left || x > bbox.left + bbox.width) continue;
       ctx.beginPath();

@@ -27,6 +27,7 @@ use super::result::{Identification, Identified, Path};
 use super::segment::Segment;
 use super::setup;
 use super::slips;
+use super::stages::{PROFILING, PROFILING_LAST};
 use super::uncertainty::{self, Shift, Uncertainty};
 use physics::model::Vehicle;
 
@@ -231,9 +232,10 @@ impl<'a> Identifier<'a> {
             .ok_or(IdentifyError::NoEnd { starts: count, reason })?;
         progress("without holding anything", 0.0);
         let freed = held::freed(&self.search_in(), &fit, &self.held, &self.noise);
+        let profiling = if self.may_tell_stiffness(&fit, &sure) { PROFILING } else { PROFILING_LAST };
         let mut parameters = Vec::new();
         for place in 0..self.free.len() {
-            progress("profiling", place as f64 / self.free.len() as f64);
+            progress(profiling, place as f64 / self.free.len() as f64);
             parameters.push(self.identified(place, &fit, &sure, freed.as_ref()));
         }
         axles::beside_what_cannot_be(&mut parameters);
@@ -363,6 +365,19 @@ impl<'a> Identifier<'a> {
             prior: (prior.value, prior.std),
             profile,
         }
+    }
+
+    /// Will any axle's stiffness be told, as far as is known before its profile is?
+    fn may_tell_stiffness(&self, fit: &Fit, sure: &Uncertainty) -> bool {
+        let may = |place: usize| {
+            let free = &self.free[place];
+            let at = fit.point.theta[place];
+            let std = sure.std[place] * free.parameters.value_by_coordinate(at);
+            matches!(free.parameters.first(), Parameter::LateralFront | Parameter::LateralRear)
+                && self.verdict(place, fit, sure).0
+                && axles::too_unsure(free.value(at), std).is_none()
+        };
+        (0..self.free.len()).any(may)
     }
 
     fn is_at_bound(&self, place: usize, fit: &Fit) -> bool {

@@ -11,16 +11,23 @@ pub struct Stage {
     pub after: f64,
 }
 
+/// Profiles, after which there may be stiffnesses that another car tells otherwise …
+pub(super) const PROFILING: &str = "profiling";
+
+/// … and after which there will be none.
+pub(super) const PROFILING_LAST: &str = "profiling, the last";
+
 /// The ordinary car's fit to the same recordings.
 pub const BESIDE: &str = "the ordinary car beside it";
 
 /// Of an identification. Tuned by five recordings (two of GTIs, the RAV4, the TTS, the demo's car): searches take 26 to 54 % of the
 /// time without the ordinary car, profiles nearly all of the rest; that car takes about as long as the searches.
 pub const STAGES: &[Stage] = &[
-    Stage { name: "searching", takes: 1.0, after: 2.0 },
-    Stage { name: "adding noise to the inputs", takes: 0.05, after: 2.4 },
-    Stage { name: "without holding anything", takes: 0.2, after: 2.2 },
-    Stage { name: "profiling", takes: 1.35, after: 1.02 },
-    Stage { name: "free run", takes: 0.02, after: 1.0 },
-    Stage { name: BESIDE, takes: 1.0, after: 0.0 },
+    Stage { name: "searching", takes: 1.0, after: 2.3 },
+    Stage { name: "adding noise to the inputs", takes: 0.05, after: 2.3 },
+    Stage { name: "without holding anything", takes: 0.05, after: 2.3 },
+    Stage { name: PROFILING, takes: 1.6, after: 0.8 },
+    Stage { name: PROFILING_LAST, takes: 1.6, after: 0.02 },
+    Stage { name: "free run", takes: 0.02, after: 0.4 },
+    Stage { name: BESIDE, takes: 0.8, after: 0.0 },
 ];

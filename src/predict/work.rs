@@ -21,6 +21,11 @@ impl Work {
         self.0.expected.store(expected as u64, Ordering::Relaxed);
     }
 
+    /// It turns out to take so much more.
+    pub fn expect(&self, more: usize) {
+        self.0.expected.fetch_add(more as u64, Ordering::Relaxed);
+    }
+
     /// So much more of it is done.
     pub fn add(&self, done: usize) {
         self.0.done.fetch_add(done as u64, Ordering::Relaxed);

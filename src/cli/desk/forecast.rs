@@ -45,20 +45,25 @@ impl Forecast {
         }
     }
 
-    /// What is left, s; `counted` is how much of the first stage is done, where that is counted elsewhere.
+    /// Is it in this stage?
+    pub fn is_in(&self, name: &str) -> bool {
+        self.now.as_ref().is_some_and(|(now, ..)| now == name)
+    }
+
+    /// What is left, s; `counted` is how much of the stage is done, where that is counted elsewhere.
     pub fn left(&self, seconds: f64, counted: Option<f64>) -> Option<f64> {
         let (name, began, inner) = self.now.as_ref()?;
         let stage = self.stages.iter().find(|stage| stage.name == name);
         let (takes, after) = stage.map_or((USUAL, USUAL), |stage| (stage.takes, stage.after));
         let so_far = seconds - began;
+        let inner = counted.unwrap_or(*inner);
         let Some(first_took) = self.first_took else {
-            let inner = counted.unwrap_or(*inner);
             let whole = (inner >= LEAST).then(|| so_far / inner)?;
             return Some(whole - so_far + after / takes * whole);
         };
         let as_usual = (takes * first_took - so_far).max(LONGER * so_far);
         // Soon its own pace counts for more than what is usual.
-        let here = match *inner {
+        let here = match inner {
             0.0 => as_usual,
             inner => {
                 let own = (SOON * inner).min(1.0);
@@ -96,7 +101,7 @@ mod tests {
         // A quarter of ten seconds, and as much again after it.
         assert_eq!(forecast.left(2.5, Some(0.25)), Some(17.5));
         forecast.at(10.0, "name", 0.0);
-        assert_eq!(forecast.left(12.0, Some(1.0)), Some(8.0));
+        assert_eq!(forecast.left(12.0, None), Some(8.0));
         forecast.at(15.0, "prove", 0.0);
         assert_eq!(forecast.left(18.0, None), Some(2.0));
     }
@@ -131,5 +136,8 @@ mod tests {
         forecast.at(30.0, "prove", 0.9);
         let left = forecast.left(30.0, None).unwrap();
         assert!((2.0..4.0).contains(&left), "{left}");
+        // The same, where it is counted elsewhere.
+        forecast.at(30.0, "prove", 0.0);
+        assert_eq!(forecast.left(30.0, Some(0.9)), Some(left));
     }
 }

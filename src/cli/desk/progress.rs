@@ -21,6 +21,8 @@ pub struct Progress {
 
 /// Work in stages, watched from a thread of its own.
 struct Staged {
+    /// Counts the stage that it is in, if anything does.
+    work: Work,
     forecast: Arc<Mutex<Forecast>>,
     began: Instant,
     /// Takes the watcher away.
@@ -66,7 +68,8 @@ impl Progress {
         self.bar.inc(1);
     }
 
-    /// Work in stages of usual lengths, one bar for all of them, with the time that is left; `work` counts the first one.
+    /// Work in stages of usual lengths, one bar for all of them, with the time that is left; `work` counts the one
+    /// that it is in, if anything does.
     pub fn of_stages(stages: &'static [Stage], work: Work) -> Self {
         let is_shown = std::io::stderr().is_terminal();
         let bar = ProgressBar::new(Self::PARTS);
@@ -83,13 +86,14 @@ impl Progress {
         let began = Instant::now();
         let (end, ended) = mpsc::channel();
         let watched = (bar.clone(), forecast.clone());
+        let counts = work.clone();
         let watch = move || {
             while ended.recv_timeout(TICK) == Err(mpsc::RecvTimeoutError::Timeout) {
-                show(&watched, began, work.share());
+                show(&watched, began, counts.share());
             }
         };
         let watcher = is_shown.then(|| std::thread::spawn(watch));
-        Self { bar, staged: Some(Staged { forecast, began, end, watcher }) }
+        Self { bar, staged: Some(Staged { work, forecast, began, end, watcher }) }
     }
 
     /// Work in stages is in this one, of which a share is done (0–1).
@@ -98,6 +102,10 @@ impl Progress {
         if let Some(staged) = &self.staged
             && let Ok(mut forecast) = staged.forecast.lock()
         {
+            if !forecast.is_in(stage) {
+                // What was counted is of the stage before.
+                staged.work.begin(0);
+            }
             forecast.at(staged.began.elapsed().as_secs_f64(), stage, share);
         }
     }

@@ -10,7 +10,7 @@ use super::long_recording::LongSearch;
 use super::model::Model;
 use super::ordinary::{Bent, FittedCars, Ordinary};
 use super::put_right::put_right;
-use super::result::{Explanation, Verdict};
+use super::result::{Explanation, Finding, Verdict};
 use super::select::{Selection, select};
 use super::signs_and_swaps;
 use super::split::{Part, Split};
@@ -72,14 +72,29 @@ impl<'a> Case<'a> {
             ordinary.shakes() || !knows_torque && !leaves_it_open()
         };
         let is_decided = ordinary.as_ref().is_some_and(decides);
-        progress(if is_decided { work::BESIDE } else { work::PLAIN }, 0.0);
+        let along =
+            |is_asked: bool| cars.as_ref().filter(|_| is_asked).map(|cars| cars.along(&drives, self.library));
+        let along_first = along(is_decided);
+        // What is left open is what manoeuvres are looked for in the end; hills always are.
+        let is_open = |finding: &Finding| !finding.indistinguishable_from.is_empty();
+        let climbs = along_first.as_ref().is_some_and(|along| along.grade.is_some());
+        let stage = match &ordinary {
+            Some(ordinary) if is_decided && (climbs || ordinary.beyond.findings.iter().any(is_open)) => {
+                work::BESIDE_OPEN
+            }
+            _ if is_decided => work::BESIDE,
+            _ => work::PLAIN,
+        };
+        progress(stage, 0.0);
         let free = plain.ordinary(has);
         let suggested = signs_and_swaps::suggested(self.chain);
         let library = |model: &Model<'_>, onsets: &[f64]| library(self.library, model, has, onsets);
         let excerpt = Excerpt::of(&data);
         let selection = match excerpt.clone() {
             _ if is_decided => {
-                Selection::nothing(data.fit(&plain, &free, &noise, PLAIN_ROUNDS), data.split.clone())
+                let told = |round| progress(stage, (round + 1) as f64 / (PLAIN_ROUNDS + 1) as f64);
+                let fitted = data.fit_watched(&plain, &free, &noise, PLAIN_ROUNDS, &told);
+                Selection::nothing(fitted, data.split.clone())
             }
             Some(excerpt) => {
                 let search =
@@ -93,7 +108,9 @@ impl<'a> Case<'a> {
             }
         };
         data.split = selection.split.clone();
-        progress(work::UNKNOWN, 0.0);
+        if !is_decided {
+            progress(work::UNKNOWN, 0.0);
+        }
         let sound = selection.chosen.iter().rfind(|taken| taken.candidate.kind.is_all_or_nothing());
         let sound = sound.map_or(&selection.baseline, |taken| &taken.fit);
         let corrected = match excerpt {
@@ -128,7 +145,7 @@ impl<'a> Case<'a> {
             Verdict::Adequate if !is_decided && gains.is_restless_along() => Verdict::UnknownPhysics,
             verdict => verdict,
         });
-        let along = cars.as_ref().filter(|_| decided.is_some()).map(|cars| cars.along(&drives, self.library));
+        let along = along_first.or_else(|| along(decided.is_some()));
         let climbs = along.as_ref().is_some_and(|along| along.grade.is_some());
         let decided = decided.map(|verdict| match verdict {
             Verdict::Adequate | Verdict::InsufficientExcitation if climbs => Verdict::MissingPhysics,
@@ -141,7 +158,7 @@ impl<'a> Case<'a> {
             None => by_filter,
         };
         tracing::debug!(?gains, ?verdict, "judged");
-        progress(work::PROVING, 0.0);
+        progress(if stage == work::BESIDE_OPEN { work::PROVING_OPEN } else { work::PROVING }, 0.0);
         Conclusion {
             case: self,
             drives: &drives,

@@ -197,10 +197,23 @@ impl<'d> Data<'d> {
         self.search(model, free, noise, rounds, Learn::Noise)
     }
 
+    /// The same; each round is told when it begins.
+    pub fn fit_watched<'a>(
+        &self,
+        model: &Model<'a>,
+        free: &[Free],
+        noise: &Noise,
+        rounds: usize,
+        told: &dyn Fn(usize),
+    ) -> Fit<'a> {
+        let sums = self.derived(model, free, noise);
+        self.steps((model.clone(), noise.clone(), sums), free, rounds, Learn::Noise, told)
+    }
+
     /// Goes on with a fit to the same drives: what it ended with is known.
     pub fn go_on<'a>(&self, fit: &Fit<'a>, rounds: usize) -> Fit<'a> {
         let from = (fit.model.clone(), fit.noise.clone(), fit.sums.clone());
-        self.steps(from, &fit.free, rounds, Learn::Noise)
+        self.steps(from, &fit.free, rounds, Learn::Noise, &|_| ())
     }
 
     /// Goes on with a fit to an excerpt.
@@ -230,7 +243,7 @@ impl<'d> Data<'d> {
         learn: Learn,
     ) -> Fit<'a> {
         let sums = self.derived(model, free, noise);
-        self.steps((model.clone(), noise.clone(), sums), free, rounds, learn)
+        self.steps((model.clone(), noise.clone(), sums), free, rounds, learn, &|_| ())
     }
 
     /// One pass over all drives with the derivatives by the free numbers.
@@ -245,11 +258,13 @@ impl<'d> Data<'d> {
         free: &[Free],
         rounds: usize,
         learn: Learn,
+        told: &dyn Fn(usize),
     ) -> Fit<'a> {
         // The sums are always those of model and noise as they are.
         let mut last = None;
         let mut is_stuck = false;
         for round in 0..rounds {
+            told(round);
             let (mut information, gradient) = self.normal(&sums, &model, free);
             let Some(inverse) = information.clone().cholesky().map(|c| c.inverse()) else { break };
             let Some(step) = within_bounds(&model, free, &mut information, &gradient) else { break };

@@ -80,8 +80,9 @@ impl Identify {
             return self.ordinary(&config);
         }
         let (read, held_out) = self.records(&config)?;
-        let again = self.drives_again(&config);
-        let progress = Progress::of_stages(STAGES, Work::default());
+        let work = Work::default();
+        let again = self.drives_again(&config, &work);
+        let progress = Progress::of_stages(STAGES, work.clone());
         let watch = |stage: &str, share: f64| progress.at(stage, share);
         let found = self.found(&config, &used, (&read, again.as_ref()), &watch);
         progress.finish();
@@ -116,7 +117,7 @@ impl Identify {
             return Told::new(&pages::ordinary::report(&ordinary), whole(&read.broken));
         }
         let (read, held_out) = self.records(&config)?;
-        let again = self.drives_again(&config);
+        let again = self.drives_again(&config, &Work::default());
         let found = self.found(&config, &used, (&read, again.as_ref()), watch)?;
         Told::new(&page::report(&story(&config, &used, (&read, &held_out), &found)), whole(&read.broken))
     }
@@ -164,9 +165,9 @@ impl Identify {
     }
 
     /// The recordings as `explain` has them, where it takes them; none of the standard input, which is not there twice.
-    fn drives_again(&self, config: &bus::Config) -> Option<explain::Read> {
+    fn drives_again(&self, config: &bus::Config, work: &Work) -> Option<explain::Read> {
         let is_there = self.logs.iter().chain(&self.holdout).all(|log| log != Path::new("-"));
-        is_there.then(|| self.drives(config, &Work::default()).ok()).flatten()
+        is_there.then(|| self.drives(config, work).ok()).flatten()
     }
 
     /// The car by segments or free runs, beside the ordinary one: what they tell of the axles is one quantity.

@@ -12,7 +12,7 @@ use super::bend::{Bent, with_bend};
 use super::beyond::{Beyond, Powers, Question, beyond, powers_with, rows};
 use super::choice::{REFUSED, fit_ordinary, is_refused};
 use super::drives::{Drives, MOST_S};
-use super::fit::{FreeFit, begin_counting, fit};
+use super::fit::{FreeFit, begin_counting, count_more, fit};
 use super::fitted_number::{Number, numbers};
 use super::grid::STEP_S;
 use super::inputs::{FreeDrive, Held};
@@ -152,6 +152,7 @@ impl<'a> FittedCars<'a> {
         let leaves = |fit: &FreeFit<'_>| does_repeat(&repeating(drives, &fit.predicted, asked.seed));
         let found = match &bent.brush {
             Some(brush) if leaves(&found) => {
+                count_more(drives, 2);
                 let other = fit_ordinary(&as_configured(brush, effects), brush, drives);
                 // What repeats is the tires' bend where another one leaves nothing of it; else it may be a shadow of what does.
                 let least = if leaves(&other) { SURELY_BENT } else { REFUSED };

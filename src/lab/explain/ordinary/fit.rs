@@ -99,17 +99,29 @@ const fn counted(steps: usize) -> usize {
     if steps > STEPS[0] { 5 } else { steps }
 }
 
-/// What so many fits to these drives count.
+/// So many fits to these drives begin, and count.
 pub fn begin_counting(drives: &[FreeDrive], fits: usize) {
+    if let [first, ..] = drives {
+        first.work.begin(fits * counts(drives));
+    }
+}
+
+/// So many more follow than were foreseen.
+pub fn count_more(drives: &[FreeDrive], fits: usize) {
+    if let [first, ..] = drives {
+        first.work.expect(fits * counts(drives));
+    }
+}
+
+/// What a fit to these drives counts.
+fn counts(drives: &[FreeDrive]) -> usize {
     let of_all = points(drives);
     let of_pilot =
         drives.get(liveliest(drives)).map_or(0, FreeDrive::points).min((PILOT_S / STEP_S) as usize);
     let [short, long] = STEPS.map(counted);
     let from_starts = STARTS.len() * short + 2 * long;
     let rounds = ROUNDS + usize::from(of_pilot < of_all);
-    if let [first, ..] = drives {
-        first.work.begin(fits * (from_starts * of_pilot + rounds * long * of_all));
-    }
+    from_starts * of_pilot + rounds * long * of_all
 }
 
 /// The drive that tells most of a car: in which it turns most.

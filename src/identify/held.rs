@@ -74,7 +74,8 @@ fn apart(search: &Search<'_>, end: &Fit, [front, rear]: [Free; 2], usual: &Noise
     let [of_front, of_rear, common] =
         [(0, 0), (1, 1), (0, 1)].map(|(a, b)| covariance[(places[a], places[b])]);
     let std = (of_front + of_rear - 2.0 * common).max(0.0).sqrt();
-    if !((front_at - rear_at).abs() > BEYOND_CHANCE * std) {
+    let differ = (front_at - rear_at).abs() > BEYOND_CHANCE * std;
+    if !differ {
         return None;
     }
     let said = |free: &Free, at: f64, variance: f64| {

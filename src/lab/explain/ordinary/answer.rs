@@ -442,16 +442,22 @@ mod tests {
     }
 
     /// GIVEN a brush's tires and hardly any noise, and a table that knows of no bend WHEN the ordinary car is fitted THEN its tires
-    /// bend as a brush's do, and nothing is left that repeats.
+    /// bend as a brush's do, and nothing is left that repeats; with a friction that is free, too, the magic formula does as well.
     #[test]
     fn where_the_noise_is_small_a_brush_is_seen() {
         let (mut vehicle, recording) = recorded_as("", |scenario| {
             scenario.sensors.by_name.values_mut().for_each(|sensor| sensor.noise_std *= 0.1);
         });
-        vehicle.tire = TireKind::Linear;
-        let found = Ordinary::of(&vehicle, &[], &[recording], Asked::CAR).unwrap();
-        assert_eq!(found.tire, TireKind::Brush);
-        assert_eq!(found.verdict(true), Verdict::Adequate, "{:?}", found.remaining);
+        let recordings = [recording];
+        for (tire, bends_as) in [
+            (TireKind::Piecewise, &[TireKind::Brush][..]),
+            (TireKind::Linear, &[TireKind::Brush, TireKind::MagicFormula]),
+        ] {
+            vehicle.tire = tire;
+            let found = Ordinary::of(&vehicle, &[], &recordings, Asked::CAR).unwrap();
+            assert!(bends_as.contains(&found.tire), "{tire:?}: {:?}", found.tire);
+            assert_eq!(found.verdict(true), Verdict::Adequate, "{tire:?}: {:?}", found.remaining);
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::along::Along;
 use super::axles;
 use super::bend::{Bent, with_bend};
 use super::beyond::{Beyond, Powers, Question, beyond, powers_with, rows};
-use super::choice::{REFUSED, fit_ordinary, is_refused};
+use super::choice::{REFUSED, fit_ordinary, fit_pressed, is_refused};
 use super::drives::{Drives, MOST_S};
 use super::fit::{FreeFit, begin_counting, count_more, fit};
 use super::fitted_number::{Number, numbers};
@@ -150,6 +150,8 @@ impl<'a> FittedCars<'a> {
             || fit(&plain, on_time(free(&plain, vehicle, drives)), drives),
         );
         let leaves = |fit: &FreeFit<'_>| does_repeat(&repeating(drives, &fit.predicted, asked.seed));
+        let pressed = if leaves(&found) { fit_pressed(&model, &bent.smooth, drives, &found) } else { None };
+        let found = pressed.unwrap_or(found);
         let found = match &bent.brush {
             Some(brush) if leaves(&found) => {
                 count_more(drives, 2);

@@ -2,7 +2,7 @@
 
 use super::fit::{FreeFit, count_more, fit};
 use super::inputs::FreeDrive;
-use super::numbers::{free, with_ordinary};
+use super::numbers::{free, with_downforce, with_ordinary};
 use super::problem::{Problem, Scale};
 use crate::explain::model::Model;
 use crate::explain::select::LEAST_EVIDENCE;
@@ -15,22 +15,31 @@ pub const REFUSED: f64 = 6.0;
 /// with a hundredth.
 const FAST_MPS: f64 = 30.0;
 
-/// Fits the model with the physics that every car has, and with less or more of it where the data refuse that.
+/// Fits the model with the physics that every car has, and without what of that the data refuse.
 ///
 /// Every error counts in full for the refusal: a run that spins where the car did not is no outlier.
 pub fn fit_ordinary<'a>(model: &Model<'a>, vehicle: &Vehicle, drives: &[FreeDrive]) -> FreeFit<'a> {
-    let [usual, simpler, pressed] = with_ordinary(model);
+    let [usual, simpler] = with_ordinary(model);
     let fitted = |model: &Model<'a>| fit(model, free(model, vehicle, drives), drives);
     let (usual, simpler) = rayon::join(|| fitted(&usual), || fitted(&simpler));
-    let mut best = if is_refused(&usual, &simpler, REFUSED, drives) { simpler } else { usual };
-    if drives.iter().filter_map(FreeDrive::fastest).any(|fastest| fastest > FAST_MPS) {
-        count_more(drives, 1);
-        let pressed = fitted(&pressed);
-        if is_race_cars(&pressed) && is_refused(&best, &pressed, LEAST_EVIDENCE, drives) {
-            best = pressed;
-        }
+    if is_refused(&usual, &simpler, REFUSED, drives) { simpler } else { usual }
+}
+
+/// The same with downforce, where the drives are fast enough to show it, it is of a race car's size, and the data refuse the car
+/// without it as clearly as anything is named.
+pub fn fit_pressed<'a>(
+    model: &Model<'a>,
+    vehicle: &Vehicle,
+    drives: &[FreeDrive],
+    without: &FreeFit<'a>,
+) -> Option<FreeFit<'a>> {
+    if drives.iter().filter_map(FreeDrive::fastest).all(|fastest| fastest < FAST_MPS) {
+        return None;
     }
-    best
+    count_more(drives, 1);
+    let model = with_downforce(model);
+    let pressed = fit(&model, free(&model, vehicle, drives), drives);
+    (is_race_cars(&pressed) && is_refused(without, &pressed, LEAST_EVIDENCE, drives)).then_some(pressed)
 }
 
 /// Less than this presses passenger cars down, or lifts them: there it is what the tires' curve lacks, m². Tuned by

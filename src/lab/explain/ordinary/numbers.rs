@@ -124,15 +124,16 @@ const PRESSED: OrdinaryKind = (
     &[("downforce_area_m2", 2.0, 1.5), ("share_behind_static", 0.0, 0.05), ("load_sensitivity", 0.45, 0.2)],
 );
 
-/// The model with the physics that every car has, unless the configuration has switched it on; the same without what the
-/// data may refuse; and with what shows in few.
-pub fn with_ordinary<'a>(model: &Model<'a>) -> [Model<'a>; 3] {
+/// The model with the physics that every car has, unless the configuration has switched it on; and the same without what
+/// the data may refuse.
+pub fn with_ordinary<'a>(model: &Model<'a>) -> [Model<'a>; 2] {
     let simpler = ORDINARY.iter().filter(|(name, _)| *name != LOAD_TRANSFER);
-    [
-        with_all(model, ORDINARY.iter()),
-        with_all(model, simpler),
-        with_all(model, ORDINARY.iter().chain([&PRESSED])),
-    ]
+    [with_all(model, ORDINARY.iter()), with_all(model, simpler)]
+}
+
+/// The same with what shows in few.
+pub fn with_downforce<'a>(model: &Model<'a>) -> Model<'a> {
+    with_all(model, ORDINARY.iter().chain([&PRESSED]))
 }
 
 fn with_all<'a>(model: &Model<'a>, all: impl Iterator<Item = &'static OrdinaryKind>) -> Model<'a> {

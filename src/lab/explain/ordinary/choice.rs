@@ -11,8 +11,8 @@ use physics::model::Vehicle;
 /// Statistical: odds of 20 to 1, in 2 ln.
 pub const REFUSED: f64 = 6.0;
 
-/// Below this nobody's downforce shows, m/s: 5 m² of a race car press it with a third of its weight there, a passenger car's
-/// with a hundredth.
+/// Below this nobody's downforce shows, m/s: the 3 m² of a race car press it with a fifth of its weight there, a passenger car's
+/// 0.3 m² with a hundredth.
 const FAST_MPS: f64 = 30.0;
 
 /// Fits the model with the physics that every car has, and without what of that the data refuse.

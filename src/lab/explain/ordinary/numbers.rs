@@ -116,9 +116,8 @@ const ORDINARY: &[OrdinaryKind] = &[
 /// where a car goes, what the equations lack about differentials, brakes and tires is more than what they gain.
 const LOAD_TRANSFER: &str = "load_transfer";
 
-/// Physics that every car has, and that shows in few: what presses a race car onto the road at 60 m/s with its own weight
-/// is a hundredth of a passenger car's in town. One to two square metres at an axle are usual there (Katz, Race Car
-/// Aerodynamics, ch. 7).
+/// Physics that every car has, and that shows in few: 3 m² press a race car of 800 kg onto the road with nearly its weight at
+/// 60 m/s, and with a twentieth of it at 15. Race cars have 2 to 4 m² (Katz, Race Car Aerodynamics), passenger cars a tenth of it.
 const PRESSED: OrdinaryKind = (
     "downforce",
     &[("downforce_area_m2", 2.0, 1.5), ("share_behind_static", 0.0, 0.05), ("load_sensitivity", 0.45, 0.2)],

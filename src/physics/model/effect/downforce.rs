@@ -28,8 +28,7 @@ pub static KIND: Kind = Kind {
                     with the speed grip and stiffness grow together",
     channels: &[],
     parameters: &[
-        // Passenger cars of 2.2 m² have lift coefficients of −0.1 to 0.3 (Hucho, ch. 4 and 7); race cars of an open formula
-        // have 2 to 4 m² downwards (Katz, ch. 7).
+        // Passenger cars of 2.2 m² have lift coefficients of −0.1 to 0.3 (Hucho); race cars have 2 to 4 m² downwards (Katz).
         Spec {
             name: "downforce_area_m2",
             words: "lift coefficient times area, downwards",

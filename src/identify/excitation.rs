@@ -73,8 +73,20 @@ pub fn far_from_limit(friction: f64, used: f64) -> Option<String> {
     })
 }
 
-/// The friction that was used in what is fitted to, but for the hardest moments: across by speed × yaw rate or the
-/// accelerometer, whichever says less (a bank is in the one, roll in the other), along by the change of speed. That the
+/// How much of a friction of 1 is in use: across by speed × yaw rate or by what the accelerometer feels, m/s², whichever says less
+/// (a bank is in the one, roll in the other; one that is not a number says nothing), along by the change of speed, m/s².
+pub fn friction_in_use(turning: f64, felt: f64, gained: f64) -> f64 {
+    turning.abs().min(felt.abs()).hypot(gained) / GRAVITY
+}
+
+/// What all but the rest of a share of the values stay below, not-a-numbers left out.
+pub fn hardly_exceeded(values: impl Iterator<Item = f64>, share: f64) -> Option<f64> {
+    let mut all: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    all.sort_by(f64::total_cmp);
+    all.get((share * all.len() as f64) as usize).copied()
+}
+
+/// The friction that was used in what is fitted to, but for the hardest moments. That the
 /// driven axle does so alone is not counted: how its force depends on its slip is what the search takes the friction from.
 pub(super) fn used_friction(records: &[Record], segments: &[Segment], vehicle: &Vehicle) -> Option<f64> {
     let mut all: Vec<f64> = Vec::new();
@@ -93,29 +105,25 @@ pub(super) fn used_friction(records: &[Record], segments: &[Segment], vehicle: &
             own().any(|it| (it.t..it.t + it.measured.len() as f64 * it.period_s).contains(&row.t))
         };
         for (i, _) in record.rows.iter().enumerate().filter(|(_, row)| is_fitted(row)) {
-            // The smaller of both: `min` leaves not-a-numbers out.
-            let across = (speed[i] * yaw_rate[i]).abs().min(felt[i].abs());
             let along = if gained[i].is_finite() { gained[i] } else { 0.0 };
-            all.push(across.hypot(along) / GRAVITY);
+            all.push(friction_in_use(speed[i] * yaw_rate[i], felt[i], along));
         }
     }
-    all.retain(|used| used.is_finite());
-    all.sort_by(f64::total_cmp);
-    all.get(((1.0 - NOW_AND_THEN) * all.len() as f64) as usize).copied()
+    hardly_exceeded(all.into_iter(), 1.0 - NOW_AND_THEN)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use physics::model::Scenario;
+    use physics::model::scenario::thesis::SIM1;
+    use physics::model::simulate::SimulatedDrive;
 
     #[test]
     fn a_friction_of_which_little_is_used_is_not_told() {
         assert!(far_from_limit(0.73, 0.41).unwrap().contains("only 0.41"));
         assert_eq!(far_from_limit(1.04, 0.98), None);
     }
-    use physics::model::Scenario;
-    use physics::model::scenario::thesis::SIM1;
-    use physics::model::simulate::SimulatedDrive;
 
     #[test]
     fn noise_is_no_steering() {

@@ -44,7 +44,7 @@ pub use axles::{AxleStiffness, CorneringStiffness, against, too_unsure};
 pub use config::IdentifyConfig;
 pub use doubt::{Doubt, MOST_DEVIATIONS, Told};
 pub use error::IdentifyError;
-pub use excitation::far_from_limit;
+pub use excitation::{far_from_limit, friction_in_use, hardly_exceeded};
 pub use fit::Method;
 pub use free_run::{BLOCK_S, FitRow, Fits, free_run};
 pub use identification::Identifier;

@@ -48,10 +48,8 @@ const LEAST_PRESSED_M2: f64 = 1.0;
 
 /// Is the downforce of a size that shows?
 fn is_race_cars(pressed: &FreeFit<'_>) -> bool {
-    let named = pressed.free.iter().zip(&pressed.at).map(|(free, at)| free.named(&pressed.model, *at));
-    named
-        .into_iter()
-        .any(|(name, value, _)| name == "downforce.downforce_area_m2" && value > LEAST_PRESSED_M2)
+    let mut named = pressed.free.iter().zip(&pressed.at).map(|(free, at)| free.named(&pressed.model, *at));
+    named.any(|(name, value, _)| name == "downforce.downforce_area_m2" && value > LEAST_PRESSED_M2)
 }
 
 /// Do the data refuse the first of two fits for the other one, by so much?

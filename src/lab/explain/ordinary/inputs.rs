@@ -3,7 +3,8 @@
 
 use std::ops::Range;
 
-use physics::model::{GRAVITY, Vehicle};
+use identify::{friction_in_use, hardly_exceeded};
+use physics::model::Vehicle;
 use physics::{Quantity, Wheel};
 
 use super::frozen::frozen;
@@ -209,14 +210,13 @@ impl FreeDrive {
         blocks
     }
 
-    /// The friction that was used in what is fitted to, but for the few hardest moments: by speed × yaw rate or the
-    /// accelerometer, whichever says less (a bank is in the one, roll in the other), and the change of speed.
+    /// The friction that was used in what is fitted to, but for the few hardest moments.
     pub fn used_friction(&self) -> Option<f64> {
         let yaw_rate = mean(&self.yaw_rate, MEAN_POINTS);
         let used = |i: usize| {
-            let across = (at(&self.speed, self.time(i)) * yaw_rate[i]).abs();
-            let felt = self.lateral.as_ref().map_or(f64::INFINITY, |lateral| lateral[i].abs());
-            across.min(felt).hypot(at(&self.acceleration, self.time(i))) / GRAVITY
+            let turning = at(&self.speed, self.time(i)) * yaw_rate[i];
+            let felt = self.lateral.as_ref().map_or(f64::NAN, |lateral| lateral[i]);
+            friction_in_use(turning, felt, at(&self.acceleration, self.time(i)))
         };
         self.most(used)
     }
@@ -229,10 +229,7 @@ impl FreeDrive {
     /// What is exceeded in a small share of the time only, of what is fitted to.
     fn most(&self, of: impl Fn(usize) -> f64) -> Option<f64> {
         let counts = |i: &usize| self.counts[*i] && !self.held[*i];
-        let mut all: Vec<f64> =
-            (0..self.points()).filter(counts).map(of).filter(|value| value.is_finite()).collect();
-        all.sort_by(f64::total_cmp);
-        all.get((MOST_QUANTILE * all.len() as f64) as usize).copied()
+        hardly_exceeded((0..self.points()).filter(counts).map(of), MOST_QUANTILE)
     }
 
     /// Speed, m/s, and acceleration, m/s², at a time, from a record that is so late and so much too small.

@@ -32,7 +32,7 @@ impl<T: Real> PlainCar<T> {
     /// From a number for each parameter; what is no number (driven axle, kind of tire) is the vehicle's.
     pub(super) fn new(vehicle: &Vehicle, drive: LongitudinalInput, number: impl Fn(Parameter) -> T) -> Self {
         let zero = T::constant(0.0);
-        let plant = plant(vehicle.tire, &number);
+        let plant = plant(vehicle, &number);
         let nominal = number(Parameter::WheelRadius);
         let driven = [Wheel::Fl, Wheel::Rl].map(|wheel| vehicle.driven_axle.drives(wheel));
         let count = if driven == [true; 2] { 4.0 } else { 2.0 };

@@ -4,10 +4,10 @@ use super::parameter::Parameter;
 use physics::Wheel;
 use physics::model::body::{Body, External};
 use physics::model::tire::{Brush, Contact, Linear, MagicFormula, PiecewiseLinear, Tire};
-use physics::model::{Conditions, GRAVITY, Plant, Real, TireKind};
+use physics::model::{Conditions, GRAVITY, Plant, Real, TireKind, Vehicle};
 
 /// The plain car on tires of this kind: loads at rest, no toe, nothing but the tires' forces.
-pub fn plant<T: Real>(tire: TireKind, number: impl Fn(Parameter) -> T) -> Plant<T> {
+pub fn plant<T: Real>(vehicle: &Vehicle, number: impl Fn(Parameter) -> T) -> Plant<T> {
     let (mass, wheelbase) = (number(Parameter::Mass), number(Parameter::Wheelbase));
     let a = number(Parameter::CgToFront);
     let b = wheelbase - a;
@@ -35,7 +35,7 @@ pub fn plant<T: Real>(tire: TireKind, number: impl Fn(Parameter) -> T) -> Plant<
             drag: number(Parameter::Drag),
             rolling_resistance: number(Parameter::RollingResistance),
         },
-        tire: match tire {
+        tire: match vehicle.tire {
             TireKind::Linear => Tire::Linear(Linear),
             TireKind::Piecewise => Tire::PiecewiseLinear(PiecewiseLinear),
             TireKind::Brush => Tire::Brush(Brush),
@@ -47,6 +47,7 @@ pub fn plant<T: Real>(tire: TireKind, number: impl Fn(Parameter) -> T) -> Plant<
         // A wheel that turns faster than it should seems to slip: its radius is smaller.
         radius: Wheel::ALL.map(|wheel| nominal / (number(Parameter::slip_offset(wheel)) + 1.0)),
         wheel_inertia: number(Parameter::WheelInertia),
+        driven_axle: vehicle.driven_axle,
         nominal: Conditions { contact, load, toe: [T::constant(0.0); 4], external: External::none() },
     }
 }

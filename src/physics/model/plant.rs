@@ -7,7 +7,7 @@ use super::body::{Acceleration, Body, External, Steer, Velocity};
 use super::force::WheelMotion;
 use super::tire::{Contact, Tire};
 use super::wheel::{self, Braking};
-use super::{Real, Vehicle, wheel::reference_speed};
+use super::{DrivenAxle, Real, Vehicle, wheel::reference_speed};
 use crate::Wheel;
 
 /// Speeds below it are none, m/s and rad/s. Their cubes, in the tire's force, are still ordinary numbers.
@@ -164,6 +164,8 @@ pub struct Plant<T = f64> {
     pub radius: [T; 4],
     /// Inertia of each wheel, kg m².
     pub wheel_inertia: T,
+    /// Which wheels are driven.
+    pub driven_axle: DrivenAxle,
     /// Tire, surface and loads of the vehicle as given: no wind, no toe, static loads.
     pub nominal: Conditions<T>,
 }
@@ -187,6 +189,7 @@ impl Plant {
             tire: Tire::new(vehicle),
             radius: [vehicle.wheel_radius_m.value; 4],
             wheel_inertia: vehicle.wheel_inertia_kgm2.value,
+            driven_axle: vehicle.driven_axle,
             nominal: Conditions {
                 contact: wheels.map(|(contact, _)| contact),
                 load: wheels.map(|(_, load)| load),

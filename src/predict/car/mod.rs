@@ -74,7 +74,7 @@ impl ExtendedCar {
     pub fn new(settings: Settings<'_>) -> Self {
         let Settings { vehicle, values, knows_torque, bend_along, delays, effects } = settings;
         let get = |parameter| values.get(parameter);
-        let plant = plant(vehicle.tire, |parameter| match (parameter, vehicle.tire) {
+        let plant = plant(vehicle, |parameter| match (parameter, vehicle.tire) {
             // There is no limit to what such a tire transmits.
             (Parameter::Friction, TireKind::Linear) => f64::INFINITY,
             _ => get(parameter),

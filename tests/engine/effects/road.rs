@@ -95,6 +95,25 @@ fn combined_slip_keeps_tires_with_a_limit_within_it() {
 }
 
 #[test]
+fn a_limited_slip_differential_drives_the_wheel_inside_of_the_curve() {
+    let top = "drive_torque = [{ kind = \"constant\", value = 900 }]\n\
+               steering_wheel_angle = [{ kind = \"ramp\", from_s = 0, to_s = 1, value = 0.3 }]";
+    let of = |locking: &str| {
+        let effect = "[[effect]]\nkind = \"limited_slip_differential\"\nlocking_value";
+        drive(3.0, 15.0, top, &format!("{effect} = {locking}"))
+    };
+    let (open, locking) = (of("0"), of("0.4"));
+    close(open.end().fx[0], open.end().fx[1], 1e-2);
+    // To the left: the left wheel is inside, and held together they slip by half the difference of their speeds.
+    let most = 0.5 * 0.4 * MASS * locking.last(LongitudinalAcceleration);
+    let slip = 0.5 * TRACK * locking.last(YawRate) / locking.end().longitudinal_velocity;
+    let held = most * (ALONG * MASS * GRAVITY / 4.0 * slip / most).tanh();
+    close(locking.end().fx[0] - locking.end().fx[1], 2.0 * held, 2e-2);
+    close(locking.end().fx.iter().sum::<f64>(), open.end().fx.iter().sum(), 1e-2);
+    assert!(locking.last(YawRate) < 0.99 * open.last(YawRate), "it turns the car out of the curve");
+}
+
+#[test]
 fn relaxation_length_is_a_way_that_lateral_force_needs() {
     let top = "truth_period_ms = 1\n\
                steering_wheel_angle = [{ kind = \"step\", at_s = 0.1, value = 0.3 }]";

@@ -10,7 +10,7 @@ use super::along::Along;
 use super::axles;
 use super::bend::{Bent, with_bend};
 use super::beyond::{Beyond, Powers, Question, beyond, powers_with, rows};
-use super::choice::{REFUSED, fit_ordinary, fit_pressed, is_refused};
+use super::choice::{REFUSED, fit_car, fit_ordinary, is_refused};
 use super::drives::{Drives, MOST_S};
 use super::fit::{FreeFit, begin_counting, count_more, fit};
 use super::fitted_number::{Number, numbers};
@@ -145,17 +145,17 @@ impl<'a> FittedCars<'a> {
         let plain = Model { vehicle, values: Values::of(vehicle), ..model.clone() };
         // The ordinary car twice, with and without what the data may refuse.
         begin_counting(drives, 3);
+        let leaves = |fit: &FreeFit<'_>| does_repeat(&repeating(drives, &fit.predicted, asked.seed));
+        let fitted =
+            |vehicle: &'a Vehicle| fit_car(&as_configured(vehicle, effects), vehicle, drives, leaves);
         let (found, plain) = rayon::join(
-            || fit_ordinary(&model, &bent.smooth, drives),
+            || fitted(&bent.smooth),
             || fit(&plain, on_time(free(&plain, vehicle, drives)), drives),
         );
-        let leaves = |fit: &FreeFit<'_>| does_repeat(&repeating(drives, &fit.predicted, asked.seed));
-        let pressed = if leaves(&found) { fit_pressed(&model, &bent.smooth, drives, &found) } else { None };
-        let found = pressed.unwrap_or(found);
         let found = match &bent.brush {
             Some(brush) if leaves(&found) => {
                 count_more(drives, 2);
-                let other = fit_ordinary(&as_configured(brush, effects), brush, drives);
+                let other = fitted(brush);
                 // What repeats is the tires' bend where another one leaves nothing of it; else it may be a shadow of what does.
                 let least = if leaves(&other) { SURELY_BENT } else { REFUSED };
                 if is_refused(&found, &other, least, drives) { other } else { found }

@@ -2,7 +2,7 @@
 
 use super::fit::{FreeFit, count_more, fit};
 use super::inputs::FreeDrive;
-use super::numbers::{free, with_downforce, with_ordinary};
+use super::numbers::{free, with_downforce, with_load_sensitivity, with_ordinary};
 use super::problem::{Problem, Scale};
 use crate::explain::model::Model;
 use crate::explain::select::LEAST_EVIDENCE;
@@ -10,6 +10,10 @@ use physics::model::Vehicle;
 
 /// Statistical: odds of 20 to 1, in 2 ln.
 pub const REFUSED: f64 = 6.0;
+
+/// With less friction in use an axle loses less than 3 % of its stiffness to the load that moves between its wheels, at a usual height
+/// and sensitivity (`ORDINARY`): nothing tells one from the other.
+const HARD: f64 = 0.6;
 
 /// Below this nobody's downforce shows, m/s: the 3 m² of a race car press it with a fifth of its weight there, a passenger car's
 /// 0.3 m² with a hundredth.
@@ -25,21 +29,34 @@ pub fn fit_ordinary<'a>(model: &Model<'a>, vehicle: &Vehicle, drives: &[FreeDriv
     if is_refused(&usual, &simpler, REFUSED, drives) { simpler } else { usual }
 }
 
-/// The same with downforce, where the drives are fast enough to show it, it is of a race car's size, and the data refuse the car
-/// without it as clearly as anything is named.
-pub fn fit_pressed<'a>(
+/// The same with what shows in few, where something repeats beside the usual car, and the data refuse that as clearly as anything is
+/// named: the load sensitivity of this car's own tires, where it is driven hard; and downforce of a race car's size, where it is
+/// fast enough to show it.
+pub fn fit_car<'a>(
     model: &Model<'a>,
     vehicle: &Vehicle,
     drives: &[FreeDrive],
-    without: &FreeFit<'a>,
-) -> Option<FreeFit<'a>> {
-    if drives.iter().filter_map(FreeDrive::fastest).all(|fastest| fastest < FAST_MPS) {
-        return None;
+    leaves: impl Fn(&FreeFit<'_>) -> bool,
+) -> FreeFit<'a> {
+    let asked = |model: Model<'a>| {
+        count_more(drives, 1);
+        fit(&model, free(&model, vehicle, drives), drives)
+    };
+    let mut found = fit_ordinary(model, vehicle, drives);
+    let any = |is: &dyn Fn(&FreeDrive) -> bool| drives.iter().any(is);
+    if any(&|drive| drive.used_friction().is_some_and(|used| used > HARD)) && leaves(&found) {
+        let loaded = asked(with_load_sensitivity(model));
+        if is_refused(&found, &loaded, LEAST_EVIDENCE, drives) {
+            found = loaded;
+        }
     }
-    count_more(drives, 1);
-    let model = with_downforce(model);
-    let pressed = fit(&model, free(&model, vehicle, drives), drives);
-    (is_race_cars(&pressed) && is_refused(without, &pressed, LEAST_EVIDENCE, drives)).then_some(pressed)
+    if any(&|drive| drive.fastest().is_some_and(|fastest| fastest > FAST_MPS)) && leaves(&found) {
+        let pressed = asked(with_downforce(model));
+        if is_race_cars(&pressed) && is_refused(&found, &pressed, LEAST_EVIDENCE, drives) {
+            found = pressed;
+        }
+    }
+    found
 }
 
 /// Less than this presses passenger cars down, or lifts them: there it is what the tires' curve lacks, m². Tuned by

@@ -108,9 +108,18 @@ const ORDINARY: &[OrdinaryKind] = &[
     ("relaxation_length", &[("length_m", 0.45, 0.2)]),
     ("steering_compliance", &[("compliance_rad_per_nm", 1e-4, 7e-5)]),
     ("body_roll", &[("roll_gain_rad_per_mps2", 0.006, 0.003)]),
-    // How stiffness goes with load, and the axles' shares, say the same again of what the height says.
-    (LOAD_TRANSFER, &[("cg_height_m", 0.55, 0.08)]),
+    // How stiffness goes with load, and the axles' shares, say nearly the same again of what the height says.
+    (LOAD_TRANSFER, &[CG_HEIGHT]),
 ];
+
+const CG_HEIGHT: OfTheClass = ("cg_height_m", 0.55, 0.08);
+
+/// Physics that every car has, and that shows in few: how stiffness goes with load is of its own where a car is braked and
+/// accelerated hard in its curves, for then the height moves the load between the axles, too.
+///
+/// Pacejka's C = c₁ sin(2 arctan(F_z/c₂)) with c₂ of 1.5 to 3 static loads (Tire and Vehicle Dynamics, ch. 4.3) is an exponent of
+/// 1 − 0.6 to 1 − 0.2.
+const LOADED: OrdinaryKind = (LOAD_TRANSFER, &[CG_HEIGHT, ("load_sensitivity", 0.45, 0.15)]);
 
 /// Physics that every car has, and that the data may refuse: at the limit, where the wheels that are unloaded decide
 /// where a car goes, what the equations lack about differentials, brakes and tires is more than what they gain.
@@ -130,7 +139,12 @@ pub fn with_ordinary<'a>(model: &Model<'a>) -> [Model<'a>; 2] {
     [with_all(model, ORDINARY.iter()), with_all(model, simpler)]
 }
 
-/// The same with what shows in few.
+/// The same with the tires' load sensitivity of this car.
+pub fn with_load_sensitivity<'a>(model: &Model<'a>) -> Model<'a> {
+    with_all(model, ORDINARY.iter().filter(|(name, _)| *name != LOAD_TRANSFER).chain([&LOADED]))
+}
+
+/// The same with downforce.
 pub fn with_downforce<'a>(model: &Model<'a>) -> Model<'a> {
     with_all(model, ORDINARY.iter().chain([&PRESSED]))
 }
@@ -157,8 +171,9 @@ fn with_all<'a>(model: &Model<'a>, all: impl Iterator<Item = &'static OrdinaryKi
 
 /// What cars of the class have of an effect's number, where it is listed.
 fn class_of(kind: &str, name: &str) -> Option<(f64, f64)> {
-    let (_, numbers) = ORDINARY.iter().chain([&PRESSED]).find(|(ordinary, _)| *ordinary == kind)?;
-    numbers.iter().find(|(number, ..)| *number == name).map(|(_, mean, std)| (*mean, *std))
+    let of_kind = ORDINARY.iter().chain([&LOADED, &PRESSED]).filter(|(ordinary, _)| *ordinary == kind);
+    let mut numbers = of_kind.flat_map(|(_, numbers)| *numbers);
+    numbers.find(|(number, ..)| *number == name).map(|(_, mean, std)| (*mean, *std))
 }
 
 /// Numbers of the vehicle that speed, steering, yaw rate and lateral acceleration can tell.

@@ -31,6 +31,7 @@ mod grip;
 mod kind;
 mod lag;
 pub mod law;
+mod limited_slip_differential;
 mod list;
 mod load;
 mod load_transfer;
@@ -144,6 +145,7 @@ pub static KINDS: &[&Kind] = &[
     &friction_split::KIND,
     &surface_stiffness::KIND,
     &combined_slip::KIND,
+    &limited_slip_differential::KIND,
     &relaxation_length::KIND,
     &roll_steer::KIND,
     &wheel_alignment::KIND,
@@ -177,11 +179,11 @@ mod tests {
         let mut names: Vec<_> = KINDS.iter().map(|kind| kind.name).collect();
         names.sort_unstable();
         let contract = "accelerometer_position air_drag body_roll brake_yaw_moment cg_shift channel_swap \
-                        combined_slip crosswind downforce friction_change friction_split load_transfer payload \
-                        radius_growth rear_steer relaxation_length road_bank road_grade roll_steer \
-                        rolling_resistance sensor_bias sensor_delay sensor_drift sensor_scale sensor_sign \
-                        steering_compliance steering_lag steering_ratio surface_stiffness tire_radius \
-                        tire_saturation wheel_alignment";
+                        combined_slip crosswind downforce friction_change friction_split \
+                        limited_slip_differential load_transfer payload radius_growth rear_steer \
+                        relaxation_length road_bank road_grade roll_steer rolling_resistance sensor_bias \
+                        sensor_delay sensor_drift sensor_scale sensor_sign steering_compliance steering_lag \
+                        steering_ratio surface_stiffness tire_radius tire_saturation wheel_alignment";
         assert_eq!(names, contract.split_whitespace().collect::<Vec<_>>());
     }
 

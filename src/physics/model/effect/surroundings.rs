@@ -1,9 +1,9 @@
 //! What effects see of the car, and what they can change.
 
-use crate::model::Plant;
 use crate::model::body::{Acceleration, Body, External, Steer, Velocity};
 use crate::model::tire::{Contact, Tire};
 use crate::model::wheel;
+use crate::model::{DrivenAxle, Plant};
 use crate::{Quantity, Wheel};
 
 /// What an effect may look at before the tires' forces are known.
@@ -28,6 +28,8 @@ pub struct Now<'a> {
     pub steering_ratio: f64,
     /// The plain body.
     pub body: &'a Body,
+    /// Which wheels are driven.
+    pub driven_axle: DrivenAxle,
     /// Static load of each wheel, N.
     pub static_load: &'a [f64; 4],
     /// Courses that a filter estimates while it runs ([`super::Course::Live`]).
@@ -49,6 +51,7 @@ impl<'a> Now<'a> {
             steering_wheel: 0.0,
             steering_ratio,
             body: &plant.body,
+            driven_axle: plant.driven_axle,
             static_load: &plant.nominal.load,
             live: &[],
         }

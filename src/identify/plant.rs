@@ -6,7 +6,7 @@ use physics::model::body::{Body, External};
 use physics::model::tire::{Brush, Contact, Linear, MagicFormula, PiecewiseLinear, Tire};
 use physics::model::{Conditions, GRAVITY, Plant, Real, TireKind, Vehicle};
 
-/// The plain car on tires of this kind: loads at rest, no toe, nothing but the tires' forces.
+/// The plain car of these numbers, with the vehicle's kind of tire and driven axle: loads at rest, no toe, nothing but the tires' forces.
 pub fn plant<T: Real>(vehicle: &Vehicle, number: impl Fn(Parameter) -> T) -> Plant<T> {
     let (mass, wheelbase) = (number(Parameter::Mass), number(Parameter::Wheelbase));
     let a = number(Parameter::CgToFront);

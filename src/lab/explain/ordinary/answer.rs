@@ -141,23 +141,22 @@ impl<'a> FittedCars<'a> {
     ) -> Option<Self> {
         let all = Drives::of(&bent.smooth, recordings, asked)?;
         let drives = &all.drives;
-        let model = as_configured(&bent.smooth, effects);
-        let plain = Model { vehicle, values: Values::of(vehicle), ..model.clone() };
+        let plain = Model { vehicle, values: Values::of(vehicle), ..as_configured(&bent.smooth, effects) };
         // The ordinary car twice, with and without what the data may refuse.
         begin_counting(drives, 3);
         let leaves = |fit: &FreeFit<'_>| does_repeat(&repeating(drives, &fit.predicted, asked.seed));
         let fitted =
             |vehicle: &'a Vehicle| fit_car(&as_configured(vehicle, effects), vehicle, drives, leaves);
-        let (found, plain) = rayon::join(
+        let ((found, repeats), plain) = rayon::join(
             || fitted(&bent.smooth),
             || fit(&plain, on_time(free(&plain, vehicle, drives)), drives),
         );
         let found = match &bent.brush {
-            Some(brush) if leaves(&found) => {
+            Some(brush) if repeats => {
                 count_more(drives, 2);
-                let other = fitted(brush);
+                let (other, repeats) = fitted(brush);
                 // What repeats is the tires' bend where another one leaves nothing of it; else it may be a shadow of what does.
-                let least = if leaves(&other) { SURELY_BENT } else { REFUSED };
+                let least = if repeats { SURELY_BENT } else { REFUSED };
                 if is_refused(&found, &other, least, drives) { other } else { found }
             }
             _ => found,

@@ -31,32 +31,36 @@ pub fn fit_ordinary<'a>(model: &Model<'a>, vehicle: &Vehicle, drives: &[FreeDriv
 
 /// The same with what shows in few, where something repeats beside the usual car, and the data refuse that as clearly as anything is
 /// named: the load sensitivity of this car's own tires, where it is driven hard; and downforce of a race car's size, where it is
-/// fast enough to show it.
+/// fast enough to show it. Says also whether something repeats beside the fit.
 pub fn fit_car<'a>(
     model: &Model<'a>,
     vehicle: &Vehicle,
     drives: &[FreeDrive],
     leaves: impl Fn(&FreeFit<'_>) -> bool,
-) -> FreeFit<'a> {
+) -> (FreeFit<'a>, bool) {
     let asked = |model: Model<'a>| {
         count_more(drives, 1);
         fit(&model, free(&model, vehicle, drives), drives)
     };
+    let is_better =
+        |found: &FreeFit<'_>, other: &FreeFit<'_>| is_refused(found, other, LEAST_EVIDENCE, drives);
     let mut found = fit_ordinary(model, vehicle, drives);
-    let any = |is: &dyn Fn(&FreeDrive) -> bool| drives.iter().any(is);
-    if any(&|drive| drive.used_friction().is_some_and(|used| used > HARD)) && leaves(&found) {
+    let mut repeats = leaves(&found);
+    if repeats && drives.iter().filter_map(FreeDrive::used_friction).any(|used| used > HARD) {
         let loaded = asked(with_load_sensitivity(model));
-        if is_refused(&found, &loaded, LEAST_EVIDENCE, drives) {
+        if is_better(&found, &loaded) {
+            repeats = leaves(&loaded);
             found = loaded;
         }
     }
-    if any(&|drive| drive.fastest().is_some_and(|fastest| fastest > FAST_MPS)) && leaves(&found) {
+    if repeats && drives.iter().filter_map(FreeDrive::fastest).any(|fastest| fastest >= FAST_MPS) {
         let pressed = asked(with_downforce(model));
-        if is_race_cars(&pressed) && is_refused(&found, &pressed, LEAST_EVIDENCE, drives) {
+        if is_race_cars(&pressed) && is_better(&found, &pressed) {
+            repeats = leaves(&pressed);
             found = pressed;
         }
     }
-    found
+    (found, repeats)
 }
 
 /// Less than this presses passenger cars down, or lifts them: there it is what the tires' curve lacks, m². Tuned by

@@ -24,6 +24,16 @@ fn no_counter_jumps(published: &[Frame]) {
     }
 }
 
+/// Counts its frames in the log each second.
+fn counts(text: String) -> String {
+    text + "\n[service]\nreport_every_s = 1\n"
+}
+
+/// What was sent last may still wait in the kernel, and a service that is told to end reads no more.
+fn wait_until_read(gripd: &Gripd, frames: usize) {
+    gripd.wait_for_log(&format!("received={frames} "));
+}
+
 /// What is told to systemd of a reload, in order: the text before `=` or the whole line.
 fn told(gripd: &Gripd) -> Vec<String> {
     let told = gripd.notifications().into_iter().map(|(_, line)| line);
@@ -35,7 +45,7 @@ fn told(gripd: &Gripd) -> Vec<String> {
 #[test]
 fn good_and_broken_configurations_while_frames_flow() {
     let Some(interface) = Interface::new("gs_hup") else { return };
-    let car = edited_car(|text| text);
+    let car = edited_car(counts);
     let good = std::fs::read_to_string(car.path()).unwrap();
     let candump = Recorder::start(interface.0);
     let gripd = Gripd::start(car.path(), interface.0);
@@ -65,6 +75,7 @@ fn good_and_broken_configurations_while_frames_flow() {
         assert!(gripd.log().contains("`mass_pound`"), "{}", gripd.log());
         let words = ["READY", "RELOADING", "MONOTONIC_USEC", "READY", "RELOADING", "MONOTONIC_USEC", "READY"];
         assert_eq!(told(&gripd)[..7], words);
+        wait_until_read(&gripd, recording.len());
         let tally = gripd.end(SIGTERM);
         wait_for("all of them", || candump.published().len() == tally.published);
         (tally, candump.published())
@@ -111,7 +122,7 @@ fn other_signals_are_let_through() {
         let lines = text.lines().filter(|line| !line.contains("= \"DRIVE."));
         lines.map(|line| format!("{line}\n")).collect::<String>()
     };
-    let car = edited_car(without_drive);
+    let car = edited_car(|text| counts(without_drive(text)));
     let gripd = Gripd::start(car.path(), interface.0);
     gripd.wait_for_log("the input interface is up");
     let drive = data(0x1D0, &[0; 6]);
@@ -119,7 +130,7 @@ fn other_signals_are_let_through() {
     let five = |frame: Frame| traffic::send_all(interface.0, &[frame; 5]);
     five(drive);
     five(wheels);
-    let whole = edited_car(|text| text);
+    let whole = edited_car(counts);
     std::fs::copy(whole.path(), car.path()).unwrap();
     gripd.signal(SIGHUP);
     gripd.wait_for_log("identifiers=4");
@@ -130,6 +141,7 @@ fn other_signals_are_let_through() {
     wait_for("the third", || gripd.log().matches("the new configuration is in use").count() == 2);
     five(drive);
     five(wheels);
+    wait_until_read(&gripd, 4 * 5);
     assert_eq!(gripd.end(SIGTERM).received, 4 * 5);
 }
 
@@ -139,13 +151,13 @@ fn another_interface_takes_a_restart() {
     let car = edited_car(|text| text.replace("interface = \"vcan0\"", "interface = \"gs_one\""));
     let text = std::fs::read_to_string(car.path()).unwrap();
     let gripd = Gripd::start(car.path(), one.0);
-    let other = text.replace("gs_one", "gs_other") + "\n[service]\nrecord_files = 7\n";
+    let other = counts(text.replace("gs_one", "gs_other")) + "record_files = 7\n";
     std::fs::write(car.path(), other).unwrap();
     gripd.signal(SIGHUP);
     gripd.wait_for_log("bus.interface has changed: it is opened at the start only");
     gripd.wait_for_log("service.record_faults, record_files or record_bytes has changed");
     gripd.wait_for_log("the new configuration is in use");
     traffic::send_all(one.0, &[data(0x1A0, &[0; 8])]);
-    std::thread::sleep(Duration::from_millis(100));
+    wait_until_read(&gripd, 1);
     assert_eq!(gripd.end(SIGTERM).received, 1);
 }

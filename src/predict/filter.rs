@@ -1,14 +1,13 @@
 //! The extended Kalman filter that holds a car to a recording.
 
 use super::algebra::{Column, FILTERED, Gain, Square, dot};
-use super::car::{self, BODY_STATES, ExtendedCar, Instant, State};
+use super::car::{BODY_STATES, Compute, ExtendedCar, Instant, State};
 use super::drive::GriddedDrive;
 use super::grid::STEP_S;
 use super::noise::{Live, Noise};
 use super::sums::{BlockOutput, Filtered, Innovation, PassOptions};
-use super::trajectory::Trajectory;
+use super::trajectory::{Correction, Derivatives, Trajectory};
 use physics::Quantity;
-use physics::model::effect::Readings;
 
 /// Differences by which the filter linearizes, in the state's units.
 /// Numerical: far above rounding, far below what bends the equations.
@@ -42,17 +41,17 @@ impl Filter {
         out: &mut BlockOutput,
         options: &mut PassOptions<'_>,
     ) {
-        let BlockOutput { gains, errors, sums } = out;
+        let BlockOutput { gains, errors, derivatives: by_state, sums } = out;
         let n = self.n;
         let from = self.trajectory.state;
         let before = self.trajectory.before;
         let predicted = self.trajectory.predict(car, drive, k, &noise.live);
         let t = k as f64 * STEP_S;
         let (derivatives, age) = self.derivatives.take().unwrap_or_else(|| {
-            let (input, rate) = (&predicted.inputs.at[0], predicted.inputs.steering_rate);
+            let (input, rate) = (&predicted.inputs[0], predicted.steering_rate);
             let at = |state: &State| {
                 let state = car.settled(t, state, input, &before);
-                car.instant(t, &state, input, rate, &before, car::Compute::Readings)
+                car.instant(t, &state, input, rate, &before, Compute::Readings)
             };
             (Derivatives::of(&from, &noise.live, None, at), 0)
         });
@@ -62,26 +61,29 @@ impl Filter {
             p[i][i] += diffusion * diffusion * STEP_S;
         }
         for (i, live) in noise.live.iter().enumerate() {
-            let keeps = (-STEP_S / live.length_s).exp();
+            let keeps = live.keeps();
             p[BODY_STATES + i][BODY_STATES + i] += live.size * live.size * (1.0 - keeps * keeps);
         }
-        let (p_before, x_before) = (p, column_of(&predicted.next));
+        let next = &self.trajectory.step().next;
+        let (p_before, x_before) = (p, column_of(next));
         // They change slowly, and serve this step's readings and the next ones' transitions.
         let derivatives = if age + 1 < SERVES {
             self.derivatives.insert((derivatives, age + 1))
         } else {
-            let (input, rate) = (&predicted.inputs.at[2], predicted.inputs.steering_rate);
-            let first = predicted.first.before();
+            let (input, rate) = (&predicted.inputs[1], predicted.steering_rate);
+            let first = self.trajectory.step().first.before();
             let at = |state: &State| {
                 let state = car.settled(t + STEP_S, state, input, &first);
-                car.instant(t + STEP_S, &state, input, rate, &first, car::Compute::Readings)
+                car.instant(t + STEP_S, &state, input, rate, &first, Compute::Readings)
             };
             // Where no effect has states of its own, that is what was predicted.
-            let settled = car.settled(t + STEP_S, &predicted.next, input, &first);
-            let here = (settled == predicted.next).then_some(predicted.end);
-            self.derivatives.insert((Derivatives::of(&predicted.next, &noise.live, here, at), 0))
+            let settled = car.settled(t + STEP_S, next, input, &first);
+            let here = (settled == *next).then_some(*predicted.end());
+            self.derivatives.insert((Derivatives::of(next, &noise.live, here, at), 0))
         };
-        let by = &derivatives.0.readings;
+        let derivatives = &derivatives.0;
+        by_state.push(*derivatives);
+        let by = &derivatives.readings;
         let mut correction = [0.0; FILTERED];
         let (_, measured) = drive.of_step(k);
         for reading in measured {
@@ -129,7 +131,8 @@ impl Filter {
         }
         make_symmetric(&mut p, n);
         self.p = p;
-        self.trajectory.finish(&predicted, &correction);
+        let corrected = Correction { by: &correction, derivatives, states: n };
+        self.trajectory.finish(car, &predicted, Some(&corrected));
         if let Some(steps) = &mut options.steps {
             let filtered = (column_of(&self.trajectory.state), p);
             steps.push(Filtered { k: k + 1, begins, a, predicted: (x_before, p_before), filtered });
@@ -151,18 +154,11 @@ fn start_covariance(noise: &Noise) -> Square {
 /// Steps that derivatives serve. Numerical: they change slowly.
 const SERVES: usize = 2;
 
-/// Derivatives by the filtered states.
-#[derive(Clone)]
-struct Derivatives {
-    rates: Square,
-    readings: [Readings; FILTERED],
-}
-
 impl Derivatives {
     /// By differences from what is `here`, if that is known.
     fn of(state: &State, live: &[Live], here: Option<Instant>, at: impl Fn(&State) -> Instant) -> Self {
         let here = here.unwrap_or_else(|| at(state));
-        let mut rates = [[0.0; FILTERED]; FILTERED];
+        let mut rates = [[0.0; FILTERED]; BODY_STATES];
         let mut readings = [[0.0; Quantity::COUNT]; FILTERED];
         for column in 0..BODY_STATES + live.len() {
             let mut moved = *state;
@@ -178,7 +174,7 @@ impl Derivatives {
             };
             let there = at(&moved);
             let by = 1.0 / difference;
-            for (row, rates) in rates.iter_mut().enumerate().take(BODY_STATES) {
+            for (row, rates) in rates.iter_mut().enumerate() {
                 rates[column] = (there.rate.body[row] - here.rate.body[row]) * by;
             }
             for (channel, reading) in readings[column].iter_mut().enumerate() {
@@ -206,20 +202,20 @@ fn column_of(state: &State) -> Column {
 }
 
 /// exp(J h) to second order; courses decay on their own.
-fn transition(j: &Square, n: usize, noise: &Noise) -> Square {
+fn transition(j: &[Column; BODY_STATES], n: usize, noise: &Noise) -> Square {
     let mut a = [[0.0; FILTERED]; FILTERED];
-    for i in 0..n {
+    for (i, own) in j.iter().enumerate() {
         for k in 0..n {
             let mut square = 0.0;
-            for (by, row) in j[i].iter().zip(j).take(BODY_STATES) {
+            for (by, row) in own.iter().zip(j) {
                 square += by * row[k];
             }
-            a[i][k] = STEP_S * j[i][k] + 0.5 * STEP_S * STEP_S * square;
+            a[i][k] = STEP_S * own[k] + 0.5 * STEP_S * STEP_S * square;
         }
         a[i][i] += 1.0;
     }
     for (i, live) in noise.live.iter().enumerate() {
-        a[BODY_STATES + i][BODY_STATES + i] = (-STEP_S / live.length_s).exp();
+        a[BODY_STATES + i][BODY_STATES + i] = live.keeps();
     }
     a
 }

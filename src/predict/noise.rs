@@ -2,7 +2,7 @@
 
 use super::car::{BODY_STATES, MOST_LIVE};
 use super::drive::GriddedDrive;
-use super::grid::{COMPARED, SPEED};
+use super::grid::{COMPARED, SPEED, STEP_S};
 use super::smoothing::white_std;
 use physics::Quantity;
 
@@ -18,6 +18,13 @@ pub struct Live {
     /// Over which difference the filter takes its influence to be linear. That of a slippery patch is
     /// none at all at first.
     pub difference: f64,
+}
+
+impl Live {
+    /// What is left of it after a step of the grid.
+    pub fn keeps(&self) -> f64 {
+        (-STEP_S / self.length_s).exp()
+    }
 }
 
 /// Standard deviations.

@@ -16,7 +16,7 @@ use super::filter::Filter;
 use super::grid::{STEP_S, points};
 use super::noise::Noise;
 use super::sums::{BLOCK_S, BlockOutput, BlockSums, Filtered, PassOptions, UsedReadings};
-use super::trajectory::Trajectory;
+use super::trajectory::{Derivatives, Trajectory};
 
 /// A car that differs from the one the filter is made for.
 #[derive(Debug)]
@@ -84,8 +84,8 @@ pub fn pass_run(
         for step in k..end {
             filter.step((car, drive, noise), (step, step == from), &mut out, options);
         }
-        let BlockOutput { gains, errors, sums } = out;
-        (Block { drive, noise, steps: k..end, begin, gains, errors }, sums)
+        let BlockOutput { gains, errors, derivatives, sums } = out;
+        (Block { drive, noise, steps: k..end, begin, gains, errors, derivatives }, sums)
     };
     let mut block = (from < to).then(|| filtered(&mut filter, from));
     while let Some((over, mut sums)) = block.take() {
@@ -111,6 +111,7 @@ struct Block<'a> {
     begin: Trajectory,
     gains: Vec<Gain>,
     errors: Vec<f64>,
+    derivatives: Vec<Derivatives>,
 }
 
 impl Block<'_> {
@@ -163,8 +164,9 @@ impl<'a> Trajectories<'a> {
             }
             let trajectory = trajectory.as_mut()?;
             let mut errors = Vec::with_capacity(over.errors.len());
-            for step in over.steps.clone() {
-                trajectory.follow(&other.car, over.drive, step, over.noise, &over.gains, &mut errors);
+            for (step, derivatives) in over.steps.clone().zip(&over.derivatives) {
+                let how = (over.gains.as_slice(), derivatives);
+                trajectory.follow(&other.car, over.drive, step, over.noise, how, &mut errors);
             }
             for (own, (error, gain)) in errors.iter_mut().zip(over.errors.iter().zip(&over.gains)) {
                 *own = (error - *own) * (1.0 / gain.s.sqrt()) / other.by;
@@ -194,8 +196,7 @@ pub fn pass_backwards(
         let mut go = |filter: &mut Filter, k: usize, steps: Option<&mut Vec<Filtered>>| {
             let mut options = PassOptions { readings, innovations: None, steps };
             for step in k..(k + KEPT).min(to) {
-                out.gains.clear();
-                out.errors.clear();
+                out.forget_steps();
                 filter.step((car, drive, noise), (step, step == from), &mut out, &mut options);
             }
         };
@@ -225,8 +226,7 @@ pub(super) fn pass_with(
         let mut out = BlockOutput::new(number, (from, to));
         for step in from..to {
             watch(&filter.trajectory, step, to, step == from);
-            out.gains.clear();
-            out.errors.clear();
+            out.forget_steps();
             filter.step((car, drive, noise), (step, step == from), &mut out, &mut PassOptions::default());
         }
     }

@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use super::algebra::{Column, Gain, Square};
 use super::grid::STEP_S;
+use super::trajectory::Derivatives;
 use physics::Quantity;
 use physics::model::effect::Readings;
 
@@ -66,14 +67,26 @@ pub struct BlockSums {
 
 /// What comes of the steps of a block.
 pub(super) struct BlockOutput {
+    /// Of each reading.
     pub(super) gains: Vec<Gain>,
+    /// Of each reading.
     pub(super) errors: Vec<f64>,
+    /// Of each step.
+    pub(super) derivatives: Vec<Derivatives>,
     pub(super) sums: BlockSums,
 }
 
 impl BlockOutput {
     pub(super) fn new(drive: usize, between: (usize, usize)) -> Self {
-        Self { gains: Vec::new(), errors: Vec::new(), sums: BlockSums::empty(drive, between) }
+        let sums = BlockSums::empty(drive, between);
+        Self { gains: Vec::new(), errors: Vec::new(), derivatives: Vec::new(), sums }
+    }
+
+    /// Keeps the sums only.
+    pub(super) fn forget_steps(&mut self) {
+        self.gains.clear();
+        self.errors.clear();
+        self.derivatives.clear();
     }
 }
 

@@ -1,7 +1,9 @@
 //! A car's trajectory beside a recording: it predicts each reading, and is corrected.
 
 use super::algebra::{Column, FILTERED, Gain, dot};
-use super::car::{self, BODY_STATES, Before, ExtendedCar, Inputs, Instant, State};
+use super::car::{
+    BODY_STATES, Before, Compute, ExtendedCar, Inputs, Instant, Moved, Passed, SLOWEST_MPS, State,
+};
 use super::drive::GriddedDrive;
 use super::grid::{STEP_S, points};
 use super::noise::{Live, Noise};
@@ -44,18 +46,51 @@ pub(super) struct Trajectory {
     rows: Option<Rows>,
     /// The inputs at a grid point: the end of one step is the beginning of the next.
     reached: Option<(usize, Recorded)>,
+    /// The step from here.
+    step: Step,
+    /// Has the end of the step before told it? Then no other instant has to be computed for it.
+    is_told: bool,
 }
 
-/// What the equations say of a step.
-pub(super) struct Predicted {
+/// A step, as its beginning tells it.
+#[derive(Clone, Debug)]
+pub(super) struct Step {
     /// Its beginning.
     pub(super) first: Instant,
+    passed: Passed,
     /// The state at its end.
     pub(super) next: State,
-    /// Its end.
-    pub(super) end: Instant,
-    /// The inputs.
-    pub(super) inputs: Inputs,
+}
+
+/// What the equations say of a step's end.
+pub(super) struct Predicted {
+    end: Instant,
+    /// The inputs at its beginning and its end.
+    pub(super) inputs: [Recorded; 2],
+    /// How fast the steering wheel turns over the step, rad/s.
+    pub(super) steering_rate: f64,
+}
+
+impl Predicted {
+    /// The step's end.
+    pub(super) fn end(&self) -> &Instant {
+        &self.end
+    }
+}
+
+/// Derivatives of rates and readings by the filtered states.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Derivatives {
+    pub(super) rates: [Column; BODY_STATES],
+    pub(super) readings: [Readings; FILTERED],
+}
+
+/// What the readings of a step change of its end: the filtered states, and to first order what follows from them.
+pub(super) struct Correction<'a> {
+    pub(super) by: &'a Column,
+    pub(super) derivatives: &'a Derivatives,
+    /// So many states are filtered.
+    pub(super) states: usize,
 }
 
 impl Trajectory {
@@ -64,9 +99,19 @@ impl Trajectory {
         let t = k as f64 * STEP_S;
         let input = car.input(drive, t);
         let state = car.rolling(t, drive.speed[k], drive.yaw_rate_after(k), &input);
-        Self { state, before: Before::default(), rows: None, reached: None }
+        let before = Before::default();
+        let first = car.instant(t, &state, &input, 0.0, &before, Compute::Readings);
+        let step = Step { first, passed: Passed { state, at: state, rate: first.rate }, next: state };
+        Self { state, before, rows: None, reached: None, step, is_told: false }
     }
 
+    /// The step from where it is, as [`Self::predict`] has found it.
+    pub(super) fn step(&self) -> &Step {
+        &self.step
+    }
+
+    /// What the equations say of the step from a grid point. One instant is computed, at its end; where the beginning is not known
+    /// from the step before, or something is too fast for that ([`ExtendedCar::pass`]), those of the midpoint rule besides.
     pub(super) fn predict(
         &mut self,
         car: &ExtendedCar,
@@ -79,33 +124,31 @@ impl Trajectory {
         let first = first.unwrap_or_else(|| car.input(drive, t));
         let last = car.input(drive, t + STEP_S);
         self.reached = Some((k + 1, last));
-        let inputs = Inputs::new([first, car.input(drive, t + 0.5 * STEP_S), last], STEP_S);
-        let (at, rate) = (&inputs.at, inputs.steering_rate);
-        let first = car.instant(t, &self.state, &at[0], rate, &self.before, car::Compute::Readings);
-        let substeps = (car.fastest_rate(self.state.body[0]) * STEP_S / 0.8).ceil().clamp(1.0, 20.0);
-        let mut next = self.state;
-        if substeps == 1.0 {
-            next = car.step(&next, &first, t, STEP_S, &inputs);
-        } else {
-            let h = STEP_S / substeps;
-            for part in 0..substeps as usize {
-                let share = |part: usize| part as f64 / substeps;
-                let inputs = inputs.part(share(part), share(part + 1));
-                let t = t + part as f64 * h;
-                let here =
-                    car.instant(t, &next, &inputs.at[0], rate, &first.before(), car::Compute::Readings);
-                next = car.step(&next, &here, t, h, &inputs);
-            }
+        let inputs = [first, last];
+        let steering_rate = (last.steering_wheel - first.steering_wheel) / STEP_S;
+        if !self.is_told {
+            let middle = car.input(drive, t + 0.5 * STEP_S);
+            self.begin_step(car, t, &Inputs { at: [first, middle, last], steering_rate });
         }
+        let Step { first, next, .. } = &mut self.step;
         for (value, live) in next.live.iter_mut().zip(live) {
-            *value *= (-STEP_S / live.length_s).exp();
+            *value *= live.keeps();
         }
-        let end = car.instant(t + STEP_S, &next, &at[2], rate, &first.before(), car::Compute::Readings);
+        let before = first.before();
+        let end = car.instant(t + STEP_S, next, &last, steering_rate, &before, Compute::Readings);
         match &mut self.rows {
             Some(rows) => rows.push(&first.readings),
             none => *none = Some(Rows::filled(&first.readings)),
         }
-        Predicted { first, next, end, inputs }
+        Predicted { end, inputs, steering_rate }
+    }
+
+    /// A step from nothing but where it is.
+    fn begin_step(&mut self, car: &ExtendedCar, t: f64, inputs: &Inputs) {
+        let (input, rate, state) = (&inputs.at[0], inputs.steering_rate, self.state);
+        let first = car.instant(t, &state, input, rate, &self.before, Compute::Readings);
+        let next = car.step_in_parts(&state, &first, t, STEP_S, inputs);
+        self.step = Step { first, passed: Passed { state, at: state, rate: first.rate }, next };
     }
 
     /// What a sensor says in the step.
@@ -122,7 +165,7 @@ impl Trajectory {
         let x = back - whole as f64;
         let at = |back: usize| match (back.checked_sub(1), &self.rows) {
             (Some(rows), Some(all)) => all.ago(channel, rows),
-            (Some(_), None) => predicted.first.readings[channel],
+            (Some(_), None) => self.step.first.readings[channel],
             (None, _) => predicted.end.readings[channel],
         };
         let [a, b, c] = [whole, whole + 1, whole + 2].map(at);
@@ -130,16 +173,38 @@ impl Trajectory {
         a + x * (b - a) + 0.5 * x * (x - 1.0) * (c - 2.0 * b + a)
     }
 
-    pub(super) fn finish(&mut self, predicted: &Predicted, correction: &Column) {
-        self.state = predicted.next;
-        for (value, by) in self.state.body.iter_mut().zip(correction) {
-            *value += by;
-        }
-        for (value, by) in self.state.live.iter_mut().zip(&correction[BODY_STATES..]) {
-            *value += by;
-        }
-        self.state.body[0] = self.state.body[0].max(0.1);
+    /// Goes to the end of a step.
+    pub(super) fn finish(
+        &mut self,
+        car: &ExtendedCar,
+        predicted: &Predicted,
+        correction: Option<&Correction<'_>>,
+    ) {
         self.before = predicted.end.before();
+        let Step { first: here, passed, next } = &mut self.step;
+        *here = predicted.end;
+        let mut moved = Moved::default();
+        if let Some(Correction { by, derivatives, states }) = correction {
+            moved.body.copy_from_slice(&by[..BODY_STATES]);
+            moved.rate = derivatives.rates.each_ref().map(|row| dot(row, by, *states));
+            for (live, by) in next.live.iter_mut().zip(&by[BODY_STATES..]) {
+                *live += by;
+            }
+            for (by, derivatives) in by.iter().zip(&derivatives.readings).take(*states) {
+                for (reading, derivative) in here.readings.iter_mut().zip(derivatives) {
+                    *reading += by * derivative;
+                }
+            }
+        }
+        self.is_told = car.can_pass(next.body[0], STEP_S) && !car.follows_steering();
+        if self.is_told {
+            car.pass(passed, next, &here.rate, &moved, STEP_S);
+            self.state = passed.state;
+        } else {
+            self.state = *next;
+            self.state.body.iter_mut().zip(moved.body).for_each(|(value, by)| *value += by);
+        }
+        self.state.body[0] = self.state.body[0].max(SLOWEST_MPS);
     }
 }
 
@@ -147,6 +212,7 @@ impl Trajectory {
     /// Forgets estimated courses but the first `keeps`.
     pub(super) fn forget_courses(&mut self, keeps: usize) {
         self.state.live[keeps..].fill(0.0);
+        self.is_told = false;
     }
 
     /// Takes the speed from the wheels.
@@ -157,6 +223,7 @@ impl Trajectory {
         if before.is_finite() && after.is_finite() {
             self.state.body[0] = 0.5 * (before + after);
             self.state.live[0] = (after - before) / (2.0 * near as f64 * STEP_S);
+            self.is_told = false;
         }
     }
 
@@ -175,7 +242,7 @@ impl Trajectory {
             let t = (k as f64 + f64::from(reading.share)) * STEP_S;
             compared.push(Comparison { t, channel: reading.channel, measured: reading.value, simulated });
         }
-        self.finish(&predicted, &[0.0; FILTERED]);
+        self.finish(car, &predicted, None);
     }
 
     pub(super) fn follow(
@@ -184,7 +251,7 @@ impl Trajectory {
         drive: &GriddedDrive,
         k: usize,
         noise: &Noise,
-        gains: &[Gain],
+        (gains, derivatives): (&[Gain], &Derivatives),
         errors: &mut Vec<f64>,
     ) {
         let predicted = self.predict(car, drive, k, &noise.live);
@@ -204,6 +271,56 @@ impl Trajectory {
             }
             errors.push(error);
         }
-        self.finish(&predicted, &correction);
+        self.finish(car, &predicted, Some(&Correction { by: &correction, derivatives, states: n }));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::car::Settings;
+    use super::super::delay::Delays;
+    use super::super::drive::Recording;
+    use super::*;
+    use identify::Values;
+    use physics::model::Scenario;
+
+    /// GIVEN a drive that steers, brakes and accelerates WHEN a car goes along with one instant for each step, and with those of the
+    /// midpoint rule, a measurement moving both THEN they are at the same places.
+    #[test]
+    fn one_instant_for_a_step_is_enough() {
+        let scenario = Scenario::parse(include_str!("../../tests/data/steered.toml")).unwrap();
+        let drive = GriddedDrive::new(&Recording::simulated("", &scenario).unwrap(), &scenario.vehicle);
+        let car = ExtendedCar::new(Settings {
+            vehicle: &scenario.vehicle,
+            values: &Values::of(&scenario.vehicle),
+            knows_torque: true,
+            bend_along: 1.0,
+            delays: Delays::default(),
+            effects: Vec::new(),
+        });
+        let (from, to) = drive.runs[0];
+        let mut quick = Trajectory::start(&car, &drive, from);
+        let mut thorough = quick.clone();
+        // What moves the rates of a car that goes straight, about: the yaw rate dies out in a fifth of a second.
+        let mut rates = [[0.0; FILTERED]; BODY_STATES];
+        rates[2][2] = -5.0;
+        let derivatives = Derivatives { rates, readings: [[0.0; physics::Quantity::COUNT]; FILTERED] };
+        let mut by = [0.0; FILTERED];
+        let (mut most, mut apart) = ([0.0_f64; BODY_STATES], [0.0_f64; BODY_STATES]);
+        for k in from..to {
+            by[2] = 2e-4 * (k as f64).sin();
+            let correction = Correction { by: &by, derivatives: &derivatives, states: BODY_STATES };
+            for trajectory in [&mut quick, &mut thorough] {
+                let predicted = trajectory.predict(&car, &drive, k, &[]);
+                trajectory.finish(&car, &predicted, Some(&correction));
+            }
+            thorough.is_told = false;
+            for i in 0..BODY_STATES {
+                most[i] = most[i].max(thorough.state.body[i].abs());
+                apart[i] = apart[i].max((quick.state.body[i] - thorough.state.body[i]).abs());
+            }
+        }
+        assert!(most[2] > 0.1, "it turns: {most:?}");
+        assert!(apart.iter().zip(most).all(|(apart, most)| *apart < 0.005 * most), "{apart:?} of {most:?}");
     }
 }

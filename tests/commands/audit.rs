@@ -143,6 +143,19 @@ fn tires_at_their_limit_in_a_gust_are_no_delay_for_sure() {
     assert!(report.findings.iter().all(|f| f.confidence != Confidence::Certain), "{}", summary(&report));
 }
 
+/// GIVEN the demo's drive, which brakes on ice with its wheels at their limit THEN nothing is found wrong; a brake that is told
+/// three times as strong as it is in every stop of another drive is.
+#[test]
+fn a_car_that_slides_to_a_stop_has_no_wrong_brake() {
+    let demo = Scenario::parse(include_str!("../../config/scenarios/demo.toml")).unwrap();
+    let vehicle = Config::load(&program::project("config/demo.toml")).unwrap().vehicle;
+    let report = judge_as(&drive(&demo, 5), &vehicle);
+    assert!(report.findings.is_empty(), "{}", summary(&report));
+    let report = judge(&changed(&[Quantity::BrakePressure], |pressure| 3.0 * pressure));
+    let found = expect(&report, "sensor_scale", "brake_pressure", Confidence::Likely);
+    assert!((found.value.unwrap() - 2.0).abs() < 0.5, "{}", summary(&report));
+}
+
 #[test]
 fn every_flipped_sign_is_named() {
     for quantity in [

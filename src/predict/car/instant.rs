@@ -65,7 +65,8 @@ impl ExtendedCar {
         let mut on = Acting::plain(&self.plant, input.steering_wheel, self.steering_ratio);
         self.effects.act(&now, &state.own, &mut on);
         let body = &on.body;
-        let motion = WheelMotion::new(body, now.velocity, Steer::new(on.steer()), Some(on.toe));
+        let toe = Some(on.toe).filter(|toe| *toe != [0.0; 4]);
+        let motion = WheelMotion::new(body, now.velocity, Steer::new(on.steer()), toe);
         let mut angle = motion.slip_angle;
         self.effects.slip_angles(&now, &state.own, &mut angle);
 

@@ -20,7 +20,8 @@ use super::drive::GriddedDrive;
 
 pub use instant::{Compute, Instant};
 pub use physics::model::effect::Before;
-pub use step::{Inputs, Passed, State};
+pub(crate) use step::SLOWEST_MPS;
+pub use step::{Inputs, Moved, Passed, State};
 
 /// States of the body: vx, vy, yaw rate.
 pub const BODY_STATES: usize = 3;
@@ -190,13 +191,13 @@ impl ExtendedCar {
     }
 
     /// An upper bound of the fastest rate in the plane at a speed, 1/s.
-    pub fn fastest_rate(&self, vx: f64) -> f64 {
+    fn fastest_rate(&self, vx: f64) -> f64 {
         let [sideways, yaw] = self.plant.lateral_rates();
         ((sideways + yaw) / vx.max(1.0)).max(self.effects.fastest_rate(vx))
     }
 
-    /// The fastest rate at a speed, 1/s, of what [`Self::pass`] knows none of.
-    pub fn fastest_unknown(&self, vx: f64) -> f64 {
-        self.effects.fastest_but_lags(vx)
+    /// Do states of it follow the steering wheel? [`Self::pass`] thinks that it goes on turning as it did in the last step.
+    pub fn follows_steering(&self) -> bool {
+        self.effects.follows_steering()
     }
 }

@@ -23,6 +23,56 @@ impl ExtendedCar {
         let there = self.instant(t + 0.5 * h, &middle, input, inputs.steering_rate, &before, Compute::Rates);
         from.advanced(&there.rate, h)
     }
+
+    /// The same in parts where something is fast.
+    pub fn step_in_parts(&self, from: &State, first: &Instant, t: f64, h: f64, inputs: &Inputs) -> State {
+        let parts = (self.fastest_rate(from.body[0]) * h / LARGEST_STEP).ceil();
+        let parts = parts.clamp(1.0, (h / SHORTEST_PART_S).round());
+        if parts == 1.0 {
+            return self.step(from, first, t, h, inputs);
+        }
+        let h = h / parts;
+        let (mut state, mut here) = (*from, *first);
+        for part in 0..parts as usize {
+            let share = |part: usize| part as f64 / parts;
+            let inputs = inputs.part(share(part), share(part + 1));
+            let t = t + part as f64 * h;
+            if part > 0 {
+                let (input, rate, before) = (&inputs.at[0], inputs.steering_rate, here.before());
+                here = self.instant(t, &state, input, rate, &before, Compute::Rates);
+            }
+            state = self.step(&state, &here, t, h, &inputs);
+        }
+        state
+    }
+
+    /// Is a step of `h` seconds short enough at a speed for [`Self::pass`], where that knows no rate of something?
+    pub fn can_pass(&self, vx: f64, h: f64) -> bool {
+        self.effects.fastest_but_lags(vx) * h <= LARGEST_UNKNOWN_STEP
+    }
+}
+
+/// So far a step's fastest rate may go; more needs smaller steps. Numerical: stable with the midpoint rule.
+const LARGEST_STEP: f64 = 0.8;
+
+/// No part of a step is shorter, s. Numerical.
+const SHORTEST_PART_S: f64 = 1e-3;
+
+/// So far with one instant each, if a rate is not known. Numerical: what they make of it dies out by a half at each step.
+const LARGEST_UNKNOWN_STEP: f64 = 0.6;
+
+/// What a measurement has moved at an instant: the body's states, and their rates with them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Moved {
+    /// vx, vy, yaw rate.
+    pub body: [f64; BODY_STATES],
+    /// Their rates.
+    pub rate: [f64; BODY_STATES],
+}
+
+impl Moved {
+    /// Nothing was measured.
+    pub const NOTHING: Self = Self { body: [0.0; BODY_STATES], rate: [0.0; BODY_STATES] };
 }
 
 /// An instant that a run has passed.
@@ -37,31 +87,36 @@ pub struct Passed {
 }
 
 impl ExtendedCar {
-    /// From an instant that was passed, `h` seconds ago, to the next one: where the car is, as what is there now has told, and
-    /// where it will be. Half the computing of the midpoint rule, and of second order, too: Adams' and Moulton's rule corrects,
-    /// Adams' and Bashforth's predicts, both as exponential rules (Cox & Matthews, J. Comput. Phys. 176, 2002), so that it
-    /// may be as fast as it likes how a state follows something.
-    pub fn pass(&self, before: &Passed, at: &State, rate: &State, h: f64) -> (Passed, State) {
-        let mut here = Passed { state: *at, at: *at, rate: *rate };
-        let mut next = *at;
+    /// From an instant that was passed, `h` seconds ago, to the one at which the car is thought to be now, and from there to the
+    /// next: `passed` becomes where the car is, as what is there now has told, and `at` where it will be. Half the computing of
+    /// the midpoint rule, and of second order, too: Adams' and Moulton's rule corrects, Adams' and Bashforth's predicts, both as
+    /// exponential rules (Cox & Matthews, J. Comput. Phys. 176, 2002), so that it may be as fast as it likes how a state follows
+    /// something. What a measurement has moved at the instant is no part of what its rate rises by over a step.
+    pub fn pass(&self, passed: &mut Passed, at: &mut State, rate: &State, moved: &Moved, h: f64) {
+        let speed = at.body[0];
         let mut body = |i: usize, following: &Following| {
-            let then = [before.state.body[i], before.at.body[i], before.rate.body[i]];
-            [here.state.body[i], next.body[i]] = following.passed(then, [at.body[i], rate.body[i]]);
+            let then = [passed.state.body[i], passed.at.body[i], passed.rate.body[i]];
+            let (now, by) = ([at.body[i], rate.body[i]], [moved.body[i], moved.rate[i]]);
+            passed.at.body[i] = now[0] + by[0];
+            passed.rate.body[i] = now[1] + by[1];
+            [passed.state.body[i], at.body[i]] = following.passed(then, now, by);
         };
         body(0, &Following::new(0.0, h));
         for (i, rate) in self.plant.lateral_rates().into_iter().enumerate() {
-            body(i + 1, &Following::new(rate / at.body[0].max(1.0), h));
+            body(i + 1, &Following::new(rate / speed.max(1.0), h));
         }
-        next.body[0] = next.body[0].max(SLOWEST_MPS);
+        at.body[0] = at.body[0].max(SLOWEST_MPS);
         let mut own = |i: usize, following: &Following| {
-            let then = [before.state.own[i], before.at.own[i], before.rate.own[i]];
-            [here.state.own[i], next.own[i]] = following.passed(then, [at.own[i], rate.own[i]]);
+            let then = [passed.state.own[i], passed.at.own[i], passed.rate.own[i]];
+            (passed.at.own[i], passed.rate.own[i]) = (at.own[i], rate.own[i]);
+            [passed.state.own[i], at.own[i]] =
+                following.passed(then, [passed.at.own[i], passed.rate.own[i]], [0.0; 2]);
         };
-        for (places, lag) in self.effects.lags(at.body[0]) {
+        for (places, lag) in self.effects.lags(speed) {
             let following = Following::new(lag.unwrap_or(0.0), h);
             places.for_each(|i| own(i, &following));
         }
-        (here, next)
+        (passed.state.live, passed.at.live, passed.rate.live) = (at.live, at.live, rate.live);
     }
 }
 
@@ -81,23 +136,28 @@ impl Following {
         if z < SLOW {
             return Self { time: None, whole: h, rising: 0.5 * h };
         }
-        let whole = -(-z).exp_m1();
+        let whole = 1.0 - (-z).exp();
         Self { time: Some(1.0 / rate), whole, rising: 1.0 - whole / z }
     }
 
-    /// Where a state is and will be, by where it was, where it was thought to be, and its rate there; and where it is thought to
-    /// be now, and its rate.
+    /// Where a state is and will be, by where it was, where it was thought to be, and its rate there; by where it is thought to
+    /// be now, and its rate; and by how much a measurement moves both.
     #[inline]
-    fn passed(&self, [x, then, its_rate]: [f64; 3], [now, rate]: [f64; 2]) -> [f64; 2] {
+    fn passed(
+        &self,
+        [x, then, its_rate]: [f64; 3],
+        [now, rate]: [f64; 2],
+        [by, faster]: [f64; 2],
+    ) -> [f64; 2] {
         let Some(time) = self.time else {
             let rises = self.rising * (rate - its_rate);
-            let is = x + self.whole * its_rate + rises;
-            return [is, is + self.whole * rate + rises];
+            let is = x + self.whole * its_rate + rises + by;
+            return [is, is + self.whole * (rate + faster) + rises];
         };
         let (was, u) = (then + time * its_rate, now + time * rate);
         let rises = self.rising * (u - was);
-        let is = x + self.whole * (was - x) + rises;
-        [is, is + self.whole * (u - is) + rises]
+        let is = x + self.whole * (was - x) + rises + by;
+        [is, is + self.whole * (u + by + time * faster - is) + rises]
     }
 }
 
@@ -139,7 +199,7 @@ impl Inputs {
 }
 
 /// The equations guard against standing still, not against going through it.
-const SLOWEST_MPS: f64 = 0.1;
+pub(crate) const SLOWEST_MPS: f64 = 0.1;
 
 /// States that differ by less are the same, in their units. Numerical: a million times less than a sensor tells.
 const NEAR: f64 = 1e-9;
@@ -208,10 +268,10 @@ mod tests {
         let (mut passed, mut at) =
             (Passed { state: first, at: first, rate: rate(-1, &first) }, state(exact(0)));
         for step in 0..20 {
-            let (here, next) = car.pass(&passed, &at, &rate(step, &at), 0.01);
-            assert!((here.state.own[0] - exact(step)).abs() < 1e-12, "{step}: {}", here.state.own[0]);
-            assert!((next.own[0] - exact(step + 1)).abs() < 1e-12, "{step}: {}", next.own[0]);
-            (passed, at) = (here, next);
+            let its_rate = rate(step, &at);
+            car.pass(&mut passed, &mut at, &its_rate, &Moved::NOTHING, 0.01);
+            assert!((passed.state.own[0] - exact(step)).abs() < 1e-12, "{step}: {}", passed.state.own[0]);
+            assert!((at.own[0] - exact(step + 1)).abs() < 1e-12, "{step}: {}", at.own[0]);
         }
     }
 
@@ -229,8 +289,9 @@ mod tests {
                 let mut before = (was, rate(was));
                 for _ in 0..steps {
                     let rate = rate(at);
-                    let both = [0, 1]
-                        .map(|i| following.passed([was[i], before.0[i], before.1[i]], [at[i], rate[i]]));
+                    let both = [0, 1].map(|i| {
+                        following.passed([was[i], before.0[i], before.1[i]], [at[i], rate[i]], [0.0; 2])
+                    });
                     before = (at, rate);
                     (was, at) = (both.map(|[is, _]| is), both.map(|[_, next]| next));
                 }

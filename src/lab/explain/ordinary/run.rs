@@ -6,7 +6,7 @@ use physics::model::effect::Recorded;
 use super::grid::STEP_S;
 use super::inputs::{FreeDrive, compared_mean};
 use predict::ExtendedCar;
-use predict::car::{Before, Compute, Inputs, Instant, Passed, State};
+use predict::car::{Before, Compute, Inputs, Instant, Moved, Passed, State};
 
 /// What a free run says at the grid points.
 #[derive(Clone, Debug, Default)]
@@ -29,15 +29,6 @@ pub struct SpeedSensing {
     /// True speed / recorded speed.
     pub scale: f64,
 }
-
-/// So far the step's fastest rate may go; more needs smaller steps. Numerical: stable with the midpoint rule.
-const LARGEST_STEP: f64 = 0.8;
-
-/// So far with one instant each, if a rate is not known. Numerical: what they make of it dies out by a half at each step.
-const LARGEST_UNKNOWN_STEP: f64 = 0.6;
-
-/// Substeps are at most so many. Numerical.
-const MOST_SUBSTEPS: f64 = 8.0;
 
 /// Runs a car freely along a drive, its wheels' speeds included if `ask` says so.
 pub fn run(drive: &FreeDrive, car: &ExtendedCar, speed: SpeedSensing, ask: Compute) -> Predicted {
@@ -238,36 +229,18 @@ impl Along<'_> {
             if !visit(&Point { t, moment: &moment, input: &from, steering_rate, now: &now }) {
                 return;
             }
-            let is_known = car.fastest_unknown(vx) * STEP_S <= LARGEST_UNKNOWN_STEP;
-            let (passed, state) = match &moment.passed {
-                Some(before) if is_known => car.pass(before, &moment.state, &now.rate, STEP_S),
-                _ => {
-                    let here = Passed { state: moment.state, at: moment.state, rate: now.rate };
-                    let inputs = Inputs::new([from, input(1), to], STEP_S);
-                    (here, self.stepped(t, &moment.state, &now, &inputs))
+            moment.before = now.before();
+            match &mut moment.passed {
+                Some(passed) if car.can_pass(vx, STEP_S) => {
+                    car.pass(passed, &mut moment.state, &now.rate, &Moved::NOTHING, STEP_S);
                 }
-            };
-            moment = Moment { state, before: now.before(), passed: Some(passed) };
-        }
-    }
-
-    /// A step by the midpoint rule, in parts where something is fast.
-    fn stepped(&self, t: f64, from: &State, now: &Instant, inputs: &Inputs) -> State {
-        let rate = self.car.fastest_rate(from.body[0]) * STEP_S;
-        let parts = (rate / LARGEST_STEP).ceil().clamp(1.0, MOST_SUBSTEPS);
-        let h = STEP_S / parts;
-        let (mut state, mut here) = (*from, *now);
-        for part in 0..parts as usize {
-            let share = |part: usize| part as f64 / parts;
-            let inputs = if parts == 1.0 { *inputs } else { inputs.part(share(part), share(part + 1)) };
-            let t = t + part as f64 * h;
-            if part > 0 {
-                let (input, rate, before) = (&inputs.at[0], inputs.steering_rate, here.before());
-                here = self.car.instant(t, &state, input, rate, &before, Compute::Rates);
+                passed => {
+                    *passed = Some(Passed { state: moment.state, at: moment.state, rate: now.rate });
+                    let inputs = Inputs::new([from, input(1), to], STEP_S);
+                    moment.state = car.step_in_parts(&moment.state, &now, t, STEP_S, &inputs);
+                }
             }
-            state = self.car.step(&state, &here, t, h, &inputs);
         }
-        state
     }
 }
 

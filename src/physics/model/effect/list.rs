@@ -80,6 +80,11 @@ impl EffectList {
         others.map(|(effect, _)| effect.fastest_rate(vx)).fold(0.0, f64::max)
     }
 
+    /// Do states of any of them follow the steering wheel?
+    pub fn follows_steering(&self) -> bool {
+        self.list.iter().any(|(effect, _)| effect.follows_steering())
+    }
+
     /// Where each one's states are, with their rate at a speed, 1/s, if they are first-order lags.
     #[inline]
     pub fn lags(&self, vx: f64) -> impl Iterator<Item = (Range<usize>, Option<f64>)> {

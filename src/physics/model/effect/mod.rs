@@ -110,6 +110,12 @@ pub trait Effect: Send + Sync + std::fmt::Debug {
         None
     }
 
+    /// Do its states follow the steering wheel? A driver may turn it by much within a step: where they go is then no matter of where
+    /// they went.
+    fn follows_steering(&self) -> bool {
+        false
+    }
+
     /// What the sensors make of the truth.
     fn sense(&self, _now: &Now<'_>, _felt: &Felt, _states: &[f64], _readings: &mut Readings) {}
 

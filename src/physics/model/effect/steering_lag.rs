@@ -64,6 +64,10 @@ impl Effect for SteeringLag {
     fn lag_rate(&self, _vx: f64) -> Option<f64> {
         Some(lag::fastest_rate(self.time_constant))
     }
+
+    fn follows_steering(&self) -> bool {
+        true
+    }
 }
 
 #[cfg(test)]

@@ -78,7 +78,7 @@ impl Filter {
             };
             // Where no effect has states of its own, that is what was predicted.
             let settled = car.settled(t + STEP_S, next, input, &first);
-            let here = (settled == *next).then_some(*predicted.end());
+            let here = (settled == *next).then_some(predicted.end);
             self.derivatives.insert((Derivatives::of(next, &noise.live, here, at), 0))
         };
         let derivatives = &derivatives.0;

@@ -2,7 +2,7 @@
 
 use super::algebra::{Column, FILTERED, Gain, dot};
 use super::car::{
-    BODY_STATES, Before, Compute, ExtendedCar, Inputs, Instant, Moved, Passed, SLOWEST_MPS, State,
+    BODY_STATES, Before, Compute, ExtendedCar, Inputs, Instant, LEAST_MPS, Moved, Passed, State,
 };
 use super::drive::GriddedDrive;
 use super::grid::{STEP_S, points};
@@ -43,9 +43,9 @@ pub(super) struct Trajectory {
     pub(super) state: State,
     /// What was a moment ago.
     pub(super) before: Before,
-    rows: Option<Rows>,
-    /// The inputs at a grid point: the end of one step is the beginning of the next.
-    reached: Option<(usize, Recorded)>,
+    rows: Rows,
+    /// The inputs there: the end of one step is the beginning of the next.
+    input: Recorded,
     /// The step from here.
     step: Step,
     /// Has the end of the step before told it? Then no other instant has to be computed for it.
@@ -62,20 +62,23 @@ pub(super) struct Step {
     pub(super) next: State,
 }
 
+impl Step {
+    /// By the midpoint rule, from nothing but where a car is.
+    fn begin(car: &ExtendedCar, t: f64, state: State, before: &Before, inputs: &Inputs) -> Self {
+        let (input, rate) = (&inputs.at[0], inputs.steering_rate);
+        let first = car.instant(t, &state, input, rate, before, Compute::Readings);
+        let next = car.step_in_parts(&state, &first, t, STEP_S, inputs);
+        Self { first, passed: Passed { state, at: state, rate: first.rate }, next }
+    }
+}
+
 /// What the equations say of a step's end.
 pub(super) struct Predicted {
-    end: Instant,
+    pub(super) end: Instant,
     /// The inputs at its beginning and its end.
     pub(super) inputs: [Recorded; 2],
     /// How fast the steering wheel turns over the step, rad/s.
     pub(super) steering_rate: f64,
-}
-
-impl Predicted {
-    /// The step's end.
-    pub(super) fn end(&self) -> &Instant {
-        &self.end
-    }
 }
 
 /// Derivatives of rates and readings by the filtered states.
@@ -97,12 +100,11 @@ impl Trajectory {
     /// Where a run begins: as fast, and turning as fast, as was measured.
     pub(super) fn start(car: &ExtendedCar, drive: &GriddedDrive, k: usize) -> Self {
         let t = k as f64 * STEP_S;
-        let input = car.input(drive, t);
+        let [input, middle, last] = [0.0, 0.5, 1.0].map(|share| car.input(drive, t + share * STEP_S));
         let state = car.rolling(t, drive.speed[k], drive.yaw_rate_after(k), &input);
         let before = Before::default();
-        let first = car.instant(t, &state, &input, 0.0, &before, Compute::Readings);
-        let step = Step { first, passed: Passed { state, at: state, rate: first.rate }, next: state };
-        Self { state, before, rows: None, reached: None, step, is_told: false }
+        let step = Step::begin(car, t, state, &before, &Inputs::new([input, middle, last], STEP_S));
+        Self { state, before, rows: Rows::filled(&step.first.readings), input, step, is_told: true }
     }
 
     /// The step from where it is, as [`Self::predict`] has found it.
@@ -120,15 +122,13 @@ impl Trajectory {
         live: &[Live],
     ) -> Predicted {
         let t = k as f64 * STEP_S;
-        let first = self.reached.filter(|(reached, _)| *reached == k).map(|(_, input)| input);
-        let first = first.unwrap_or_else(|| car.input(drive, t));
-        let last = car.input(drive, t + STEP_S);
-        self.reached = Some((k + 1, last));
-        let inputs = [first, last];
+        let inputs = [self.input, car.input(drive, t + STEP_S)];
+        let [first, last] = inputs;
+        self.input = last;
         let steering_rate = (last.steering_wheel - first.steering_wheel) / STEP_S;
         if !self.is_told {
-            let middle = car.input(drive, t + 0.5 * STEP_S);
-            self.begin_step(car, t, &Inputs { at: [first, middle, last], steering_rate });
+            let inputs = Inputs::new([first, car.input(drive, t + 0.5 * STEP_S), last], STEP_S);
+            self.step = Step::begin(car, t, self.state, &self.before, &inputs);
         }
         let Step { first, next, .. } = &mut self.step;
         for (value, live) in next.live.iter_mut().zip(live) {
@@ -136,19 +136,8 @@ impl Trajectory {
         }
         let before = first.before();
         let end = car.instant(t + STEP_S, next, &last, steering_rate, &before, Compute::Readings);
-        match &mut self.rows {
-            Some(rows) => rows.push(&first.readings),
-            none => *none = Some(Rows::filled(&first.readings)),
-        }
+        self.rows.push(&first.readings);
         Predicted { end, inputs, steering_rate }
-    }
-
-    /// A step from nothing but where it is.
-    fn begin_step(&mut self, car: &ExtendedCar, t: f64, inputs: &Inputs) {
-        let (input, rate, state) = (&inputs.at[0], inputs.steering_rate, self.state);
-        let first = car.instant(t, &state, input, rate, &self.before, Compute::Readings);
-        let next = car.step_in_parts(&state, &first, t, STEP_S, inputs);
-        self.step = Step { first, passed: Passed { state, at: state, rate: first.rate }, next };
     }
 
     /// What a sensor says in the step.
@@ -163,10 +152,9 @@ impl Trajectory {
         let back = (1.0 - share + car.delay(channel) / STEP_S).min((LATEST - 3) as f64);
         let whole = back.max(0.0) as usize;
         let x = back - whole as f64;
-        let at = |back: usize| match (back.checked_sub(1), &self.rows) {
-            (Some(rows), Some(all)) => all.ago(channel, rows),
-            (Some(_), None) => self.step.first.readings[channel],
-            (None, _) => predicted.end.readings[channel],
+        let at = |back: usize| match back.checked_sub(1) {
+            Some(rows) => self.rows.ago(channel, rows),
+            None => predicted.end.readings[channel],
         };
         let [a, b, c] = [whole, whole + 1, whole + 2].map(at);
         // The parabola through three.
@@ -183,7 +171,7 @@ impl Trajectory {
         self.before = predicted.end.before();
         let Step { first: here, passed, next } = &mut self.step;
         *here = predicted.end;
-        let mut moved = Moved::default();
+        let mut moved = Moved::NOTHING;
         if let Some(Correction { by, derivatives, states }) = correction {
             moved.body.copy_from_slice(&by[..BODY_STATES]);
             moved.rate = derivatives.rates.each_ref().map(|row| dot(row, by, *states));
@@ -204,7 +192,7 @@ impl Trajectory {
             self.state = *next;
             self.state.body.iter_mut().zip(moved.body).for_each(|(value, by)| *value += by);
         }
-        self.state.body[0] = self.state.body[0].max(SLOWEST_MPS);
+        self.state.body[0] = self.state.body[0].max(LEAST_MPS);
     }
 }
 

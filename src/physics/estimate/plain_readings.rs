@@ -266,5 +266,5 @@ impl States {
 
 /// As the motion gives them, rad.
 fn slip_angles(now: &Now<'_>, on: &Acting) -> [f64; 4] {
-    WheelMotion::new(&on.body, now.velocity, Steer::new(on.steer()), Some(on.toe)).slip_angle
+    WheelMotion::new(&on.body, now.velocity, Steer::new(on.steer()), on.turned()).slip_angle
 }

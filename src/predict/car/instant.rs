@@ -65,8 +65,7 @@ impl ExtendedCar {
         let mut on = Acting::plain(&self.plant, input.steering_wheel, self.steering_ratio);
         self.effects.act(&now, &state.own, &mut on);
         let body = &on.body;
-        let toe = Some(on.toe).filter(|toe| *toe != [0.0; 4]);
-        let motion = WheelMotion::new(body, now.velocity, Steer::new(on.steer()), toe);
+        let motion = WheelMotion::new(body, now.velocity, Steer::new(on.steer()), on.turned());
         let mut angle = motion.slip_angle;
         self.effects.slip_angles(&now, &state.own, &mut angle);
 

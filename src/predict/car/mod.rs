@@ -20,7 +20,7 @@ use super::drive::GriddedDrive;
 
 pub use instant::{Compute, Instant};
 pub use physics::model::effect::Before;
-pub(crate) use step::SLOWEST_MPS;
+pub(crate) use step::LEAST_MPS;
 pub use step::{Inputs, Moved, Passed, State};
 
 /// States of the body: vx, vy, yaw rate.

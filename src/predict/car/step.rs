@@ -62,7 +62,7 @@ const SHORTEST_PART_S: f64 = 1e-3;
 const LARGEST_UNKNOWN_STEP: f64 = 0.6;
 
 /// What a measurement has moved at an instant: the body's states, and their rates with them.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Moved {
     /// vx, vy, yaw rate.
     pub body: [f64; BODY_STATES],
@@ -105,7 +105,7 @@ impl ExtendedCar {
         for (i, rate) in self.plant.lateral_rates().into_iter().enumerate() {
             body(i + 1, &Following::new(rate / speed.max(1.0), h));
         }
-        at.body[0] = at.body[0].max(SLOWEST_MPS);
+        at.body[0] = at.body[0].max(LEAST_MPS);
         let mut own = |i: usize, following: &Following| {
             let then = [passed.state.own[i], passed.at.own[i], passed.rate.own[i]];
             (passed.at.own[i], passed.rate.own[i]) = (at.own[i], rate.own[i]);
@@ -199,7 +199,7 @@ impl Inputs {
 }
 
 /// The equations guard against standing still, not against going through it.
-pub(crate) const SLOWEST_MPS: f64 = 0.1;
+pub(crate) const LEAST_MPS: f64 = 0.1;
 
 /// States that differ by less are the same, in their units. Numerical: a million times less than a sensor tells.
 const NEAR: f64 = 1e-9;
@@ -219,7 +219,7 @@ impl State {
         for (value, rate) in next.own.iter_mut().zip(rate.own) {
             *value += h * rate;
         }
-        next.body[0] = next.body[0].max(SLOWEST_MPS);
+        next.body[0] = next.body[0].max(LEAST_MPS);
         next
     }
 }

@@ -126,6 +126,12 @@ impl Acting {
         }
     }
 
+    /// The wheels' further angles, if there are any.
+    #[inline]
+    pub fn turned(&self) -> Option<[f64; 4]> {
+        Some(self.toe).filter(|toe| *toe != [0.0; 4])
+    }
+
     /// Angle of the front wheels, rad, without their toe.
     #[inline]
     pub fn steer(&self) -> f64 {

@@ -88,9 +88,9 @@ impl Filter {
         let (_, measured) = drive.of_step(k);
         for reading in measured {
             let channel = usize::from(reading.channel);
-            let noise = noise.sensor[channel];
+            let own_noise = noise.sensor[channel];
             let at = t + f64::from(reading.share) * STEP_S;
-            if !noise.is_finite() || !options.readings.include(at) {
+            if !own_noise.is_finite() || !options.readings.include(at) {
                 continue;
             }
             let (mut c, mut pc): (Column, Column) = ([0.0; FILTERED], [0.0; FILTERED]);
@@ -101,7 +101,9 @@ impl Filter {
                 *pc = dot(row, &c, n);
             }
             let own = dot(&c, &pc, n);
-            let s = own + noise * noise;
+            let slipping = predicted.end.slipping.get(channel).map_or(0.0, |by| noise.slip * by);
+            let model = own + slipping * slipping;
+            let s = model + own_noise * own_noise;
             let shift = dot(&c, &correction, n);
             let says = self.trajectory.reading(car, &predicted, channel, f64::from(reading.share));
             let error = reading.value - says - shift;
@@ -117,7 +119,7 @@ impl Filter {
             errors.push(error);
             sums.log_s += s.ln();
             sums.square[channel] += error * error / s;
-            sums.excess[channel] += error * error - own;
+            sums.excess[channel] += error * error - model;
             sums.of[channel] += 1;
             if let Some(innovations) = &mut options.innovations {
                 innovations.push(Innovation {

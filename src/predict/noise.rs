@@ -32,6 +32,8 @@ impl Live {
 pub struct Noise {
     /// What the equations miss of vx, vy and yaw rate: diffusion, per √s.
     pub diffusion: [f64; BODY_STATES],
+    /// What tires' slips err by beside the model's, relative: a wheel's speed shows it.
+    pub slip: f64,
     /// Of a reading, by quantity.
     pub sensor: [f64; Quantity::COUNT],
     /// Courses that are estimated.
@@ -51,23 +53,26 @@ impl Noise {
                 sensor[channel as usize] = std.max(floor(channel));
             }
         }
-        Self { diffusion: Self::LEAST_DIFFUSION, sensor, live: Vec::new() }
+        Self { diffusion: Self::LEAST_DIFFUSION, slip: Self::LEAST_SLIP, sensor, live: Vec::new() }
     }
 
     /// No car and no steering sensor is better than this, per √s.
     pub const LEAST_DIFFUSION: [f64; BODY_STATES] = [1e-3, 1e-3, 5e-4];
 
-    /// How many numbers there are that a search may scale: diffusions, size and length of each course; the
-    /// last one stands for all diffusions together.
+    /// No tire's slip is known better than this.
+    pub const LEAST_SLIP: f64 = 5e-3;
+
+    /// How many numbers there are that a search may scale: diffusions, the slips' error, size and length of each course;
+    /// the last one stands for all diffusions together.
     pub fn scales(&self) -> usize {
-        BODY_STATES + 2 * self.live.len() + 1
+        BODY_STATES + 1 + 2 * self.live.len() + 1
     }
 
     /// The same with one of those scaled, if that changes anything and can be.
     pub fn scaled(&self, place: usize, by: f64) -> Option<Self> {
         let mut noise = self.clone();
         match place.checked_sub(BODY_STATES) {
-            Some(place) if place == 2 * self.live.len() => {
+            Some(place) if place == 2 * self.live.len() + 1 => {
                 for (diffusion, least) in noise.diffusion.iter_mut().zip(Self::LEAST_DIFFUSION) {
                     *diffusion = (*diffusion * by).clamp(least, 3000.0 * least);
                 }
@@ -76,7 +81,9 @@ impl Noise {
                 let least = Self::LEAST_DIFFUSION[place];
                 noise.diffusion[place] = (noise.diffusion[place] * by).clamp(least, 3000.0 * least);
             }
+            Some(0) => noise.slip = (noise.slip * by).clamp(Self::LEAST_SLIP, 1.0),
             Some(place) => {
+                let place = place - 1;
                 let live = noise.live.get_mut(place / 2)?;
                 if place % 2 == 0 {
                     live.size *= by;

@@ -60,6 +60,29 @@ impl Candidate {
         self.fixed.iter().any(|(place, at)| Some(*place) == self.kind.onset() && *at > 0.0)
     }
 
+    /// What it begins a fit with: where nothing at all has no derivative, a little.
+    pub fn begun(&self) -> Chosen {
+        let mut chosen = self.chosen(0);
+        for (spec, number) in self.kind.parameters.iter().zip(&mut chosen.numbers) {
+            if spec.is_main && *number == 0.0 {
+                *number += spec.step;
+            }
+        }
+        chosen
+    }
+
+    /// Between which main numbers it is nothing unusual, if not every car has it.
+    pub fn usual(&self) -> Option<(f64, f64)> {
+        let usual = self.kind.search.usual?;
+        let quantity = self.channel.and_then(Channel::quantity);
+        (usual.of.is_none() || usual.of == quantity).then_some(usual.bounds)
+    }
+
+    /// Has every car something of it, always?
+    pub fn could_be_ordinary(&self) -> bool {
+        self.live.is_none() && (self.kind.search.every_car_has || self.usual().is_some())
+    }
+
     /// Its name, with its channel.
     pub fn name(&self) -> String {
         match self.channel {

@@ -230,7 +230,12 @@ impl<'d> Data<'d> {
     /// Sensors as good as their readings look, equations that hardly err.
     pub fn strict(&self, noise: &Noise) -> Noise {
         let diffusion = Noise::LEAST_DIFFUSION.map(|least| 2.0 * least);
-        Noise { diffusion, sensor: self.own_noise.sensor, live: noise.live.clone() }
+        Noise {
+            diffusion,
+            slip: 2.0 * Noise::LEAST_SLIP,
+            sensor: self.own_noise.sensor,
+            live: noise.live.clone(),
+        }
     }
 
     /// Gauss–Newton steps, the noise learnt in between or not.

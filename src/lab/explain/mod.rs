@@ -60,6 +60,7 @@ mod tuning;
 mod used;
 mod verdict;
 mod verify;
+mod whole_car;
 mod work;
 
 pub use case::{Answer, Case};

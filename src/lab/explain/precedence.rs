@@ -4,12 +4,12 @@ use rayon::prelude::*;
 
 use super::candidates::Candidate;
 use super::fit::{Data, Fit};
-use super::model::{Free, Model};
+use super::model::{Free, Model, Place};
 use super::naming::Refitted;
 use super::tuning::TUNING;
 
 /// Rounds of fitting for a decision. Numerical: Gauss–Newton steps.
-const ROUNDS: usize = 8;
+pub const ROUNDS: usize = 8;
 
 /// Puts the candidates of a round, best first, into the order in which they are taken.
 pub fn put_in_order<'a>(data: &Data<'_>, before: &Fit<'a>, refitted: &mut [Refitted<'a>]) {
@@ -64,7 +64,6 @@ pub fn prefer_the_simpler(refitted: &mut [Refitted<'_>]) {
 /// What every car has goes first where it comes close to the best, and the data want it beside that one, too, or hardly want
 /// that one beside it.
 fn prefer_the_ordinary(data: &Data<'_>, refitted: &mut [Refitted<'_>]) {
-    let is_ordinary = |of: &Refitted<'_>| of.candidate.kind.search.every_car_has;
     let Some(best) = refitted.first().filter(|best| !is_ordinary(best)) else { return };
     let Some(enough) = close(refitted) else { return };
     let Some(place) = refitted.iter().position(|of| of.evidence > enough && is_ordinary(of)) else { return };
@@ -89,17 +88,41 @@ fn prefer_the_ordinary(data: &Data<'_>, refitted: &mut [Refitted<'_>]) {
     }
 }
 
-/// The last fit of what is taken. What was taken before had to imitate it: the numbers beside its size begin anew, too.
+/// Has every car it, or so little of it?
+pub fn is_ordinary(of: &Refitted<'_>) -> bool {
+    let Some(effect) = of.fit.model.effects.last() else { return false };
+    let is_usual = of.candidate.usual().is_some_and(|(least, most)| {
+        let main = effect.specs().zip(effect.values()).filter(|(spec, _)| spec.is_main);
+        main.map(|(_, value)| value).all(|value| (least..=most).contains(&value))
+    });
+    of.candidate.kind.search.every_car_has || is_usual
+}
+
+/// The last fit of what is taken. What was taken before had to imitate it, and so had the car's own numbers: those begin anew,
+/// too.
 pub fn settled<'a>(data: &Data<'_>, of: &Fit<'a>) -> Fit<'a> {
-    let from = |model: Model<'a>| data.fit(&model, &of.free, &of.noise, ROUNDS);
-    let anew = begun_anew(&of.model);
-    let (on, anew) = rayon::join(|| data.go_on(of, ROUNDS), || anew.map(from));
-    [Some(on), anew].into_iter().flatten().fold(
+    let mut begins: Vec<Model<'a>> = begun_anew(&of.model).into_iter().collect();
+    begins.push(as_in_the_table(of));
+    let from = |model: &Model<'a>| data.fit(model, &of.free, &of.noise, ROUNDS);
+    let (on, anew) =
+        rayon::join(|| data.go_on(of, ROUNDS), || begins.par_iter().map(from).collect::<Vec<_>>());
+    anew.into_iter().chain([on]).fold(
         of.clone(),
         |best, fit| {
             if fit.cost() < best.cost() { fit } else { best }
         },
     )
+}
+
+/// The model with the car's own numbers as the table has them.
+fn as_in_the_table<'a>(of: &Fit<'a>) -> Model<'a> {
+    let mut model = of.model.clone();
+    for free in &of.free {
+        if matches!(free.place, Place::Ordinary(_) | Place::Delay(_) | Place::BendAlong) {
+            model.set(free.place, free.mean);
+        }
+    }
+    model
 }
 
 /// The model with the numbers of all effects but the last at what is usual, but for their sizes.

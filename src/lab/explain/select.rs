@@ -16,6 +16,7 @@ use super::shape::in_shape;
 use super::smooth::courses;
 use super::split::{BLOCK_S, Part, Split};
 use super::tuning::TUNING;
+use super::whole_car::before_the_unusual;
 use super::work;
 use physics::Quantity;
 use physics::model::effect::{Channel, Growth, Kind};
@@ -157,7 +158,15 @@ pub fn select<'a>(
             tracing::debug!(name = refitted.candidate.name(), evidence = refitted.evidence, "fitted");
         }
         let best = round.refitted.iter().find(|of| is_enough(of)).cloned();
+        let ordinary = best.as_ref().map_or_else(Vec::new, |best| {
+            before_the_unusual(&data, &extended, &library, &round.refitted, best)
+        });
         rounds.push(round);
+        if let Some(last) = ordinary.last() {
+            extended = last.fit.clone();
+            chosen.extend(ordinary);
+            continue;
+        }
         let Some(mut first) = best else { break };
         if let Some(split) = first.onset().and_then(|at| data.split.released(at, TUNING.selection.onset_s)) {
             data.split = split;
@@ -172,13 +181,11 @@ pub fn select<'a>(
             first = refine(&data, &extended, &first, NEXT_ROUNDS);
         }
         let fit = settled(&data, &first.fit);
-        let held = data.of(Part::Holdout);
-        let gain = held.minus_two_ln(&extended.sums) - held.minus_two_ln(&fit.sums);
-        let confirmed = is_confirmed(gain, first.evidence, !chosen.is_empty());
+        let first = Refitted { fit: fit.clone(), ..first };
+        let confirmed = is_held_out_better(&data, &extended, &first, !chosen.is_empty());
         tracing::debug!(
             name = first.candidate.name(),
             evidence = first.evidence,
-            held_out = gain,
             confirmed,
             numbers = ?fit.model.effects.last().map(|effect| effect.values()),
             live = ?fit.noise.live,
@@ -186,7 +193,7 @@ pub fn select<'a>(
         if !confirmed {
             break;
         }
-        chosen.push(Refitted { fit: fit.clone(), ..first });
+        chosen.push(first);
         extended = fit;
     }
     Selection { baseline, extended, chosen, rounds, split: data.split }
@@ -212,6 +219,14 @@ pub fn least_evidence(share: f64, chosen: &[Refitted<'_>]) -> f64 {
 /// worse.
 pub fn is_confirmed(gain: f64, evidence: f64, is_further: bool) -> bool {
     gain > -TUNING.selection.worse_share * evidence - TUNING.selection.worse && (!is_further || gain > 0.0)
+}
+
+/// Is it confirmed by what was held out, beside what was there before?
+pub fn is_held_out_better(data: &Data<'_>, before: &Fit<'_>, of: &Refitted<'_>, is_further: bool) -> bool {
+    let held = data.of(Part::Holdout);
+    let gain = held.minus_two_ln(&before.sums) - held.minus_two_ln(&of.fit.sums);
+    tracing::debug!(name = of.candidate.name(), held_out = gain);
+    is_confirmed(gain, of.evidence, is_further)
 }
 
 /// Scans the library from some fits, fits what is worth it, and refuses what only follows the driver.
@@ -268,7 +283,9 @@ fn fitted<'f, 'a: 'f>(
     let patches = patches(data, before, &all, library);
     let mut all: Vec<Refitted<'a>> =
         all.into_par_iter().filter_map(|refitted| in_shape(data, before, refitted)).collect();
-    all.retain(|refitted| patches::is_possible(data, refitted) && is_noteworthy(refitted));
+    all.retain(|refitted| {
+        patches::is_possible(data, refitted) && is_noteworthy(refitted) && does_begin(data, refitted)
+    });
     best_of_each(all.into_iter().chain(patches).collect())
 }
 
@@ -284,6 +301,17 @@ fn is_noteworthy(refitted: &Refitted<'_>) -> bool {
     let least = candidate.kind.search.least_of_torque.filter(|_| of_a_torque);
     least.zip(number).is_none_or(|(least, number)| number.abs() > least)
         && !(candidate.is_from_start() && number.is_some_and(|number| *number < 0.0))
+}
+
+/// Of what begins at a moment: do the data say that it was not there from the start? Else the car's own numbers would have it.
+fn does_begin(data: &Data<'_>, refitted: &Refitted<'_>) -> bool {
+    let place = refitted.candidate.kind.onset().filter(|_| !refitted.candidate.kind.search.from_start);
+    let (Some(place), Some(_)) = (place, refitted.onset()) else { return true };
+    let mut model = refitted.fit.model.clone();
+    let Some(effect) = model.effects.last_mut() else { return true };
+    effect.numbers[place] = -1.0;
+    let always = data.minus_two_ln(&data.pass(&model, &[], &refitted.fit.noise));
+    always - refitted.fit.minus_two_ln > data.share * LEAST_EVIDENCE
 }
 
 /// What lies in patches, within clear edges: each kind of them wherever the course of any kind has some; and each

@@ -16,6 +16,8 @@ pub struct Instant {
     pub rate: State,
     /// What the sensors say.
     pub readings: Readings,
+    /// How much faster each wheel turns than it would roll, rad/s.
+    pub slipping: [f64; 4],
     /// Accelerations and forces.
     pub felt: Felt,
     /// What drive and brakes give along the wheels, all together, N.
@@ -82,11 +84,13 @@ impl ExtendedCar {
             AddedMass::new(body, on.radius.map(|radius| self.plant.wheel_inertia / (radius * radius)));
         let carried = added.carried(body, &motion, &bare, steering_rate / on.steering_ratio);
         let mut readings = [f64::NAN; Quantity::COUNT];
+        let mut slipping = [0.0; 4];
         for i in 0..4 {
             fx[i] = added.on_road(body, &carried, i, fx[i]);
             if ask == Compute::Readings {
                 let slip = self.slip_of(&on, i, fx[i] / on.load[i], angle[i]);
                 readings[i] = wheel::speed_of_slip(motion.along[i], slip, on.radius[i]);
+                slipping[i] = readings[i] - motion.along[i] / on.radius[i];
             }
         }
         let now_moves = &carried.acceleration;
@@ -106,7 +110,7 @@ impl ExtendedCar {
             *reading += offset;
         }
         let drive_force = (0..4).map(|i| torque[i] / on.radius[i]).sum();
-        Instant { rate, readings, felt, drive_force, mass: body.mass, turning_mass: added.all }
+        Instant { rate, readings, slipping, felt, drive_force, mass: body.mass, turning_mass: added.all }
     }
 
     /// Torque at each wheel, N m.

@@ -85,3 +85,27 @@ impl Data<'_> {
         (best, lowest)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::bench::{fitted, recorded, training};
+    use super::*;
+    use predict::GriddedDrive;
+
+    /// What tires' slips err by in a drive with an effect.
+    fn slip(effect: &str) -> f64 {
+        let (vehicle, recording) = recorded(effect);
+        let drives = [GriddedDrive::new(&recording, &vehicle)];
+        fitted(&training(&drives), &vehicle).noise.slip
+    }
+
+    #[test]
+    #[ignore = "long: two cars fitted"]
+    fn slips_err_where_wheels_turn_otherwise_than_the_model_has_it() {
+        let plain = slip("");
+        let locked = slip("[[effect]]\nkind = \"load_transfer\"\ncg_height_m = 0.6\n");
+        println!("{plain} {locked}");
+        assert!(plain < 4.0 * Noise::LEAST_SLIP, "{plain}");
+        assert!(locked > 10.0 * plain, "{locked} for {plain}");
+    }
+}

@@ -6,7 +6,9 @@ use super::candidates::Candidate;
 use super::fit::{Data, Fit};
 use super::model::{Free, Model, Place};
 use super::naming::Refitted;
+use super::split::Part;
 use super::tuning::TUNING;
+use super::whole_car::is_ordinary;
 
 /// Rounds of fitting for a decision. Numerical: Gauss–Newton steps.
 pub const ROUNDS: usize = 8;
@@ -15,7 +17,7 @@ pub const ROUNDS: usize = 8;
 pub fn put_in_order<'a>(data: &Data<'_>, before: &Fit<'a>, refitted: &mut [Refitted<'a>]) {
     polish(data, before, refitted);
     prefer_the_simpler(refitted);
-    prefer_the_ordinary(data, refitted);
+    prefer_the_ordinary(data, before, refitted);
 }
 
 /// Goes on with the fits of those that come close to the best: a few rounds do not decide between them.
@@ -63,10 +65,12 @@ pub fn prefer_the_simpler(refitted: &mut [Refitted<'_>]) {
 
 /// What every car has goes first where it comes close to the best, and the data want it beside that one, too, or hardly want
 /// that one beside it.
-fn prefer_the_ordinary(data: &Data<'_>, refitted: &mut [Refitted<'_>]) {
-    let Some(best) = refitted.first().filter(|best| !is_ordinary(best)) else { return };
+fn prefer_the_ordinary(data: &Data<'_>, before: &Fit<'_>, refitted: &mut [Refitted<'_>]) {
+    let Some(best) = refitted.first().filter(|best| !is_ordinary(before, best)) else { return };
     let Some(enough) = close(refitted) else { return };
-    let Some(place) = refitted.iter().position(|of| of.evidence > enough && is_ordinary(of)) else { return };
+    let Some(place) = refitted.iter().position(|of| of.evidence > enough && is_ordinary(before, of)) else {
+        return;
+    };
     let ordinary = &refitted[place];
     let Some(effect) = ordinary.fit.model.effects.last() else { return };
     let model = best.fit.model.with(effect.clone());
@@ -88,30 +92,19 @@ fn prefer_the_ordinary(data: &Data<'_>, refitted: &mut [Refitted<'_>]) {
     }
 }
 
-/// Has every car it, or so little of it?
-pub fn is_ordinary(of: &Refitted<'_>) -> bool {
-    let Some(effect) = of.fit.model.effects.last() else { return false };
-    let is_usual = of.candidate.usual().is_some_and(|(least, most)| {
-        let main = effect.specs().zip(effect.values()).filter(|(spec, _)| spec.is_main);
-        main.map(|(_, value)| value).all(|value| (least..=most).contains(&value))
-    });
-    of.candidate.kind.search.every_car_has || is_usual
-}
-
-/// The last fit of what is taken. What was taken before had to imitate it, and so had the car's own numbers: those begin anew,
-/// too.
+/// The last fit of what is taken. What was taken before had to imitate it: the numbers beside its size begin anew, too. So do
+/// the car's own, where what was held out is predicted better from there.
 pub fn settled<'a>(data: &Data<'_>, of: &Fit<'a>) -> Fit<'a> {
-    let mut begins: Vec<Model<'a>> = begun_anew(&of.model).into_iter().collect();
-    begins.push(as_in_the_table(of));
-    let from = |model: &Model<'a>| data.fit(model, &of.free, &of.noise, ROUNDS);
-    let (on, anew) =
-        rayon::join(|| data.go_on(of, ROUNDS), || begins.par_iter().map(from).collect::<Vec<_>>());
-    anew.into_iter().chain([on]).fold(
-        of.clone(),
-        |best, fit| {
-            if fit.cost() < best.cost() { fit } else { best }
-        },
-    )
+    let from = |model: Model<'a>| data.fit(&model, &of.free, &of.noise, ROUNDS);
+    let (on, (anew, from_table)) = rayon::join(
+        || data.go_on(of, ROUNDS),
+        || rayon::join(|| begun_anew(&of.model).map(from), || from(as_in_the_table(of))),
+    );
+    let better = |best: Fit<'a>, fit: Fit<'a>| if fit.cost() < best.cost() { fit } else { best };
+    let best = [Some(on), anew].into_iter().flatten().fold(of.clone(), better);
+    let held = data.of(Part::Holdout);
+    let predicts = held.minus_two_ln(&from_table.sums) < held.minus_two_ln(&best.sums);
+    if predicts { better(best, from_table) } else { best }
 }
 
 /// The model with the car's own numbers as the table has them.

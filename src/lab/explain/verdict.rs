@@ -18,7 +18,7 @@ pub struct Gains {
     pub seconds: f64,
     /// With what was chosen; none, if nothing was.
     pub named: Option<f64>,
-    /// Share of the evidence of all that was chosen which the first has.
+    /// Share of the evidence of all that was chosen which the first has, with more of its kind: two wheels of an axle are smaller.
     pub leading: f64,
     /// With unknown forces instead.
     pub unknown: f64,
@@ -55,7 +55,7 @@ impl Gains {
         let missing = data.missing(plain);
         let evidence: f64 = selection.chosen.iter().map(|chosen| chosen.evidence).sum();
         Self {
-            leading: selection.chosen.first().map_or(1.0, |first| first.evidence / evidence),
+            leading: selection.leading().map_or(1.0, |leading| leading / evidence),
             seconds: counted.map(|sums| sums.t.1 - sums.t.0).sum(),
             named: has_names.then(|| plain.cost() - selection.extended.cost()),
             unknown: plain.cost() - corrected.cost() - FREEDOM,

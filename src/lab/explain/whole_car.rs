@@ -4,12 +4,27 @@ use super::candidates::Candidate;
 use super::fit::{Data, Fit};
 use super::model::{Free, Model, Place};
 use super::naming::Refitted;
-use super::precedence::{ROUNDS, is_ordinary};
+use super::precedence::ROUNDS;
 use super::select::is_held_out_better;
 use super::tuning::TUNING;
 
 /// Less sure of itself, in standard deviations, nothing of what every car has is taken for it. Statistical.
 const LEAST_SURE: f64 = 3.0;
+
+/// Has the car shown something of what every car has?
+fn is_whole(fit: &Fit<'_>) -> bool {
+    fit.model.effects.iter().any(|effect| effect.kind.search.every_car_has)
+}
+
+/// Has every car it? On a whole one so little of it may be ordinary, too.
+pub fn is_ordinary(before: &Fit<'_>, of: &Refitted<'_>) -> bool {
+    let is_usual = |(least, most): (f64, f64)| {
+        let effect = of.fit.model.effects.last();
+        let main = effect.into_iter().flat_map(|effect| effect.specs().zip(effect.values()));
+        main.filter(|(spec, _)| spec.is_main).all(|(_, value)| (least..=most).contains(&value))
+    };
+    of.candidate.kind.search.every_car_has || is_whole(before) && of.candidate.usual().is_some_and(is_usual)
+}
 
 /// What every car has beside what was taken, if `best` is unusual and the data hardly want it beside all of that together. One
 /// by one none of it may come close: a body leans and pitches at once. Only of a car that has something of it already.
@@ -20,8 +35,7 @@ pub fn before_the_unusual<'a>(
     refitted: &[Refitted<'a>],
     best: &Refitted<'a>,
 ) -> Vec<Refitted<'a>> {
-    let has_some = before.model.effects.iter().any(|effect| effect.kind.search.every_car_has);
-    if is_ordinary(best) || !has_some {
+    if is_ordinary(before, best) || !is_whole(before) {
         return Vec::new();
     }
     let ordinary: Vec<&Candidate> =
@@ -50,7 +64,8 @@ fn together<'a>(
 ) -> Fit<'a> {
     let mut model = before.model.clone();
     for candidate in ordinary {
-        let alone = refitted.iter().find(|of| of.candidate.name() == candidate.name() && is_ordinary(of));
+        let alone =
+            refitted.iter().find(|of| of.candidate.name() == candidate.name() && is_ordinary(before, of));
         let effect = alone.and_then(|of| of.fit.model.effects.last()).cloned();
         model.effects.push(effect.unwrap_or_else(|| candidate.begun()));
     }
@@ -91,7 +106,7 @@ fn one_by_one<'a>(
         let of = Refitted::new(earlier, ordinary[place].clone(), fit);
         tracing::debug!(name = of.candidate.name(), evidence = of.evidence, "ordinary");
         let is_enough = of.evidence > data.share * TUNING.selection.further_evidence;
-        if is_enough && is_ordinary(&of) && is_held_out_better(data, earlier, &of, true) {
+        if is_enough && is_ordinary(before, &of) && is_held_out_better(data, earlier, &of, true) {
             taken.push(of);
         }
     }
@@ -116,4 +131,39 @@ fn sureness(fit: &Fit<'_>, effect: usize) -> f64 {
 fn free_of(model: &Model<'_>, before: &Fit<'_>) -> Vec<Free> {
     let more = before.model.effects.len()..model.effects.len();
     before.free.iter().copied().chain(more.flat_map(|effect| model.free_of_effect(effect))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bench::{fitted, recorded, training};
+    use super::super::candidates;
+    use super::super::model::Chosen;
+    use super::*;
+    use physics::model::effect::{Course, named};
+    use predict::GriddedDrive;
+
+    /// GIVEN accelerometers that read too much WHEN nothing is known of what every car has THEN that is a wrong scale; on a car that
+    /// moves load the one along pitches, if it is little.
+    #[test]
+    #[ignore = "long: a car fitted"]
+    fn a_whole_car_pitches() {
+        let (vehicle, recording) = recorded("");
+        let drives = [GriddedDrive::new(&recording, &vehicle)];
+        let plain = fitted(&training(&drives), &vehicle);
+        let with = |effect: Chosen| Fit { model: plain.model.with(effect), ..plain.clone() };
+        let whole = with(Chosen::usual(named("load_transfer").unwrap(), None, Course::None));
+        let kind = named("sensor_scale").unwrap();
+        let scale = |channel: &str, by: f64| {
+            let library = candidates::library(&[kind], &plain.model, |_| true, &[]);
+            let name = format!("sensor_scale:{channel}");
+            let candidate = library.into_iter().find(|candidate| candidate.name() == name).unwrap();
+            let mut effect = candidate.chosen(0);
+            effect.numbers[0] = by;
+            Refitted::new(&plain, candidate, with(effect))
+        };
+        let pitches = scale("longitudinal_acceleration", 0.05);
+        assert!(is_ordinary(&whole, &pitches) && !is_ordinary(&plain, &pitches));
+        assert!(!is_ordinary(&whole, &scale("longitudinal_acceleration", 0.2)));
+        assert!(!is_ordinary(&whole, &scale("lateral_acceleration", 0.05)));
+    }
 }

@@ -59,7 +59,7 @@ impl Noise {
     /// No car and no steering sensor is better than this, per √s.
     pub const LEAST_DIFFUSION: [f64; BODY_STATES] = [1e-3, 1e-3, 5e-4];
 
-    /// No tire's slip is known better than this.
+    /// No tire's slip is known better than this. Numerical: a search by factors begins there.
     pub const LEAST_SLIP: f64 = 5e-3;
 
     /// How many numbers there are that a search may scale: diffusions, the slips' error, size and length of each course;

@@ -71,16 +71,9 @@ impl Candidate {
         chosen
     }
 
-    /// Between which main numbers it is nothing unusual, if not every car has it.
-    pub fn usual(&self) -> Option<(f64, f64)> {
-        let usual = self.kind.search.usual?;
-        let quantity = self.channel.and_then(Channel::quantity);
-        (usual.of.is_none() || usual.of == quantity).then_some(usual.bounds)
-    }
-
     /// Has every car something of it, always?
     pub fn could_be_ordinary(&self) -> bool {
-        self.live.is_none() && (self.kind.search.every_car_has || self.usual().is_some())
+        self.live.is_none() && (self.kind.search.every_car_has || self.kind.usual(self.channel).is_some())
     }
 
     /// Its name, with its channel.

@@ -72,6 +72,12 @@ impl Fit<'_> {
     pub fn cost(&self) -> f64 {
         self.minus_two_ln + self.prior
     }
+
+    /// What is free of a model that has more effects than this one: theirs, too.
+    pub fn free_with(&self, model: &Model<'_>) -> Vec<Free> {
+        let more = self.model.effects.len()..model.effects.len();
+        self.free.iter().copied().chain(more.flat_map(|effect| model.free_of_effect(effect))).collect()
+    }
 }
 
 impl<'d> Data<'d> {

@@ -103,9 +103,8 @@ mod tests {
     #[ignore = "long: two cars fitted"]
     fn slips_err_where_wheels_turn_otherwise_than_the_model_has_it() {
         let plain = slip("");
-        let locked = slip("[[effect]]\nkind = \"load_transfer\"\ncg_height_m = 0.6\n");
-        println!("{plain} {locked}");
+        let loaded = slip("[[effect]]\nkind = \"load_transfer\"\ncg_height_m = 0.6\n");
         assert!(plain < 4.0 * Noise::LEAST_SLIP, "{plain}");
-        assert!(locked > 10.0 * plain, "{locked} for {plain}");
+        assert!(loaded > 10.0 * plain, "{loaded} for {plain}");
     }
 }

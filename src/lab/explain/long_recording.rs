@@ -14,7 +14,7 @@ use super::naming::{Refitted, onset};
 use super::precedence::prefer_the_simpler;
 use super::select::{Round, Selection, following_share, is_confirmed, least_evidence, select};
 use super::signs_and_swaps;
-use super::split::{BLOCK_S, Part};
+use super::split::BLOCK_S;
 use super::tuning::TUNING;
 use super::work;
 use predict::GriddedDrive;
@@ -148,15 +148,12 @@ impl<'a> LongSearch<'_, '_, 'a> {
             });
             let Some(first) = fitted.first().cloned() else { break };
             let least = least_evidence(1.0, &chosen);
-            let held = data.of(Part::Holdout);
-            let gain = held.minus_two_ln(&extended.sums) - held.minus_two_ln(&first.fit.sums);
             let confirmed = has_no_number
-                || first.evidence > least && is_confirmed(gain, first.evidence, !chosen.is_empty());
+                || first.evidence > least && is_confirmed(&data, &extended, &first, !chosen.is_empty());
             tracing::debug!(
                 name = first.candidate.name(),
                 in_excerpt = taken.evidence,
                 evidence = first.evidence,
-                held_out = gain,
                 confirmed,
                 numbers = ?first.fit.model.effects.last().map(|effect| effect.values()),
                 "on everything"

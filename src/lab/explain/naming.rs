@@ -193,7 +193,7 @@ pub fn refit<'a>(
             model = start;
         }
     }
-    let free: Vec<Free> = before.free.iter().copied().chain(own.iter().copied()).collect();
+    let free = before.free_with(&model);
     if learn == Learn::Nothing {
         model = data.search(&model, &free, &noise, STRICT_ROUNDS, learn).model;
     }
@@ -241,7 +241,7 @@ pub fn onset<'a>(data: &Data<'_>, fit: &Fit<'a>, effect: usize, place: usize) ->
 }
 
 /// The model with an effect beginning at another moment, after what −2 ln likelihood is with it.
-fn begun_at<'a>(
+pub fn begun_at<'a>(
     data: &Data<'_>,
     model: &Model<'a>,
     noise: &Noise,

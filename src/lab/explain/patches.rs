@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::candidates::Candidate;
 use super::fit::{Data, Fit, Learn};
 use super::locate::merged;
-use super::model::{Free, Model};
+use super::model::Model;
 use super::naming::Refitted;
 use super::smooth::courses;
 use super::split::Part;
@@ -112,7 +112,7 @@ pub fn placed<'a>(
         .collect();
     let (_, start) = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
     let effect = start.effects.len() - 1;
-    let free: Vec<Free> = before.free.iter().copied().chain(start.free_of_effect(effect)).collect();
+    let free = before.free_with(&start);
     let strictly = data.search(&start, &free, &strict, rounds, Learn::Nothing);
     let edges = Edges { cost, effect };
     let again = data.search(&edges.placed(&strictly.model), &free, &strict, rounds, Learn::Nothing);

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::candidates::Candidate;
 use super::fit::{Data, Fit};
-use super::model::{Free, Model, Place};
+use super::model::{Model, Place};
 use super::naming::Refitted;
 use super::split::Part;
 use super::tuning::TUNING;
@@ -74,9 +74,7 @@ fn prefer_the_ordinary(data: &Data<'_>, before: &Fit<'_>, refitted: &mut [Refitt
     let ordinary = &refitted[place];
     let Some(effect) = ordinary.fit.model.effects.last() else { return };
     let model = best.fit.model.with(effect.clone());
-    let own = model.free_of_effect(model.effects.len() - 1);
-    let free: Vec<Free> = best.fit.free.iter().copied().chain(own).collect();
-    let both = data.fit(&model, &free, &best.fit.noise, ROUNDS);
+    let both = data.fit(&model, &best.fit.free_with(&model), &best.fit.noise, ROUNDS);
     let left_of_best = ordinary.fit.cost() - both.cost();
     let left_of_ordinary = Refitted::new(&best.fit, ordinary.candidate.clone(), both).evidence;
     tracing::trace!(

@@ -9,7 +9,7 @@ use super::candidates::{Candidate, onsets, onsets_within};
 use super::exogenous::follows_motion;
 use super::fit::{Data, Fit, Learn};
 use super::model::Model;
-use super::naming::{Refitted, Scored, refine, refit, scan};
+use super::naming::{Refitted, Scored, begun_at, refine, refit, scan};
 use super::patches;
 use super::precedence::{put_in_order, settled};
 use super::shape::in_shape;
@@ -19,7 +19,7 @@ use super::tuning::TUNING;
 use super::whole_car::before_the_unusual;
 use super::work;
 use physics::Quantity;
-use physics::model::effect::{Channel, Growth, Kind};
+use physics::model::effect::{Channel, Growth, Kind, Spec};
 use predict::GriddedDrive;
 
 /// Evidence (twice the logarithm of the odds) that the first finding needs. The odds must beat those of
@@ -191,21 +191,20 @@ pub fn select<'a>(
             first = Refitted::new(&extended, first.candidate, again(&fit));
             first = refine(&data, &extended, &first, NEXT_ROUNDS);
         }
-        let fit = settled(&data, &first.fit);
-        let first = Refitted { fit: fit.clone(), ..first };
-        let confirmed = is_held_out_better(&data, &extended, &first, !chosen.is_empty());
+        first.fit = settled(&data, &first.fit);
+        let confirmed = is_confirmed(&data, &extended, &first, !chosen.is_empty());
         tracing::debug!(
             name = first.candidate.name(),
             evidence = first.evidence,
             confirmed,
-            numbers = ?fit.model.effects.last().map(|effect| effect.values()),
-            live = ?fit.noise.live,
+            numbers = ?first.fit.model.effects.last().map(|effect| effect.values()),
+            live = ?first.fit.noise.live,
         );
         if !confirmed {
             break;
         }
+        extended = first.fit.clone();
         chosen.push(first);
-        extended = fit;
     }
     Selection { baseline, extended, chosen, rounds, split: data.split }
 }
@@ -228,16 +227,12 @@ pub fn least_evidence(share: f64, chosen: &[Refitted<'_>]) -> f64 {
 
 /// Does what it is fitted to confirm the held-out part? It must not make the prediction of what it has not seen
 /// worse.
-pub fn is_confirmed(gain: f64, evidence: f64, is_further: bool) -> bool {
-    gain > -TUNING.selection.worse_share * evidence - TUNING.selection.worse && (!is_further || gain > 0.0)
-}
-
-/// Is it confirmed by what was held out, beside what was there before?
-pub fn is_held_out_better(data: &Data<'_>, before: &Fit<'_>, of: &Refitted<'_>, is_further: bool) -> bool {
+pub fn is_confirmed(data: &Data<'_>, before: &Fit<'_>, of: &Refitted<'_>, is_further: bool) -> bool {
     let held = data.of(Part::Holdout);
     let gain = held.minus_two_ln(&before.sums) - held.minus_two_ln(&of.fit.sums);
     tracing::debug!(name = of.candidate.name(), held_out = gain);
-    is_confirmed(gain, of.evidence, is_further)
+    let worse = TUNING.selection.worse_share * of.evidence + TUNING.selection.worse;
+    gain > -worse && (!is_further || gain > 0.0)
 }
 
 /// Scans the library from some fits, fits what is worth it, and refuses what only follows the driver.
@@ -316,13 +311,16 @@ fn is_noteworthy(refitted: &Refitted<'_>) -> bool {
 
 /// Of what begins at a moment: do the data say that it was not there from the start? Else the car's own numbers would have it.
 fn does_begin(data: &Data<'_>, refitted: &Refitted<'_>) -> bool {
-    let place = refitted.candidate.kind.onset().filter(|_| !refitted.candidate.kind.search.from_start);
-    let (Some(place), Some(_)) = (place, refitted.onset()) else { return true };
-    let mut model = refitted.fit.model.clone();
-    let Some(effect) = model.effects.last_mut() else { return true };
-    effect.numbers[place] = -1.0;
-    let always = data.minus_two_ln(&data.pass(&model, &[], &refitted.fit.noise));
-    always - refitted.fit.minus_two_ln > data.share * LEAST_EVIDENCE
+    let Refitted { candidate, fit, .. } = refitted;
+    let Some(place) = candidate.kind.onset().filter(|_| !candidate.kind.search.from_start) else {
+        return true;
+    };
+    if refitted.onset().is_none() {
+        return true;
+    }
+    let (always, _) =
+        begun_at(data, &fit.model, &fit.noise, fit.model.effects.len() - 1, place, Spec::AT_S.mean);
+    always - fit.minus_two_ln > data.share * LEAST_EVIDENCE
 }
 
 /// What lies in patches, within clear edges: each kind of them wherever the course of any kind has some; and each

@@ -45,7 +45,8 @@ pub struct SelectionTuning {
     pub least_of_first_order: f64,
     /// After the first fit so many may win …
     pub most_rivals: usize,
-    /// … and all others with this share of the best evidence.
+    /// … and all others with this share of the best evidence. What is unusual keeps this share of its own beside all that every
+    /// car has (`whole_cars`).
     pub rival_share: f64,
     /// With a number beside its size at what is usual, which ended at its bound, a finding keeps at least this share of its
     /// evidence.

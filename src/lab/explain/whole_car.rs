@@ -2,11 +2,12 @@
 
 use super::candidates::Candidate;
 use super::fit::{Data, Fit};
-use super::model::{Free, Model, Place};
+use super::model::{Free, Place};
 use super::naming::Refitted;
 use super::precedence::ROUNDS;
-use super::select::is_held_out_better;
+use super::select::is_confirmed;
 use super::tuning::TUNING;
+use physics::model::effect::Usual;
 
 /// Less sure of itself, in standard deviations, nothing of what every car has is taken for it. Statistical.
 const LEAST_SURE: f64 = 3.0;
@@ -18,12 +19,13 @@ fn is_whole(fit: &Fit<'_>) -> bool {
 
 /// Has every car it? On a whole one so little of it may be ordinary, too.
 pub fn is_ordinary(before: &Fit<'_>, of: &Refitted<'_>) -> bool {
-    let is_usual = |(least, most): (f64, f64)| {
+    let Candidate { kind, channel, .. } = &of.candidate;
+    let is_usual = |usual: Usual| {
         let effect = of.fit.model.effects.last();
-        let main = effect.into_iter().flat_map(|effect| effect.specs().zip(effect.values()));
-        main.filter(|(spec, _)| spec.is_main).all(|(_, value)| (least..=most).contains(&value))
+        let all = effect.into_iter().flat_map(|effect| effect.specs().zip(effect.values()));
+        usual.holds(all.filter(|(spec, _)| spec.is_main).map(|(_, value)| value))
     };
-    of.candidate.kind.search.every_car_has || is_whole(before) && of.candidate.usual().is_some_and(is_usual)
+    kind.search.every_car_has || is_whole(before) && kind.usual(*channel).is_some_and(is_usual)
 }
 
 /// What every car has beside what was taken, if `best` is unusual and the data hardly want it beside all of that together. One
@@ -69,7 +71,7 @@ fn together<'a>(
         let effect = alone.and_then(|of| of.fit.model.effects.last()).cloned();
         model.effects.push(effect.unwrap_or_else(|| candidate.begun()));
     }
-    data.fit(&model, &free_of(&model, before), &before.noise, ROUNDS)
+    data.fit(&model, &before.free_with(&model), &before.noise, ROUNDS)
 }
 
 /// The evidence of something beside a fit.
@@ -80,7 +82,7 @@ fn left_of<'a>(data: &Data<'_>, all: &Fit<'a>, best: &Refitted<'a>) -> f64 {
         Some(live) => all.noise.with(*live),
         None => all.noise.clone(),
     };
-    let with = data.fit(&model, &free_of(&model, all), &noise, ROUNDS);
+    let with = data.fit(&model, &all.free_with(&model), &noise, ROUNDS);
     Refitted::new(all, best.candidate.clone(), with).evidence
 }
 
@@ -102,11 +104,11 @@ fn one_by_one<'a>(
     for (_, place) in wanted {
         let earlier = taken.last().map_or(before, |of| &of.fit);
         let model = earlier.model.with(all.model.effects[first + place].clone());
-        let fit = data.fit(&model, &free_of(&model, earlier), &all.noise, ROUNDS);
+        let fit = data.fit(&model, &earlier.free_with(&model), &all.noise, ROUNDS);
         let of = Refitted::new(earlier, ordinary[place].clone(), fit);
         tracing::debug!(name = of.candidate.name(), evidence = of.evidence, "ordinary");
         let is_enough = of.evidence > data.share * TUNING.selection.further_evidence;
-        if is_enough && is_ordinary(before, &of) && is_held_out_better(data, earlier, &of, true) {
+        if is_enough && is_ordinary(before, &of) && is_confirmed(data, earlier, &of, true) {
             taken.push(of);
         }
     }
@@ -125,12 +127,6 @@ fn sureness(fit: &Fit<'_>, effect: usize) -> f64 {
         (fit.model.get(free.place) - specs[number].mean).abs() / variance.sqrt()
     };
     fit.free.iter().enumerate().map(of).fold(0.0, f64::max)
-}
-
-/// What was free, and the numbers of the effects that the model has more.
-fn free_of(model: &Model<'_>, before: &Fit<'_>) -> Vec<Free> {
-    let more = before.model.effects.len()..model.effects.len();
-    before.free.iter().copied().chain(more.flat_map(|effect| model.free_of_effect(effect))).collect()
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use physics::Quantity;
 use physics::model::effect::law::Law;
-use physics::model::effect::{Channel, Kind, Series, Usual};
+use physics::model::effect::{Channel, Kind, Series};
 use serde::Serialize;
 
 use super::super::chain::ZeroCourse;
@@ -68,13 +68,14 @@ impl Nature {
 
     /// The same of a channel, where its numbers are these: little of some effects is nothing unusual.
     pub fn of_size(kind: &Kind, channel: Option<Channel>, numbers: &BTreeMap<String, Estimate>) -> Self {
-        let quantity = channel.and_then(Channel::quantity);
-        let usual = kind.search.usual.filter(|usual| usual.of.is_none() || usual.of == quantity);
         let main = kind.parameters.iter().filter(|spec| spec.is_main);
         let mut values = main.filter_map(|spec| numbers.get(spec.name)).map(|number| number.value).peekable();
         let is_told = values.peek().is_some();
-        let is_usual = |usual: &Usual| values.all(|value| (usual.bounds.0..=usual.bounds.1).contains(&value));
-        if is_told && usual.as_ref().is_some_and(is_usual) { Self::Ordinary } else { Self::of(kind) }
+        if is_told && kind.usual(channel).is_some_and(|usual| usual.holds(values)) {
+            Self::Ordinary
+        } else {
+            Self::of(kind)
+        }
     }
 }
 

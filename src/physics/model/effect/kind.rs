@@ -1,7 +1,7 @@
 //! What is to be said of a kind of effect.
 
 use super::spec::OF_CHANNEL;
-use super::{Channel, Course, Disturbance, Effect, SearchHints, Spec, law};
+use super::{Channel, Course, Disturbance, Effect, SearchHints, Spec, Usual, law};
 use crate::Quantity;
 
 /// A kind of effect.
@@ -73,6 +73,12 @@ impl Kind {
     /// Where the moment of its onset is in `values`, if it begins at one.
     pub fn onset(&self) -> Option<usize> {
         self.place_of(Spec::AT_S.name)
+    }
+
+    /// What of it is nothing unusual, of a channel, if not every car has it.
+    pub fn usual(&self, channel: Option<Channel>) -> Option<Usual> {
+        let quantity = channel.and_then(Channel::quantity);
+        self.search.usual.filter(|usual| usual.of.is_none() || usual.of == quantity)
     }
 
     /// Is it an error of the measurement, not physics of the car?

@@ -33,6 +33,13 @@ pub struct Usual {
     pub bounds: (f64, f64),
 }
 
+impl Usual {
+    /// Are all of them within?
+    pub fn holds(&self, mut values: impl Iterator<Item = f64>) -> bool {
+        values.all(|value| (self.bounds.0..=self.bounds.1).contains(&value))
+    }
+}
+
 /// How an explanation searches for an effect.
 #[derive(Clone, Copy, Debug)]
 pub struct SearchHints {

@@ -1,7 +1,7 @@
 //! Forward selection of effects. It takes the best effect, then the best one beside it, until the evidence is too
 //! small or held-out data do not confirm it.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 
@@ -82,10 +82,13 @@ impl<'a> Selection<'a> {
         self.chosen.first().is_some_and(|refitted| refitted.candidate.is_added_in_time())
     }
 
-    /// The evidence of what was chosen first and of more of its kind.
+    /// The evidence of the name that has most, everything of that name together: two wheels of an axle are smaller.
     pub fn leading(&self) -> Option<f64> {
-        let first = self.chosen.first()?.candidate.name();
-        Some(self.chosen.iter().filter(|of| of.candidate.name() == first).map(|of| of.evidence).sum())
+        let mut of_name: BTreeMap<String, f64> = BTreeMap::new();
+        for of in &self.chosen {
+            *of_name.entry(of.candidate.name()).or_default() += of.evidence;
+        }
+        of_name.into_values().max_by(f64::total_cmp)
     }
 
     /// Of a plain model beside which nothing was searched.
@@ -168,9 +171,7 @@ pub fn select<'a>(
             tracing::debug!(name = refitted.candidate.name(), evidence = refitted.evidence, "fitted");
         }
         let best = round.refitted.iter().find(|of| is_enough(of)).cloned();
-        let ordinary = best.as_ref().map_or_else(Vec::new, |best| {
-            before_the_unusual(&data, &extended, &library, &round.refitted, best)
-        });
+        let ordinary = before_the_unusual(&data, &extended, &library, &round.refitted, best.as_ref());
         if let Some(last) = ordinary.last() {
             extended = last.fit.clone();
             rounds.extend(ordinary.iter().map(Round::without_rivals));

@@ -134,7 +134,7 @@ pub struct VerdictTuning {
     pub always_left_per_s: f64,
     /// … and never more than this.
     pub never_left_per_s: f64,
-    /// Where anything is left, the first cause must hold this share of all evidence: several together imitate another.
+    /// Where anything is left, the strongest cause must hold this share of all evidence: several together imitate another.
     pub least_leading: f64,
     /// By so much every sensor errs more than usual now and then …
     pub usually_restless: f64,

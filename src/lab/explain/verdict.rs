@@ -18,7 +18,7 @@ pub struct Gains {
     pub seconds: f64,
     /// With what was chosen; none, if nothing was.
     pub named: Option<f64>,
-    /// Share of the evidence of all that was chosen which the first has, with more of its kind: two wheels of an axle are smaller.
+    /// Share of the evidence of all that was chosen which the strongest name has.
     pub leading: f64,
     /// With unknown forces instead.
     pub unknown: f64,

@@ -2,7 +2,7 @@
 
 use super::candidates::Candidate;
 use super::fit::{Data, Fit};
-use super::model::{Free, Place};
+use super::model::Place;
 use super::naming::Refitted;
 use super::precedence::ROUNDS;
 use super::select::is_confirmed;
@@ -20,39 +20,40 @@ fn is_whole(fit: &Fit<'_>) -> bool {
 /// Has every car it? On a whole one so little of it may be ordinary, too.
 pub fn is_ordinary(before: &Fit<'_>, of: &Refitted<'_>) -> bool {
     let Candidate { kind, channel, .. } = &of.candidate;
-    let is_usual = |usual: Usual| {
-        let effect = of.fit.model.effects.last();
-        let all = effect.into_iter().flat_map(|effect| effect.specs().zip(effect.values()));
-        usual.holds(all.filter(|(spec, _)| spec.is_main).map(|(_, value)| value))
-    };
+    let is_usual = |usual: Usual| usual.holds(main_numbers(&of.fit, of.fit.model.effects.len() - 1));
     kind.search.every_car_has || is_whole(before) && kind.usual(*channel).is_some_and(is_usual)
 }
 
-/// What every car has beside what was taken, if `best` is unusual and the data hardly want it beside all of that together. One
-/// by one none of it may come close: a body leans and pitches at once. Only of a car that has something of it already.
+/// What every car has beside what was taken, if nothing else is wanted any more, or if `best` is unusual and the data hardly
+/// want it beside all of that together. One by one none of it may come close: a body leans and pitches at once. Only of a car
+/// that has something of it already.
 pub fn before_the_unusual<'a>(
     data: &Data<'_>,
     before: &Fit<'a>,
     library: &[Candidate],
     refitted: &[Refitted<'a>],
-    best: &Refitted<'a>,
+    best: Option<&Refitted<'a>>,
 ) -> Vec<Refitted<'a>> {
-    if is_ordinary(before, best) || !is_whole(before) {
+    if best.is_some_and(|best| is_ordinary(before, best)) || !is_whole(before) {
         return Vec::new();
     }
+    // Much of what is usual in small sizes is not beside itself.
+    let is_best = |of: &Candidate| best.is_some_and(|best| best.candidate.name() == of.name());
     let ordinary: Vec<&Candidate> =
-        library.iter().filter(|candidate| candidate.could_be_ordinary()).collect();
+        library.iter().filter(|of| of.could_be_ordinary() && !is_best(of)).collect();
     let all = together(data, before, &ordinary, refitted);
-    let left = left_of(data, &all, best);
-    tracing::debug!(
-        best = best.candidate.name(),
-        evidence = best.evidence,
-        of_ordinary = before.cost() - all.cost(),
-        left,
-        "beside all that is ordinary"
-    );
-    if left > TUNING.selection.rival_share * best.evidence {
-        return Vec::new();
+    if let Some(best) = best {
+        let left = left_of(data, &all, best);
+        tracing::debug!(
+            best = best.candidate.name(),
+            evidence = best.evidence,
+            of_ordinary = before.cost() - all.cost(),
+            left,
+            "beside all that is ordinary"
+        );
+        if left > TUNING.selection.rival_share * best.evidence {
+            return Vec::new();
+        }
     }
     one_by_one(data, before, &ordinary, &all)
 }
@@ -117,16 +118,22 @@ fn one_by_one<'a>(
 
 /// How far its surest main number is from nothing, in standard deviations.
 fn sureness(fit: &Fit<'_>, effect: usize) -> f64 {
-    let specs: Vec<_> = fit.model.effects[effect].specs().collect();
-    let of = |(place, free): (usize, &Free)| {
-        let Place::Effect(of, number) = free.place else { return 0.0 };
-        let variance = fit.covariance.get((place, place)).copied().unwrap_or(f64::INFINITY);
-        if of != effect || !specs[number].is_main {
-            return 0.0;
-        }
-        (fit.model.get(free.place) - specs[number].mean).abs() / variance.sqrt()
+    let of = |(number, std): (f64, f64)| if std > 0.0 { number.abs() / std } else { 0.0 };
+    main_numbers(fit, effect).map(of).fold(0.0, f64::max)
+}
+
+/// How far the main numbers of an effect are from nothing, each with its standard deviation; zero where it was not fitted.
+fn main_numbers(fit: &Fit<'_>, effect: usize) -> impl Iterator<Item = (f64, f64)> {
+    let std = move |number: usize| {
+        let place = fit.free.iter().position(|free| free.place == Place::Effect(effect, number));
+        let variance = |place: usize| fit.covariance.get((place, place)).copied().unwrap_or(f64::INFINITY);
+        place.map_or(0.0, |place| variance(place).sqrt())
     };
-    fit.free.iter().enumerate().map(of).fold(0.0, f64::max)
+    let effect = &fit.model.effects[effect];
+    let numbers = effect.specs().zip(&effect.numbers).enumerate();
+    numbers
+        .filter(|(_, (spec, _))| spec.is_main)
+        .map(move |(at, (spec, number))| (number - spec.mean, std(at)))
 }
 
 #[cfg(test)]

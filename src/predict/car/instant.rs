@@ -6,7 +6,7 @@ use physics::Quantity;
 use physics::model::body::Steer;
 use physics::model::effect::{Acting, Before, Felt, Readings, Recorded};
 use physics::model::force::{AddedMass, WheelMotion};
-use physics::model::tire::{Contact, Curve, Tire, ellipse};
+use physics::model::tire::{Contact, Curve, Tire};
 use physics::model::{Plant, wheel};
 
 /// Everything at one instant.
@@ -140,11 +140,7 @@ impl ExtendedCar {
     fn across(&self, on: &Acting, i: usize, x: f64, angle: f64) -> f64 {
         let contact = &on.contact[i];
         let y = on.tire.across(&self.curve(&on.tire), contact, x, angle);
-        if on.ellipse_factor == 0.0 {
-            return y;
-        }
-        let friction = if contact.friction_x.is_finite() { contact.friction_x } else { 1.0 };
-        y * ellipse::left(on.ellipse_factor * x / friction)
+        y * on.ellipse.left_across(&on.tire, contact, x)
     }
 
     /// Lateral force over load of an axle's tires (0 front, 1 rear) at their static load, at a slip angle, rad.
@@ -156,6 +152,8 @@ impl ExtendedCar {
     /// The slip at which a tire at this slip angle transmits `x` along, its curve as bent as is known.
     fn slip_of(&self, on: &Acting, i: usize, x: f64, angle: f64) -> f64 {
         let contact = &on.contact[i];
+        let curve = self.curve(&on.tire);
+        let x = x / on.ellipse.left_along(&on.tire, &curve, contact, angle);
         if matches!(on.tire, Tire::Linear(_)) || self.bend_along <= 1e-3 {
             return x / contact.stiffness_x;
         }
@@ -164,7 +162,7 @@ impl ExtendedCar {
             return brush.slip_at(&Contact { friction_x, ..*contact }, x, angle);
         }
         let most = 0.995 * friction_x;
-        self.curve(&on.tire).slip(contact.stiffness_x, friction_x, x.clamp(-most, most))
+        curve.slip(contact.stiffness_x, friction_x, x.clamp(-most, most))
     }
 
     /// A tire at pure slip, looked up where it is the car's own.

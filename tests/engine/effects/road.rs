@@ -83,6 +83,21 @@ fn combined_slip_takes_lateral_force_from_driven_wheels() {
 }
 
 #[test]
+fn combined_slip_takes_longitudinal_force_from_wheels_at_a_slip_angle() {
+    let top = "brake_pressure = [{ kind = \"constant\", value = 20 }]\n\
+               steering_wheel_angle = [{ kind = \"ramp\", from_s = 0, to_s = 1, value = 1 }]";
+    let drive = drive(3.0, 25.0, top, "[[effect]]\nkind = \"combined_slip\"\nellipse_factor_along = 0.8");
+    let left = |row: &Truth| (1.0 - (0.8 * LATERAL * row.slip_angle_rear).powi(2)).sqrt();
+    assert!(left(drive.end()) < 0.96);
+    let slip = |(row, wheel): (&Truth, &f64)| {
+        let along = row.longitudinal_velocity - 0.5 * TRACK * row.yaw_rate;
+        wheel * RADIUS / along - 1.0
+    };
+    let expected = drive.truth.iter().map(|row| row.fx[2] / (ALONG * 0.25 * MASS * GRAVITY * left(row)));
+    all_close(drive.truth.iter().zip(drive.of(WheelSpeedRl)).map(slip).zip(expected), 1e-4);
+}
+
+#[test]
 fn combined_slip_keeps_tires_with_a_limit_within_it() {
     let top = "brake_pressure = [{ kind = \"constant\", value = 60 }]\n\
                steering_wheel_angle = [{ kind = \"ramp\", from_s = 0, to_s = 0.5, value = 2 }]";

@@ -69,7 +69,10 @@ impl Nature {
     /// The same of a channel, where its numbers are these: little of some effects is nothing unusual.
     pub fn of_size(kind: &Kind, channel: Option<Channel>, numbers: &BTreeMap<String, Estimate>) -> Self {
         let main = kind.parameters.iter().filter(|spec| spec.is_main);
-        let mut values = main.filter_map(|spec| numbers.get(spec.name)).map(|number| number.value).peekable();
+        let mut values = main
+            .filter_map(|spec| numbers.get(spec.name))
+            .map(|number| (number.value, number.std))
+            .peekable();
         let is_told = values.peek().is_some();
         if is_told && kind.usual(channel).is_some_and(|usual| usual.holds(values)) {
             Self::Ordinary

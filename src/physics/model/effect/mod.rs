@@ -208,6 +208,9 @@ mod tests {
                 assert!(low <= spec.mean && spec.mean <= high, "{} {}", kind.name, spec.name);
                 assert!(spec.step > 0.0 && spec.step <= 0.4 * spec.std, "{} {}", kind.name, spec.name);
                 assert!(spec.mean + spec.std <= high, "{} {}", kind.name, spec.name);
+                // What is usual is said of the numbers as they are.
+                let is_plain = spec.scale == Scale::Linear && spec.mean == 0.0;
+                assert!(is_plain || kind.search.usual.is_none() || !spec.is_main, "{}", kind.name);
             }
         }
     }

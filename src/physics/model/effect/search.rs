@@ -33,10 +33,14 @@ pub struct Usual {
     pub bounds: (f64, f64),
 }
 
+/// Statistical: standard deviations, which a number that lies at a bound passes once in forty times.
+const SURELY: f64 = 2.0;
+
 impl Usual {
-    /// Are all of them within?
-    pub fn holds(&self, mut values: impl Iterator<Item = f64>) -> bool {
-        values.all(|value| (self.bounds.0..=self.bounds.1).contains(&value))
+    /// May all of them be within? Each is a value and its standard deviation: what is not surely beyond is usual.
+    pub fn holds(&self, mut numbers: impl Iterator<Item = (f64, f64)>) -> bool {
+        let (low, high) = self.bounds;
+        numbers.all(|(value, std)| value + SURELY * std >= low && value - SURELY * std <= high)
     }
 }
 

@@ -1,6 +1,7 @@
 //! What effects see of the car, and what they can change.
 
 use crate::model::body::{Acceleration, Body, External, Steer, Velocity};
+use crate::model::tire::ellipse::EllipseFactors;
 use crate::model::tire::{Contact, Tire};
 use crate::model::wheel;
 use crate::model::{DrivenAxle, Plant};
@@ -92,9 +93,8 @@ pub struct Acting {
     pub contact: [Contact; 4],
     /// The tires' model.
     pub tire: Tire,
-    /// What is left across of the friction ellipse when force along is used: 0 nothing is taken away
-    /// below the limit, 1 a whole ellipse.
-    pub ellipse_factor: f64,
+    /// What forces along and across take from each other below the limit.
+    pub ellipse: EllipseFactors,
     /// Rolling radius of each wheel, m.
     pub radius: [f64; 4],
     /// Force of a brake that nobody records along each wheel, N, against its rolling.
@@ -118,7 +118,7 @@ impl Acting {
             load: plant.nominal.load,
             contact: plant.nominal.contact,
             tire: plant.tire,
-            ellipse_factor: 0.0,
+            ellipse: EllipseFactors::default(),
             radius: plant.radius,
             brake: [0.0; 4],
             external: plant.nominal.external,

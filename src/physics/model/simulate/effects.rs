@@ -15,7 +15,8 @@ use crate::model::effect::{
 };
 use crate::model::integrate;
 use crate::model::plant::Between;
-use crate::model::tire::{Contact, Tire, ellipse};
+use crate::model::tire::ellipse::{self, EllipseFactors};
+use crate::model::tire::{Contact, Tire};
 use crate::model::{Conditions, Controls, Plant, Response, State};
 
 /// States that all effects may have together.
@@ -55,7 +56,7 @@ pub(super) struct Shaped {
     gravity: [f64; 2],
     /// Torque of brakes that nobody records, N m; negative where it drives.
     hidden_brake: [f64; 4],
-    ellipse_factor: f64,
+    ellipse: EllipseFactors,
 }
 
 /// What came of it.
@@ -70,7 +71,7 @@ struct Through<'a> {
     list: &'a EffectList,
     now: &'a Now<'a>,
     own: &'a Own,
-    ellipse_factor: f64,
+    ellipse: EllipseFactors,
 }
 
 impl Between for Through<'_> {
@@ -79,28 +80,21 @@ impl Between for Through<'_> {
         slip_angle
     }
 
-    /// With a share e of the friction ellipse below the limit: F_y = F_y,pure √(1 − (e F_x/(μ F_z))²),
-    /// then the limit itself. A brush has its combined slip already, and a linear tire no limit.
+    /// With shares of the friction ellipse below the limit each force is what the effect says, then the limit holds. A
+    /// brush has its combined slip already, and a linear tire no limit.
     fn force(&self, tire: &Tire, contact: &Contact, slip: f64, slip_angle: f64) -> [f64; 2] {
-        if self.ellipse_factor == 0.0 {
+        if self.ellipse == EllipseFactors::default() {
             return tire.combined(contact, slip, slip_angle);
         }
-        let left = |x: f64, friction: f64| ellipse::left(self.ellipse_factor * x / friction);
-        match tire {
-            Tire::Linear(_) => {
-                let [x, y] = tire.combined(contact, slip, slip_angle);
-                [x, y * left(x, 1.0)]
-            }
-            Tire::Brush(_) => {
-                let [x, y] = tire.combined(contact, slip, slip_angle);
-                [x, y * left(x, contact.friction_x)]
-            }
-            Tire::PiecewiseLinear(_) | Tire::MagicFormula(_) => {
-                let x = tire.longitudinal(contact, slip);
-                let y = tire.lateral(contact, slip_angle) * left(x, contact.friction_x);
-                ellipse::scaled_back(contact, [x, y])
-            }
-        }
+        let bounded = matches!(tire, Tire::PiecewiseLinear(_) | Tire::MagicFormula(_));
+        let [x, y] = if bounded {
+            [tire.longitudinal(contact, slip), tire.lateral(contact, slip_angle)]
+        } else {
+            tire.combined(contact, slip, slip_angle)
+        };
+        let x = x * self.ellipse.left_along(tire, tire, contact, slip_angle);
+        let forces = [x, y * self.ellipse.left_across(tire, contact, x)];
+        if bounded { ellipse::scaled_back(contact, forces) } else { forces }
     }
 }
 
@@ -148,19 +142,19 @@ impl Effects {
         on.contact = *plain.contact;
         self.list.act(now, own, &mut on);
         let (steer, external) = (on.steer(), on.external());
-        let Acting { body, tire, radius, contact, load, toe, brake, gravity, ellipse_factor, .. } = on;
+        let Acting { body, tire, radius, contact, load, toe, brake, gravity, ellipse, .. } = on;
         Shaped {
             plant: Plant { body, tire, radius, ..*plain.plant },
             conditions: Conditions { contact, load, toe, external },
             steer,
             gravity,
             hidden_brake: std::array::from_fn(|i| brake[i] * radius[i]),
-            ellipse_factor,
+            ellipse,
         }
     }
 
     fn through<'a>(&'a self, shaped: &Shaped, now: &'a Now<'a>, own: &'a Own) -> Through<'a> {
-        Through { list: &self.list, now, own, ellipse_factor: shaped.ellipse_factor }
+        Through { list: &self.list, now, own, ellipse: shaped.ellipse }
     }
 
     /// How the own states change, per second.

@@ -1,6 +1,44 @@
 //! The friction ellipse (thesis 4.15).
 
-use super::{Contact, Curve, Real};
+use super::{Contact, Curve, Real, Tire};
+
+/// How much of the ellipse holds below the limit, where one force takes from the other: 0 nothing is taken, 1 a whole
+/// ellipse.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EllipseFactors {
+    /// Of the force across, by the force along.
+    pub across: f64,
+    /// Of the force along, by the force across that the slip angle alone would give.
+    pub along: f64,
+}
+
+impl EllipseFactors {
+    /// The share of the force across that is left at this force along / load.
+    #[inline]
+    pub fn left_across(&self, tire: &Tire, contact: &Contact, x: f64) -> f64 {
+        if self.across == 0.0 {
+            return 1.0;
+        }
+        left(self.across * x / limit(tire, contact.friction_x))
+    }
+
+    /// The share of the force along that is left at this slip angle, rad. `curve` is what forces at pure slip are read
+    /// from: the tire itself, or a table of it.
+    #[inline]
+    pub fn left_along(&self, tire: &Tire, curve: &impl Curve, contact: &Contact, slip_angle: f64) -> f64 {
+        if self.along == 0.0 {
+            return 1.0;
+        }
+        let y = tire.across(curve, contact, 0.0, slip_angle);
+        left(self.along * y / limit(tire, contact.friction_y))
+    }
+}
+
+/// What a force is measured against, per load: a linear tire has no limit.
+#[inline]
+fn limit(tire: &Tire, friction: f64) -> f64 {
+    if matches!(tire, Tire::Linear(_)) || friction.is_infinite() { 1.0 } else { friction }
+}
 
 /// Scales a pair of forces / normal load back onto the ellipse (x/μ_x)² + (y/μ_y)² = 1 if it lies
 /// outside; its direction stays.

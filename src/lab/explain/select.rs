@@ -116,6 +116,7 @@ pub fn select<'a>(
         rounds.push(Round::without_rivals(&taken));
         chosen.push(taken);
     }
+    let mut is_at_end = false;
     // What every car has leaves room for what is unusual.
     let is_unusual = |taken: &&Refitted<'a>| !taken.candidate.kind.search.every_car_has;
     while chosen.iter().filter(is_unusual).count() < TUNING.selection.most_findings {
@@ -171,7 +172,13 @@ pub fn select<'a>(
             tracing::debug!(name = refitted.candidate.name(), evidence = refitted.evidence, "fitted");
         }
         let best = round.refitted.iter().find(|of| is_enough(of)).cloned();
-        let ordinary = before_the_unusual(&data, &extended, &library, &round.refitted, best.as_ref());
+        // At the end the rest of what every car has, once.
+        let is_end = best.is_none() && std::mem::replace(&mut is_at_end, best.is_none());
+        let ordinary = if is_end {
+            Vec::new()
+        } else {
+            before_the_unusual(&data, &extended, &library, &round.refitted, best.as_ref())
+        };
         if let Some(last) = ordinary.last() {
             extended = last.fit.clone();
             rounds.extend(ordinary.iter().map(Round::without_rivals));
@@ -311,12 +318,12 @@ fn is_noteworthy(refitted: &Refitted<'_>) -> bool {
 }
 
 /// Of what begins at a moment: do the data say that it was not there from the start? Else the car's own numbers would have it.
+/// What may be there from the start has not to begin, if it is no load that is less than none.
 fn does_begin(data: &Data<'_>, refitted: &Refitted<'_>) -> bool {
     let Refitted { candidate, fit, .. } = refitted;
-    let Some(place) = candidate.kind.onset().filter(|_| !candidate.kind.search.from_start) else {
-        return true;
-    };
-    if refitted.onset().is_none() {
+    let Some(place) = candidate.kind.onset().filter(|_| refitted.onset().is_some()) else { return true };
+    let size = fit.model.effects.last().and_then(|effect| effect.numbers.first());
+    if candidate.kind.search.from_start && size.is_some_and(|size| *size >= 0.0) {
         return true;
     }
     let (always, _) =

@@ -73,6 +73,27 @@ pub(super) fn pair<T: Real>(curve: &impl Curve<T>, contact: &Contact<T>, slip: T
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::tire::{Linear, MagicFormula};
+
+    #[test]
+    fn below_the_limit_each_force_takes_its_share_of_the_other() {
+        let (tire, linear) =
+            (Tire::MagicFormula(MagicFormula { shape: 1.3, curvature: -0.5 }), Tire::Linear(Linear));
+        let contact = Contact { stiffness_x: 30.0, stiffness_y: 12.0, friction_x: 0.9, friction_y: 0.8 };
+        let both = EllipseFactors { across: 0.6, along: 0.5 };
+        let close =
+            |value: f64, expected: f64| assert!((value - expected).abs() < 1e-12, "{value} {expected}");
+        close(both.left_across(&tire, &contact, 0.45), (1.0f64 - 0.3 * 0.3).sqrt());
+        let y = tire.lateral(&contact, 0.05);
+        close(both.left_along(&tire, &tire, &contact, 0.05), (1.0 - (0.5 * y / 0.8).powi(2)).sqrt());
+        // Without a limit a force is measured against the load.
+        close(both.left_along(&linear, &linear, &contact, 0.05), (1.0f64 - 0.3 * 0.3).sqrt());
+        let none = EllipseFactors::default();
+        assert_eq!(
+            [none.left_across(&tire, &contact, 0.8), none.left_along(&tire, &tire, &contact, 0.1)],
+            [1.0; 2]
+        );
+    }
 
     #[test]
     fn inside_untouched_outside_onto_it() {

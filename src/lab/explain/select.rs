@@ -1,7 +1,7 @@
 //! Forward selection of effects. It takes the best effect, then the best one beside it, until the evidence is too
 //! small or held-out data do not confirm it.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
@@ -82,13 +82,18 @@ impl<'a> Selection<'a> {
         self.chosen.first().is_some_and(|refitted| refitted.candidate.is_added_in_time())
     }
 
-    /// The evidence of the name that has most, everything of that name together: two wheels of an axle are smaller.
-    pub fn leading(&self) -> Option<f64> {
-        let mut of_name: BTreeMap<String, f64> = BTreeMap::new();
+    /// The evidence of each name, in the order in which they were chosen; everything of a name together: two wheels of an axle
+    /// are smaller.
+    pub fn of_names(&self) -> Vec<f64> {
+        let mut of_names: Vec<(String, f64)> = Vec::new();
         for of in &self.chosen {
-            *of_name.entry(of.candidate.name()).or_default() += of.evidence;
+            let name = of.candidate.name();
+            match of_names.iter_mut().find(|other| other.0 == name) {
+                Some((_, evidence)) => *evidence += of.evidence,
+                None => of_names.push((name, of.evidence)),
+            }
         }
-        of_name.into_values().max_by(f64::total_cmp)
+        of_names.into_iter().map(|(_, evidence)| evidence).collect()
     }
 
     /// Of a plain model beside which nothing was searched.

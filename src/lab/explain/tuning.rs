@@ -134,8 +134,11 @@ pub struct VerdictTuning {
     pub always_left_per_s: f64,
     /// … and never more than this.
     pub never_left_per_s: f64,
-    /// Where anything is left, the strongest cause must hold this share of all evidence: several together imitate another.
+    /// Where anything is left, the first cause must hold this share of all evidence, or the strongest one, unless it leaves an
+    /// equation as it was: several together imitate another.
     pub least_leading: f64,
+    /// … which it does with more than this share of what that one missed. Set by `a_law_is_found_confirmed_and_applied`.
+    pub most_left_of_one: f64,
     /// By so much every sensor errs more than usual now and then …
     pub usually_restless: f64,
     /// … and this share of it may be left beside a name …
@@ -197,6 +200,7 @@ pub const TUNING: Tuning = Tuning {
         always_left_per_s: 5.0,
         never_left_per_s: 1000.0,
         least_leading: 0.5,
+        most_left_of_one: 0.5,
         usually_restless: 600.0,
         most_restless: 0.5,
         never_restless: 5000.0,

@@ -18,8 +18,10 @@ pub struct Gains {
     pub seconds: f64,
     /// With what was chosen; none, if nothing was.
     pub named: Option<f64>,
-    /// Share of the evidence of all that was chosen which the strongest name has.
+    /// Share of the evidence of all that was chosen which the first name has.
     pub leading: f64,
+    /// The same of the strongest name.
+    pub strongest: f64,
     /// With unknown forces instead.
     pub unknown: f64,
     /// With a course that had to be refused instead.
@@ -53,9 +55,11 @@ impl Gains {
         let has_names = !selection.chosen.is_empty();
         let counted = data.counted(&plain.sums);
         let missing = data.missing(plain);
-        let evidence: f64 = selection.chosen.iter().map(|chosen| chosen.evidence).sum();
+        let of_names = selection.of_names();
+        let evidence: f64 = of_names.iter().sum();
         Self {
-            leading: selection.leading().map_or(1.0, |leading| leading / evidence),
+            leading: of_names.first().map_or(1.0, |first| first / evidence),
+            strongest: of_names.iter().copied().max_by(f64::total_cmp).map_or(1.0, |most| most / evidence),
             seconds: counted.map(|sums| sums.t.1 - sums.t.0).sum(),
             named: has_names.then(|| plain.cost() - selection.extended.cost()),
             unknown: plain.cost() - corrected.cost() - FREEDOM,
@@ -74,6 +78,12 @@ impl Gains {
         missing.iter().zip(usual).map(|(missing, usual)| (missing - usual).max(0.0)).sum()
     }
 
+    /// Is most of what an equation missed still missing?
+    fn leaves_an_equation(&self, always: f64) -> bool {
+        let mut each = self.left.iter().zip(self.missing);
+        each.any(|(left, missing)| *left > always && *left > TUNING.verdict.most_left_of_one * missing)
+    }
+
     /// Does a sensor err far more now and then of which the ordinary car says nothing? Then that car does not clear it.
     pub fn is_restless_along(&self) -> bool {
         self.still_restless_along > self.most_restless()
@@ -90,7 +100,10 @@ impl Gains {
         let most = TUNING.verdict.most_left * self.beyond_usual(&self.missing);
         let always = TUNING.verdict.always_left_per_s * self.seconds;
         let is_much = left > most.clamp(always, TUNING.verdict.never_left_per_s * self.seconds);
-        let imitates = left > always && self.leading < TUNING.verdict.least_leading;
+        // The strongest may come after what every car has, if it and that leave no equation as it was.
+        let of =
+            if self.leaves_an_equation(always) { self.leading } else { self.leading.max(self.strongest) };
+        let imitates = left > always && of < TUNING.verdict.least_leading;
         let is_restless = self.still_restless > self.most_restless();
         let least = TUNING.verdict.least_missing.max(TUNING.verdict.least_missing_per_s * self.seconds);
         match self.named {
@@ -182,6 +195,11 @@ mod tests {
         let gains = Gains { seconds: 60.0, named: Some(9000.0), missing, left, ..Gains::default() };
         assert_eq!(Gains { leading: 0.8, ..gains }.verdict(true), Verdict::MissingPhysics);
         assert_eq!(Gains { leading: 0.34, ..gains }.verdict(true), Verdict::UnknownPhysics);
+        // After what every car has one explains most, of each equation.
+        let late = Gains { leading: 0.34, strongest: 0.6, ..gains };
+        assert_eq!(late.verdict(true), Verdict::MissingPhysics);
+        let one_as_it_was = Gains { missing: [0.0, 90_000.0, 6000.0], left: [0.0, 100.0, 5000.0], ..late };
+        assert_eq!(one_as_it_was.verdict(true), Verdict::UnknownPhysics);
         let complete = Gains { leading: 0.34, left: [0.0; 3], ..gains };
         assert_eq!(complete.verdict(true), Verdict::MissingPhysics, "several small causes");
     }

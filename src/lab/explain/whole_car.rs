@@ -37,7 +37,7 @@ pub fn before_the_unusual<'a>(
     if best.is_some_and(|best| is_ordinary(before, best)) || !is_whole(before) {
         return Vec::new();
     }
-    // Much of what is usual in small sizes is not beside itself.
+    // Small sizes of it that are usual shall not stand for it.
     let is_best = |of: &Candidate| best.is_some_and(|best| best.candidate.name() == of.name());
     let ordinary: Vec<&Candidate> =
         library.iter().filter(|of| of.could_be_ordinary() && !is_best(of)).collect();
@@ -96,6 +96,9 @@ fn one_by_one<'a>(
     all: &Fit<'a>,
 ) -> Vec<Refitted<'a>> {
     let first = before.model.effects.len();
+    // What their noise alone gains is no evidence of them.
+    let plain = data.fit(&before.model, &before.free, &all.noise, ROUNDS);
+    let plain = if plain.cost() < before.cost() { &plain } else { before };
     let mut wanted: Vec<(f64, usize)> = (0..ordinary.len())
         .map(|place| (sureness(all, first + place), place))
         .filter(|(sure, _)| *sure > LEAST_SURE)
@@ -103,7 +106,7 @@ fn one_by_one<'a>(
     wanted.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut taken: Vec<Refitted<'a>> = Vec::new();
     for (_, place) in wanted {
-        let earlier = taken.last().map_or(before, |of| &of.fit);
+        let earlier = taken.last().map_or(plain, |of| &of.fit);
         let model = earlier.model.with(all.model.effects[first + place].clone());
         let fit = data.fit(&model, &earlier.free_with(&model), &all.noise, ROUNDS);
         let of = Refitted::new(earlier, ordinary[place].clone(), fit);

@@ -51,6 +51,11 @@ impl<'a> Refitted<'a> {
         Self { candidate, fit, evidence, follows: None }
     }
 
+    /// Its first number, as a coordinate.
+    pub fn size(&self) -> Option<f64> {
+        self.fit.model.effects.last()?.numbers.first().copied()
+    }
+
     /// When it began, s, if it was not there from the start.
     pub fn onset(&self) -> Option<f64> {
         Some(self.fit.model.effects.last()?.onset()).filter(|at| *at > 0.0)

@@ -121,7 +121,7 @@ pub fn select<'a>(
         rounds.push(Round::without_rivals(&taken));
         chosen.push(taken);
     }
-    let mut is_at_end = false;
+    let mut was_at_end = false;
     // What every car has leaves room for what is unusual.
     let is_unusual = |taken: &&Refitted<'a>| !taken.candidate.kind.search.every_car_has;
     while chosen.iter().filter(is_unusual).count() < TUNING.selection.most_findings {
@@ -178,12 +178,12 @@ pub fn select<'a>(
         }
         let best = round.refitted.iter().find(|of| is_enough(of)).cloned();
         // At the end the rest of what every car has, once.
-        let is_end = best.is_none() && std::mem::replace(&mut is_at_end, best.is_none());
-        let ordinary = if is_end {
+        let ordinary = if best.is_none() && was_at_end {
             Vec::new()
         } else {
             before_the_unusual(&data, &extended, &library, &round.refitted, best.as_ref())
         };
+        was_at_end |= best.is_none();
         if let Some(last) = ordinary.last() {
             extended = last.fit.clone();
             rounds.extend(ordinary.iter().map(Round::without_rivals));
@@ -316,10 +316,10 @@ fn is_noteworthy(refitted: &Refitted<'_>) -> bool {
         candidate.channel.and_then(Channel::quantity),
         Some(Quantity::DriveTorque | Quantity::BrakePressure)
     );
-    let number = refitted.fit.model.effects.last().and_then(|effect| effect.numbers.first());
+    let size = refitted.size();
     let least = candidate.kind.search.least_of_torque.filter(|_| of_a_torque);
-    least.zip(number).is_none_or(|(least, number)| number.abs() > least)
-        && !(candidate.is_from_start() && number.is_some_and(|number| *number < 0.0))
+    least.zip(size).is_none_or(|(least, size)| size.abs() > least)
+        && !(candidate.is_from_start() && size.is_some_and(|size| size < 0.0))
 }
 
 /// Of what begins at a moment: do the data say that it was not there from the start? Else the car's own numbers would have it.
@@ -327,8 +327,7 @@ fn is_noteworthy(refitted: &Refitted<'_>) -> bool {
 fn does_begin(data: &Data<'_>, refitted: &Refitted<'_>) -> bool {
     let Refitted { candidate, fit, .. } = refitted;
     let Some(place) = candidate.kind.onset().filter(|_| refitted.onset().is_some()) else { return true };
-    let size = fit.model.effects.last().and_then(|effect| effect.numbers.first());
-    if candidate.kind.search.from_start && size.is_some_and(|size| *size >= 0.0) {
+    if candidate.kind.search.from_start && refitted.size().is_some_and(|size| size >= 0.0) {
         return true;
     }
     let (always, _) =

@@ -96,14 +96,17 @@ fn one_by_one<'a>(
     all: &Fit<'a>,
 ) -> Vec<Refitted<'a>> {
     let first = before.model.effects.len();
-    // What their noise alone gains is no evidence of them.
-    let plain = data.fit(&before.model, &before.free, &all.noise, ROUNDS);
-    let plain = if plain.cost() < before.cost() { &plain } else { before };
     let mut wanted: Vec<(f64, usize)> = (0..ordinary.len())
         .map(|place| (sureness(all, first + place), place))
         .filter(|(sure, _)| *sure > LEAST_SURE)
         .collect();
+    if wanted.is_empty() {
+        return Vec::new();
+    }
     wanted.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // What their noise alone gains is no evidence of them.
+    let plain = data.fit(&before.model, &before.free, &all.noise, ROUNDS);
+    let plain = if plain.cost() < before.cost() { &plain } else { before };
     let mut taken: Vec<Refitted<'a>> = Vec::new();
     for (_, place) in wanted {
         let earlier = taken.last().map_or(plain, |of| &of.fit);

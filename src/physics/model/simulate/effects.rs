@@ -83,9 +83,6 @@ impl Between for Through<'_> {
     /// With shares of the friction ellipse below the limit each force is what the effect says, then the limit holds. A
     /// brush has its combined slip already, and a linear tire no limit.
     fn force(&self, tire: &Tire, contact: &Contact, slip: f64, slip_angle: f64) -> [f64; 2] {
-        if self.ellipse == EllipseFactors::default() {
-            return tire.combined(contact, slip, slip_angle);
-        }
         let bounded = matches!(tire, Tire::PiecewiseLinear(_) | Tire::MagicFormula(_));
         let [x, y] = if bounded {
             [tire.longitudinal(contact, slip), tire.lateral(contact, slip_angle)]

@@ -31,7 +31,7 @@ mod by_hand {
         ("friction_patch=0.6 from=30 to=40", "friction_change", ["hard", "slalom", "slalom"]),
         ("wind=1000 from=30 to=40", "crosswind", ["highway", "highway", "highway"]),
         ("lateral_bias_drift=0.3", "sensor_drift:lateral_acceleration", ["highway", "mixed", "hard"]),
-        ("brake_pull=150", "brake_yaw_moment", ["hard", "mixed", "hard"]),
+        ("brake_pull=0.3", "brake_imbalance", ["hard", "mixed", "hard"]),
         ("steering_curvature=0.04", "steering_ratio", ["mixed", "hard", "mixed"]),
     ];
 

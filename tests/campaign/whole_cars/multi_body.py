@@ -20,7 +20,7 @@ NAME=VALUE puts something unusual in:
     steering_curvature=0.04     the steering ratio falls with the square of the steering wheel's angle, 1/rad²
     friction_patch=0.6 from=30 to=40    the road has so much of its friction there
     wind=1000 from=30 to=40     a side force to the left at the centre of gravity, N
-    brake_pull=150              the left front wheel is braked by so much more while the brakes are on, N m
+    brake_pull=0.3              the left front brake gives so much more than the right one, relative
 
 The package counts as SAE does: y to the right, z down. What is recorded counts as ISO 8855 does: y to the left, z up.
 
@@ -275,7 +275,7 @@ def drive(car, ratio, course, seconds, unusual):
         wind = -unusual.get("wind", 0.0) * inside
         share = 1.0 - (1.0 - unusual.get("friction_patch", 1.0)) * inside
         car.tire.p_dx1, car.tire.p_dy1 = (share * of for of in friction)
-        pull = unusual.get("brake_pull", 0.0) * min(max((pressure - 1.0) / 3.0, 0.0), 1.0)
+        pull = unusual.get("brake_pull", 0.0) * BRAKE_PER_BAR * car.T_sb * pressure
         first = rates(x, u, wind, pull)
         if i >= 0:
             least = min(loads(x, car))

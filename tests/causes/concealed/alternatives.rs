@@ -61,6 +61,8 @@ pub const ALTERNATIVES: &[Alternative] = &[
     of("payload", true, |h, x| h.payload = 300.0 * x),
     of("tire_saturation", true, |h, x| h.saturation = (x > 1e-3).then(|| 1.0 / x)),
     of("combined_slip", true, |h, x| h.ellipse = (x > 0.0).then_some((x, 0.95))),
+    of("brake_imbalance:front", false, |h, x| h.brake_imbalance[0] = 0.15 * x),
+    of("brake_imbalance:rear", false, |h, x| h.brake_imbalance[1] = 0.15 * x),
     of("accelerometer_position", false, |h, x| h.accelerometer_at = 0.6 * x),
     of("wheel_alignment", false, |h, x| h.toe = [-0.01 * x, 0.01 * x, 0.0, 0.0]),
 ];

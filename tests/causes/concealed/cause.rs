@@ -96,6 +96,7 @@ pub const CAUSES: &[Cause] = &[
     cause("combined_slip", Library, Either, &[Mixed, Hard]),
     cause("surface_stiffness", Library, Either, &[Mixed, Slalom]),
     cause("brake_yaw_moment", Library, Either, &[Mixed, Highway]),
+    cause("brake_imbalance", Library, Either, FEET),
     cause("accelerometer_position", Library, Either, TURNS),
     cause("crosswind", Library, Either, &[Mixed, Highway]),
     cause("wheel_alignment", Library, Either, &[Mixed, Hard]),

@@ -105,6 +105,8 @@ pub struct Hidden {
     pub esp: Vec<(usize, Bump)>,
     /// Torque moved between the wheels of the driven axle, N m, half of it to the right, half from the left.
     pub vectoring: Series,
+    /// Of each axle: the left brake gives 1 + e of what it shall, the right one 1 − e.
+    pub brake_imbalance: [f64; 2],
     pub wind: Series,
     /// Where the wind acts, m forward of the centre of gravity.
     pub wind_at: f64,

@@ -315,7 +315,8 @@ impl<'a> Simulator<'a> {
             let judder = if i == 1 { 1.0 + hidden.judder * x[ANGLE + i].sin() } else { 1.0 };
             let unseen: f64 =
                 hidden.esp.iter().filter(|(w, _)| *w == i).map(|(_, bump)| at(&[*bump], t)).sum();
-            let brake = car.brake_per_bar[axle] * input.pressure * judder + unseen;
+            let more = 1.0 - side * hidden.brake_imbalance[axle];
+            let brake = car.brake_per_bar[axle] * input.pressure * judder * more + unseen;
             let resistance = hidden.rolling * loads[i] * radius;
             wheel_torque[i] = drive - (brake + resistance) * omega.clamp(-1.0, 1.0) - radius * along_force;
         }

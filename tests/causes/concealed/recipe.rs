@@ -307,6 +307,13 @@ pub fn make(cause: &Cause, factor: f64, plan: &Plan, car: &Car, dice: &mut Dice)
             parameters = json!({ "moment_peak_nm": peak });
             (moment, "Nm")
         }
+        "brake_imbalance" => {
+            let axle = usize::from(dice.chance(0.3));
+            let left_more = dice.sign() * 0.15 * spread;
+            h.brake_imbalance[axle] = left_more;
+            parameters = json!({ ["left_more_front", "left_more_rear"][axle]: left_more });
+            (left_more, "-")
+        }
         "accelerometer_position" => {
             h.accelerometer_at = dice.sign() * 0.7 * spread;
             parameters = json!({ "forward_of_cg_m": h.accelerometer_at });

@@ -183,6 +183,20 @@ fn crosswind_pushes_and_turns() {
 }
 
 #[test]
+fn unequal_brakes_turn_by_the_pressure() {
+    let effect = "[[effect]]\nkind = \"brake_imbalance\"\nleft_more_front = 0.25\n";
+    let turned = |bar: f64| {
+        let top = format!("brake_pressure = [{{ kind = \"constant\", value = {bar} }}]");
+        drive(0.2, 20.0, &top, effect).of(YawRate)[5]
+    };
+    // Left 1.25 and right 0.75 times 20 N m/bar, at half a track of 1.5 m from the middle.
+    let moment = |bar: f64| 0.5 * 20.0 * bar / RADIUS * 0.5 * TRACK;
+    close(turned(10.0), 0.05 * moment(10.0) / YAW_INERTIA, 0.25);
+    close(turned(20.0) / turned(10.0), 2.0, 0.02);
+    assert_eq!(turned(0.0), 0.0);
+}
+
+#[test]
 fn brake_yaw_moment_turns() {
     // A brake on the left front wheel alone turns the car to the left, once its slip has built up.
     let effect = "[[effect]]\nkind = \"brake_yaw_moment\"\nvalue = 800\nfront_share = 1.0\nvectoring = 0.0\n\

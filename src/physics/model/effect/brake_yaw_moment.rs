@@ -61,7 +61,7 @@ pub static KIND: Kind = Kind {
         is_told_by_its_peak: true,
         ..Disturbance::USUAL
     }),
-    search: SearchHints::USUAL,
+    search: SearchHints { has_whole_shares: true, ..SearchHints::USUAL },
     make: |setting: &Setting<'_>| {
         let [front_share, vectoring] = std::array::from_fn(|i| setting.values[i]);
         Box::new(BrakeYawMoment { moment: setting.course.clone(), front_share, vectoring })

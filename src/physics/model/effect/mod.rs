@@ -15,6 +15,7 @@ mod air_drag;
 #[cfg(test)]
 mod bench;
 mod body_roll;
+mod brake_imbalance;
 mod brake_yaw_moment;
 mod cg_shift;
 mod channel;
@@ -160,6 +161,7 @@ pub static KINDS: &[&Kind] = &[
     &road_grade::KIND,
     &crosswind::KIND,
     &brake_yaw_moment::KIND,
+    &brake_imbalance::KIND,
     &accelerometer_position::KIND,
     &body_roll::KIND,
     &sensor_delay::KIND,
@@ -184,7 +186,7 @@ mod tests {
     fn every_effect_of_the_contract_is_there_once() {
         let mut names: Vec<_> = KINDS.iter().map(|kind| kind.name).collect();
         names.sort_unstable();
-        let contract = "accelerometer_position air_drag body_roll brake_yaw_moment cg_shift channel_swap \
+        let contract = "accelerometer_position air_drag body_roll brake_imbalance brake_yaw_moment cg_shift channel_swap \
                         combined_slip crosswind downforce friction_change friction_split \
                         limited_slip_differential load_transfer payload radius_growth rear_steer \
                         relaxation_length road_bank road_grade roll_steer rolling_resistance sensor_bias \

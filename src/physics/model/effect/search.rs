@@ -58,6 +58,8 @@ pub struct SearchHints {
     /// Of a kind with an onset: it is searched from the start of the recording, too. Others that are there from the
     /// start are ordinary numbers.
     pub from_start: bool,
+    /// Its numbers beside the size are shares, of which nothing and all are as likely as what lies between.
+    pub has_whole_shares: bool,
     /// Every car has some of it: finding it is nothing unusual.
     pub every_car_has: bool,
     /// Of what not every car has: little of it is nothing unusual either.
@@ -74,6 +76,7 @@ impl SearchHints {
         growth: Growth::Nonlinear,
         each_number_alone: false,
         from_start: false,
+        has_whole_shares: false,
         every_car_has: false,
         usual: None,
         least_of_torque: None,

@@ -54,6 +54,8 @@ pub(super) struct Shaped {
     /// Angle of the front wheels, rad.
     pub(super) steer: f64,
     gravity: [f64; 2],
+    /// Of each brake, relative to the plain car's.
+    braking: [f64; 4],
     /// Torque of brakes that nobody records, N m; negative where it drives.
     hidden_brake: [f64; 4],
     ellipse: EllipseFactors,
@@ -139,12 +141,13 @@ impl Effects {
         on.contact = *plain.contact;
         self.list.act(now, own, &mut on);
         let (steer, external) = (on.steer(), on.external());
-        let Acting { body, tire, radius, contact, load, toe, brake, gravity, ellipse, .. } = on;
+        let Acting { body, tire, radius, contact, load, toe, braking, brake, gravity, ellipse, .. } = on;
         Shaped {
             plant: Plant { body, tire, radius, ..*plain.plant },
             conditions: Conditions { contact, load, toe, external },
             steer,
             gravity,
+            braking,
             hidden_brake: std::array::from_fn(|i| brake[i] * radius[i]),
             ellipse,
         }
@@ -289,11 +292,11 @@ fn advanced(own: &Own, rate: &Own, h: f64) -> Own {
 }
 
 impl Shaped {
-    /// The controls with the front wheels and the hidden brakes where the effects leave them.
+    /// The controls with the front wheels and the brakes as the effects make them.
     fn steered(&self, controls: &Controls) -> Controls {
         let mut controls = Controls { steer: self.steer, ..*controls };
         for (i, hidden) in self.hidden_brake.into_iter().enumerate() {
-            controls.brake_torque[i] += hidden.max(0.0);
+            controls.brake_torque[i] = self.braking[i] * controls.brake_torque[i] + hidden.max(0.0);
             controls.drive_torque[i] -= hidden.min(0.0);
         }
         controls

@@ -200,6 +200,24 @@ fn torque_vectoring_and_a_single_brake_turn_the_car_by_their_moment() {
 }
 
 #[test]
+fn a_brake_that_gives_more_turns_the_car_to_its_side() {
+    let mut car = car(24);
+    // Without side forces nothing but the other wheels' slip resists.
+    car.cornering = [0.0; 2];
+    for axle in 0..2 {
+        let mut hidden = Hidden::default();
+        hidden.brake_imbalance[axle] = 0.2;
+        let brake = |pressure| run(&car, &hidden, 25.0, 0.3, |_| Input { pressure, ..Input::default() });
+        let path = brake(10.0);
+        let early = path[path.len() - 1].r_dot * car.yaw_inertia;
+        // Twice 0.2 of a brake's torque, half a track from the middle.
+        let moment = 0.2 * 10.0 * car.brake_per_bar[axle] * car.track[axle] / car.radius;
+        assert!(early > 0.5 * moment && early < moment, "{early} {moment}");
+        assert_eq!(brake(0.0).pop().unwrap().r, 0.0, "it pulls while rolling");
+    }
+}
+
+#[test]
 fn a_toed_wheel_and_a_small_one_show_where_they_are() {
     let car = car(22);
     let toe = 0.014;

@@ -142,7 +142,9 @@ impl<'a> Case<'a> {
         // What the plain model and its effects leave is asked of the ordinary car.
         let decided = ordinary.as_ref().filter(|_| by_filter == Verdict::UnknownPhysics);
         let decided = decided.map(|ordinary| match ordinary.verdict(turns) {
-            Verdict::Adequate if !is_decided && gains.is_restless_along() => Verdict::UnknownPhysics,
+            Verdict::Adequate if !is_decided && (gains.is_restless_along() || gains.misses_along()) => {
+                Verdict::UnknownPhysics
+            }
             verdict => verdict,
         });
         let along = along_first.or_else(|| along(decided.is_some()));

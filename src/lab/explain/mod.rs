@@ -56,6 +56,7 @@ mod shape;
 mod signs_and_swaps;
 mod smooth;
 mod split;
+mod throughout;
 mod tuning;
 mod used;
 mod verdict;

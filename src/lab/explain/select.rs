@@ -15,6 +15,7 @@ use super::precedence::{put_in_order, settled};
 use super::shape::in_shape;
 use super::smooth::courses;
 use super::split::{BLOCK_S, Part, Split};
+use super::throughout::shows_throughout;
 use super::tuning::TUNING;
 use super::whole_car::before_the_unusual;
 use super::work;
@@ -303,7 +304,10 @@ fn fitted<'f, 'a: 'f>(
     let mut all: Vec<Refitted<'a>> =
         all.into_par_iter().filter_map(|refitted| in_shape(data, before, refitted)).collect();
     all.retain(|refitted| {
-        patches::is_possible(data, refitted) && is_noteworthy(refitted) && does_begin(data, refitted)
+        patches::is_possible(data, refitted)
+            && is_noteworthy(refitted)
+            && does_begin(data, refitted)
+            && shows_throughout(data, refitted)
     });
     best_of_each(all.into_iter().chain(patches).collect())
 }

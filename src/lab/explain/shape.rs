@@ -51,6 +51,9 @@ pub fn in_shape<'a>(data: &Data<'_>, before: &Fit<'a>, refitted: Refitted<'a>) -
 fn at_bounds(refitted: &Refitted<'_>) -> Vec<usize> {
     let model = &refitted.fit.model;
     let Some(effect) = model.effects.len().checked_sub(1) else { return Vec::new() };
+    if refitted.candidate.kind.search.has_whole_shares {
+        return Vec::new();
+    }
     let is_out = |place: &usize| {
         let (spec, of) = (&refitted.candidate.kind.parameters[*place], Place::Effect(effect, *place));
         let is_nothing = model.get(of) <= 0.0 && spec.bounds.0 == 0.0;

@@ -89,6 +89,11 @@ impl Gains {
         self.still_restless_along > self.most_restless()
     }
 
+    /// Does the equation along the car miss much of which the ordinary car, driven by a measured speed, says nothing?
+    pub fn misses_along(&self) -> bool {
+        self.left[0] > TUNING.verdict.cleared_along_per_s * self.seconds
+    }
+
     fn most_restless(&self) -> f64 {
         let most = TUNING.verdict.most_restless * self.restless;
         most.clamp(TUNING.verdict.usually_restless, TUNING.verdict.never_restless)
@@ -187,6 +192,14 @@ mod tests {
         assert!(Gains { still_restless_along: 5000.0, ..gyro }.is_restless_along());
         // As much as any sensor has.
         assert!(!Gains { still_restless_along: 500.0, ..gyro }.is_restless_along());
+    }
+
+    /// GIVEN much that is missing along the car, and as much that is missing across THEN the ordinary car has no say in the first.
+    #[test]
+    fn the_ordinary_car_does_not_clear_what_is_missing_along() {
+        let across = Gains { seconds: 60.0, left: [300.0, 90_000.0, 90_000.0], ..Gains::default() };
+        assert!(!across.misses_along());
+        assert!(Gains { left: [15_000.0, 0.0, 0.0], ..across }.misses_along());
     }
 
     #[test]

@@ -26,10 +26,10 @@ pub struct Remaining {
 }
 
 impl Remaining {
-    /// Is what repeats far more than of any decoy? Of a true drift or jump decoys predict as much. Tuned by play in the steering
+    /// Is it far more than any decoy predicts, by a quarter of what that leaves? Of a true drift or jump decoys predict as much. Tuned by play in the steering
     /// (0.82 beside 0.23) and drifts of it (0.71 beside 0.70) in the concealed recordings.
     pub fn repeats_clearly(&self) -> bool {
-        self.share > self.most_of_null + LEAST_SHARE
+        self.share - self.most_of_null > LEAST_SHARE * (1.0 - self.most_of_null)
     }
 
     /// Does something repeat? Beyond every decoy (at most one in a hundred by chance), and enough to matter.
@@ -63,6 +63,13 @@ const OUTLIER: f64 = 5.0;
 
 /// Time constants of the features' memories, s: tires, suspension and driver, heat.
 const MEMORIES_S: [f64; 3] = [0.3, 1.0, 8.0];
+
+/// What swings on a car after its lateral acceleration, hardly damped: frequencies, rad/s, of loads and liquids (a tank's first
+/// sloshing mode, a trailer's). Physical.
+const SWINGS_RAD_PER_S: [f64; 4] = [2.2, 3.2, 4.5, 6.5];
+
+/// … and its damping ratio. Physical: wider than a tank's, so that a few frequencies are enough.
+const SWING_DAMPING: f64 = 0.1;
 
 /// Plays that are asked for, at the steering wheel, rad. Numerical: what lies between is like one of the two, a tight steering
 /// has less.
@@ -167,6 +174,7 @@ fn features(base: &[[f64; 6]]) -> DMatrix<f64> {
             }
         }
     }
+    let swings = SWINGS_RAD_PER_S.map(|frequency| swing(base.iter().map(|row| row[2]), frequency, step));
     let plays = PLAYS_RAD.map(|width| lost_in_play(base.iter().map(|row| row[0]), width));
     let most = |of: usize| base.iter().map(|row| row[of].abs()).fold(0.0, f64::max);
     let (most_yaw, most_ay) = (most(1), most(2));
@@ -177,6 +185,7 @@ fn features(base: &[[f64; 6]]) -> DMatrix<f64> {
         all.extend([ay.powi(3), slip * slip.abs(), steering * ax, yaw * ax, ay * ax, ax.min(0.0), ax * ax]);
         all.extend([steering * steering.abs(), rate(row, 0), rate(row, 1), rate(row, 2), rate(row, 4)]);
         all.extend(memories[row].iter().flatten());
+        all.extend(swings.iter().flat_map(|swing| swing[row]));
         all.extend(plays.iter().flat_map(|lost| [lost[row], lost[row] * v]));
         all.extend(
             LIMITS.iter().flat_map(|limit| [beyond(yaw, limit * most_yaw), beyond(ay, limit * most_ay)]),
@@ -186,6 +195,20 @@ fn features(base: &[[f64; 6]]) -> DMatrix<f64> {
     let rows: Vec<Vec<f64>> = (0..base.len()).map(of).collect();
     let columns = rows.first().map_or(0, Vec::len);
     DMatrix::from_fn(rows.len(), columns, |i, j| rows[i][j])
+}
+
+/// Displacement and velocity of what swings, both in units of the displacement at rest, driven by these values.
+fn swing(driving: impl Iterator<Item = f64>, frequency: f64, step: f64) -> Vec<[f64; 2]> {
+    // Each value holds for a step, in which the state turns about it and decays.
+    let decay = (-SWING_DAMPING * frequency * step).exp();
+    let (sin, cos) = (frequency * (1.0 - SWING_DAMPING * SWING_DAMPING).sqrt() * step).sin_cos();
+    let mut state = [0.0; 2];
+    let next = |value| {
+        let [x, v] = [state[0] - value, state[1]];
+        state = [value + decay * (cos * x + sin * v), decay * (cos * v - sin * x)];
+        state
+    };
+    driving.map(next).collect()
 }
 
 /// What is beyond a limit, with its sign.
@@ -285,6 +308,31 @@ mod tests {
         assert!(!noise.repeats(), "{noise:?}");
         let physics = found(|_, own, i| 0.005 * own.lateral[i] * own.lateral[i].abs() + 0.2 * road[i]);
         assert!(physics.repeats() && physics.share > 0.4, "{physics:?}");
+    }
+
+    /// GIVEN a load that swings after the lateral acceleration, at a frequency between those asked for THEN what it leaves repeats.
+    #[test]
+    fn what_swings_repeats() {
+        let road = road(100_000);
+        let swings = std::cell::OnceCell::new();
+        let found = found(|_, own, i| {
+            let all = swings.get_or_init(|| swing(own.lateral.iter().copied(), 3.8, STEP_S));
+            0.05 * all[i][0] + 0.05 * road[i]
+        });
+        assert!(found.repeats_clearly(), "{found:?}");
+    }
+
+    /// GIVEN a steady value THEN what swings after it has come to rest there, and at first turns at its frequency.
+    #[test]
+    fn what_swings_is_an_oscillator() {
+        let all = swing(std::iter::repeat_n(2.0, 20_000), 3.0, STEP_S);
+        let [end, moving] = all[all.len() - 1];
+        assert!((end - 2.0).abs() < 1e-6 && moving.abs() < 1e-6, "{end} {moving}");
+        let passes = |range: std::ops::Range<usize>| {
+            all[range].windows(2).filter(|w| w[0][0] < 2.0 && w[1][0] >= 2.0).count()
+        };
+        // 3 rad/s are 4.8 turns in 10 s.
+        assert_eq!(passes(0..(10.0 / STEP_S) as usize), 5);
     }
 
     /// GIVEN 4° of play at the steering wheel, and an accelerometer that ends at 2 m/s² THEN what they leave repeats.

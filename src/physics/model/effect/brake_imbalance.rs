@@ -1,6 +1,6 @@
 //! The brakes of an axle do not brake alike.
 
-use super::{Acting, Effect, Kind, Now, Scale, SearchHints, Setting, Spec, Usual};
+use super::{Acting, Effect, Kind, Needs, Now, Scale, SearchHints, Setting, Spec, Usual};
 
 /// Of each axle, front first: by how much more the left brake gives than the mean of both, relative to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,13 @@ pub static KIND: Kind = Kind {
         left_more("left_more_rear", "more at the left rear brake"),
     ],
     course: None,
-    search: SearchHints { each_number_alone: true, usual: Some(USUAL), ..SearchHints::USUAL },
+    // How axles share the braking is hardly known where no pressure is.
+    search: SearchHints {
+        needs: Needs::KnownTorque,
+        each_number_alone: true,
+        usual: Some(USUAL),
+        ..SearchHints::USUAL
+    },
     make: |setting: &Setting<'_>| {
         Box::new(BrakeImbalance { left_more: std::array::from_fn(|axle| setting.values[axle]) })
     },

@@ -81,6 +81,7 @@ pub fn pass_run(
         let end = ((k / per_block + 1) * per_block).min(to);
         let begin = filter.trajectory.clone();
         let mut out = BlockOutput::new(number, (k, end));
+        out.derivatives.reserve(end - k);
         for step in k..end {
             filter.step((car, drive, noise), (step, step == from), &mut out, options);
         }

@@ -79,8 +79,7 @@ pub(super) struct BlockOutput {
 impl BlockOutput {
     pub(super) fn new(drive: usize, between: (usize, usize)) -> Self {
         let sums = BlockSums::empty(drive, between);
-        let steps = between.1 - between.0;
-        Self { gains: Vec::new(), errors: Vec::new(), derivatives: Vec::with_capacity(steps), sums }
+        Self { gains: Vec::new(), errors: Vec::new(), derivatives: Vec::new(), sums }
     }
 
     /// Keeps the sums only.

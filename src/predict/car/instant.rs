@@ -117,7 +117,7 @@ impl ExtendedCar {
     fn torques(&self, input: &Recorded, state: &State, on: &Acting) -> [f64; 4] {
         if self.knows_torque {
             let (torque, pressure) = (input.drive_torque, input.brake_pressure);
-            let brake = |i: usize| on.braking[i] * self.brake_share[i] * pressure;
+            let brake = |i: usize| on.brake_gain[i] * self.brake_share[i] * pressure;
             return std::array::from_fn(|i| self.torque_share[i] * torque - brake(i));
         }
         let force = on.body.mass * state.live[0];
@@ -172,10 +172,11 @@ impl ExtendedCar {
     }
 }
 
-/// All wheels brake by what they carry at the moment and what their brake is worth. Axles do so by the distribution of brake force; wheels of one axle
-/// with the same pressure do not, but the drives in `free_runs` ask for it (sideslip of a GTI 0.76° for 0.44°).
+/// All wheels brake by what they carry at the moment, and by what their brake gives. Axles do so by the distribution of brake
+/// force; wheels of one axle with the same pressure do not, but the drives in `free_runs` ask for it (sideslip of a GTI 0.76° for
+/// 0.44°).
 fn braking(force: f64, on: &Acting) -> [f64; 4] {
-    let weight: [f64; 4] = std::array::from_fn(|i| on.braking[i] * on.load[i]);
+    let weight: [f64; 4] = std::array::from_fn(|i| on.brake_gain[i] * on.load[i]);
     let all: f64 = weight.iter().sum();
     weight.map(|weight| force * weight / all)
 }

@@ -26,8 +26,8 @@ pub struct Remaining {
 }
 
 impl Remaining {
-    /// Is it far more than any decoy predicts, by a quarter of what that leaves? Of a true drift or jump decoys predict as much. Tuned by play in the steering
-    /// (0.82 beside 0.23) and drifts of it (0.71 beside 0.70) in the concealed recordings.
+    /// Is it far more than any decoy predicts, by a quarter of what that leaves? Of a true drift or jump decoys predict as much.
+    /// Tuned by play in the steering (0.82 beside 0.23) and drifts of it (0.71 beside 0.70) in the concealed recordings.
     pub fn repeats_clearly(&self) -> bool {
         self.share - self.most_of_null > LEAST_SHARE * (1.0 - self.most_of_null)
     }

@@ -59,8 +59,8 @@ pub static KIND: Kind = Kind {
 impl Effect for BrakeImbalance {
     fn act(&self, _now: &Now<'_>, _states: &[f64], on: &mut Acting) {
         for (axle, left_more) in self.left_more.into_iter().enumerate() {
-            on.braking[2 * axle] *= 1.0 + left_more;
-            on.braking[2 * axle + 1] *= 1.0 - left_more;
+            on.brake_gain[2 * axle] *= 1.0 + left_more;
+            on.brake_gain[2 * axle + 1] *= 1.0 - left_more;
         }
     }
 }
@@ -73,6 +73,6 @@ mod tests {
     #[test]
     fn one_side_brakes_more_and_the_other_less() {
         let on = Bench::driving(20.0).acted(&*simple(&KIND, &[0.2, -0.1]), &[]);
-        assert_eq!(on.braking, [1.2, 0.8, 0.9, 1.1]);
+        assert_eq!(on.brake_gain, [1.2, 0.8, 0.9, 1.1]);
     }
 }

@@ -98,7 +98,7 @@ pub struct Acting {
     /// Rolling radius of each wheel, m.
     pub radius: [f64; 4],
     /// What each wheel's brake gives, relative to its share of the recorded braking.
-    pub braking: [f64; 4],
+    pub brake_gain: [f64; 4],
     /// Force of a brake that nobody records along each wheel, N, against its rolling.
     pub brake: [f64; 4],
     /// Forces and moment on the body that an accelerometer feels, too.
@@ -122,7 +122,7 @@ impl Acting {
             tire: plant.tire,
             ellipse: EllipseFactors::default(),
             radius: plant.radius,
-            braking: [1.0; 4],
+            brake_gain: [1.0; 4],
             brake: [0.0; 4],
             external: plant.nominal.external,
             gravity: [0.0; 2],

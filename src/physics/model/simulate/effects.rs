@@ -54,8 +54,8 @@ pub(super) struct Shaped {
     /// Angle of the front wheels, rad.
     pub(super) steer: f64,
     gravity: [f64; 2],
-    /// Of each brake, relative to the plain car's.
-    braking: [f64; 4],
+    /// What each brake gives, relative to the plain car's.
+    brake_gain: [f64; 4],
     /// Torque of brakes that nobody records, N m; negative where it drives.
     hidden_brake: [f64; 4],
     ellipse: EllipseFactors,
@@ -141,13 +141,13 @@ impl Effects {
         on.contact = *plain.contact;
         self.list.act(now, own, &mut on);
         let (steer, external) = (on.steer(), on.external());
-        let Acting { body, tire, radius, contact, load, toe, braking, brake, gravity, ellipse, .. } = on;
+        let Acting { body, tire, radius, contact, load, toe, brake_gain, brake, gravity, ellipse, .. } = on;
         Shaped {
             plant: Plant { body, tire, radius, ..*plain.plant },
             conditions: Conditions { contact, load, toe, external },
             steer,
             gravity,
-            braking,
+            brake_gain,
             hidden_brake: std::array::from_fn(|i| brake[i] * radius[i]),
             ellipse,
         }
@@ -296,7 +296,7 @@ impl Shaped {
     fn steered(&self, controls: &Controls) -> Controls {
         let mut controls = Controls { steer: self.steer, ..*controls };
         for (i, hidden) in self.hidden_brake.into_iter().enumerate() {
-            controls.brake_torque[i] = self.braking[i] * controls.brake_torque[i] + hidden.max(0.0);
+            controls.brake_torque[i] = self.brake_gain[i] * controls.brake_torque[i] + hidden.max(0.0);
             controls.drive_torque[i] -= hidden.min(0.0);
         }
         controls

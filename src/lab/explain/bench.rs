@@ -1,11 +1,13 @@
 //! A drive of the project's own simulator, for the unit tests of explain. (tests/concealed has a simulator of its
 //! own.)
 
+use super::candidates::library;
 use super::case::Case;
-use super::fit::{Data, Fit};
+use super::fit::{Data, Fit, Learn};
 use super::model::Model;
+use super::naming::{Refitted, refit, scan};
 use super::split::{Part, Split};
-use physics::model::effect::KINDS;
+use physics::model::effect::{KINDS, Kind};
 use physics::model::{Scenario, Uncertain, Vehicle};
 use predict::noise::Noise;
 use predict::{GriddedDrive, Recording};
@@ -62,4 +64,22 @@ pub fn training(drives: &[GriddedDrive]) -> Data<'_> {
 pub fn fitted<'a>(data: &Data<'_>, vehicle: &'a Vehicle) -> Fit<'a> {
     let plain = Model::plain(vehicle, true);
     data.fit(&plain, &plain.ordinary(|_| true), &data.own_noise, 6)
+}
+
+/// What a drive with effects (TOML) says of a kind, which could have begun at certain moments, s: the candidate fitted with all
+/// that is ordinary, beside the plain model without it.
+pub fn refitted<T>(
+    effects: &str,
+    kind: &'static Kind,
+    onsets: &[f64],
+    then: impl for<'a> FnOnce(&Data<'_>, &Fit<'a>, Refitted<'a>) -> T,
+) -> T {
+    let (vehicle, recording) = recorded(effects);
+    let drives = [GriddedDrive::new(&recording, &vehicle)];
+    let data = training(&drives);
+    let plain = fitted(&data, &vehicle);
+    let library = library(&[kind], &plain.model, |_| true, onsets);
+    let scanned = scan(&data, &plain, &library);
+    let refitted = refit(&data, &plain, (&plain, Learn::Noise), &scanned[0], 4);
+    then(&data, &plain, refitted)
 }

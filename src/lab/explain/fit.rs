@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::model::{Free, Model};
+use super::model::{Free, Model, Place};
 use super::split::{Part, Split};
 use predict::GriddedDrive;
 use predict::car::BODY_STATES;
@@ -71,6 +71,16 @@ impl Fit<'_> {
     /// What a search makes as small as it can: −2 ln likelihood with the prior.
     pub fn cost(&self) -> f64 {
         self.minus_two_ln + self.prior
+    }
+
+    /// How far the main numbers of an effect are from nothing, each with its place among what is free, if it was fitted.
+    pub fn main_numbers(&self, effect: usize) -> impl Iterator<Item = (f64, Option<usize>)> {
+        let of = &self.model.effects[effect];
+        let numbers = of.specs().zip(&of.numbers).enumerate().filter(|(_, (spec, _))| spec.is_main);
+        numbers.map(move |(at, (spec, number))| {
+            let place = self.free.iter().position(|free| free.place == Place::Effect(effect, at));
+            (number - spec.mean, place)
+        })
     }
 
     /// What is free of a model that has more effects than this one: theirs, too.

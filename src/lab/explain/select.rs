@@ -412,24 +412,17 @@ pub fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> Option<f64> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::bench::{fitted, recorded, training};
-    use super::super::candidates;
+    use super::super::bench::refitted;
     use super::*;
     use physics::model::effect::named;
 
     /// Does the centre of gravity move at a moment in a drive in which it did at another, s?
     fn begins(truly: f64, at: f64) -> bool {
-        let (vehicle, recording) =
-            recorded(&format!("[[effect]]\nkind = \"cg_shift\"\nshift_m = -0.15\nat_s = {truly}\n"));
-        let drives = [GriddedDrive::new(&recording, &vehicle)];
-        let data = training(&drives);
-        let plain = fitted(&data, &vehicle);
-        let kind = named("cg_shift").unwrap();
-        let library = candidates::library(&[kind], &plain.model, |_| true, &[at]);
-        let scanned = scan(&data, &plain, &library);
-        let shift = refit(&data, &plain, (&plain, Learn::Noise), &scanned[0], 4);
-        assert_eq!(shift.onset(), Some(at));
-        does_begin(&data, &shift)
+        let hidden = format!("[[effect]]\nkind = \"cg_shift\"\nshift_m = -0.15\nat_s = {truly}\n");
+        refitted(&hidden, named("cg_shift").unwrap(), &[at], |data, _, shift| {
+            assert_eq!(shift.onset(), Some(at));
+            does_begin(data, &shift)
+        })
     }
 
     #[test]

@@ -64,31 +64,22 @@ fn at_bounds(refitted: &Refitted<'_>) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bench::{fitted, recorded, training};
-    use super::super::candidates;
-    use super::super::fit::Learn;
-    use super::super::naming::{refit, scan};
+    use super::super::bench::refitted;
     use super::super::select::LEAST_EVIDENCE;
     use super::*;
     use physics::model::effect::named;
-    use predict::GriddedDrive;
 
     /// The roll of a body in a drive with one, a number of it at its lower bound: what is free of it then, and its evidence.
     fn rolling(numbers: &str, at_bound: &str) -> Option<(Vec<&'static str>, f64)> {
         let kind = named("body_roll").unwrap();
         let roll = format!("[[effect]]\nkind = \"body_roll\"\nroll_gain_rad_per_mps2 = 0.012\n{numbers}");
-        let (vehicle, recording) = recorded(&roll);
-        let drives = [GriddedDrive::new(&recording, &vehicle)];
-        let data = training(&drives);
-        let plain = fitted(&data, &vehicle);
-        let library = candidates::library(&[kind], &plain.model, |_| true, &[]);
-        let scanned = scan(&data, &plain, &library);
-        let mut refitted = refit(&data, &plain, (&plain, Learn::Noise), &scanned[0], 4);
-        let place = kind.place_of(at_bound).unwrap();
-        refitted.fit.model.put(Place::Effect(0, place), kind.parameters[place].bounds.0);
-        let left = in_shape(&data, &plain, refitted)?;
-        let names = left.candidate.free.iter().map(|place| kind.parameters[*place].name);
-        Some((names.collect(), left.evidence))
+        refitted(&roll, kind, &[], |data, plain, mut roll| {
+            let place = kind.place_of(at_bound).unwrap();
+            roll.fit.model.put(Place::Effect(0, place), kind.parameters[place].bounds.0);
+            let left = in_shape(data, plain, roll)?;
+            let names = left.candidate.free.iter().map(|place| kind.parameters[*place].name);
+            Some((names.collect(), left.evidence))
+        })
     }
 
     /// GIVEN a body that rolls, hardly damped WHEN a search took the damping to its bound THEN it is found from what is usual.

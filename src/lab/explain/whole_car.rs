@@ -2,7 +2,6 @@
 
 use super::candidates::Candidate;
 use super::fit::{Data, Fit};
-use super::model::Place;
 use super::naming::Refitted;
 use super::precedence::ROUNDS;
 use super::select::is_confirmed;
@@ -130,16 +129,9 @@ fn sureness(fit: &Fit<'_>, effect: usize) -> f64 {
 
 /// How far the main numbers of an effect are from nothing, each with its standard deviation; zero where it was not fitted.
 fn main_numbers(fit: &Fit<'_>, effect: usize) -> impl Iterator<Item = (f64, f64)> {
-    let std = move |number: usize| {
-        let place = fit.free.iter().position(|free| free.place == Place::Effect(effect, number));
-        let variance = |place: usize| fit.covariance.get((place, place)).copied().unwrap_or(f64::INFINITY);
-        place.map_or(0.0, |place| variance(place).sqrt())
-    };
-    let effect = &fit.model.effects[effect];
-    let numbers = effect.specs().zip(&effect.numbers).enumerate();
-    numbers
-        .filter(|(_, (spec, _))| spec.is_main)
-        .map(move |(at, (spec, number))| (number - spec.mean, std(at)))
+    let variance = |place: usize| fit.covariance.get((place, place)).copied().unwrap_or(f64::INFINITY);
+    fit.main_numbers(effect)
+        .map(move |(value, place)| (value, place.map_or(0.0, |place| variance(place).sqrt())))
 }
 
 #[cfg(test)]

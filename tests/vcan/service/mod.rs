@@ -81,6 +81,11 @@ fn published_ids() -> Vec<CanId> {
     database.messages().iter().map(|message| message.id).collect()
 }
 
+/// The counters of a published message, frame by frame.
+fn counters(recorded: &[Frame], id: CanId) -> Vec<u8> {
+    recorded.iter().filter(|frame| frame.id == id).map(|frame| frame.data()[1] & 15).collect()
+}
+
 /// Is it one of the messages that gripd publishes?
 fn is_published(frame: &Frame) -> bool {
     (0x6A0..=0x6A6).contains(&frame.id.number()) && !frame.id.is_extended()

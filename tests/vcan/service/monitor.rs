@@ -6,8 +6,7 @@ use super::*;
 
 /// How often a published message's counter did not count on from the one before.
 fn counter_jumps(recorded: &[Frame], id: CanId) -> usize {
-    let counters: Vec<u8> = recorded.iter().filter(|f| f.id == id).map(|f| f.data()[1] & 15).collect();
-    counters.windows(2).filter(|pair| pair[1] != next_counter(pair[0])).count()
+    counters(recorded, id).windows(2).filter(|pair| pair[1] != next_counter(pair[0])).count()
 }
 
 /// `gripd monitor --once`: its exit code, and what it printed.

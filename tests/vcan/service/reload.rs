@@ -16,7 +16,7 @@ fn recording(seconds: i64) -> Vec<Frame> {
 #[track_caller]
 fn no_counter_jumps(published: &[Frame]) {
     for id in published_ids() {
-        let counters: Vec<u8> = published.iter().filter(|f| f.id == id).map(|f| f.data()[1] & 15).collect();
+        let counters = counters(published, id);
         assert!(counters.len() > 10, "{id}: {} frames", counters.len());
         for pair in counters.windows(2) {
             assert_eq!(pair[1], next_counter(pair[0]), "{id}");

@@ -1,6 +1,6 @@
 //! The brakes of an axle do not brake alike.
 
-use super::{Acting, Effect, Kind, Needs, Now, Scale, SearchHints, Setting, Spec, Usual};
+use super::{Acting, Effect, Kind, Needs, Now, SearchHints, Setting, Spec, Usual};
 
 /// Of each axle, front first: by how much more the left brake gives than the mean of both, relative to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,18 +10,7 @@ struct BrakeImbalance {
 
 /// Of one axle.
 const fn left_more(name: &'static str, words: &'static str) -> Spec {
-    Spec {
-        name,
-        words,
-        unit: "1",
-        scale: Scale::Linear,
-        mean: 0.0,
-        std: 0.1,
-        bounds: (-0.95, 0.95),
-        step: 0.01,
-        model_error: Spec::MODEL_ERROR,
-        is_main: true,
-    }
+    Spec { std: 0.1, bounds: (-0.95, 0.95), step: 0.01, ..Spec::ratio(name, words) }
 }
 
 /// At its inspection a car fails from 0.18 on, where one brake gives less than 70 % of the other (Directive 2014/45/EU,

@@ -1,6 +1,6 @@
 //! Force along a tire takes force across away, and force across takes force along.
 
-use super::{Acting, Effect, Kind, Now, Scale, SearchHints, Setting, Spec};
+use super::{Acting, Effect, Kind, Now, SearchHints, Setting, Spec};
 
 /// How much of the friction ellipse holds below the limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,18 +32,7 @@ pub static KIND: Kind = Kind {
 };
 
 const fn factor(name: &'static str, words: &'static str) -> Spec {
-    Spec {
-        name,
-        words,
-        unit: "1",
-        scale: Scale::Linear,
-        mean: 0.0,
-        std: 0.5,
-        bounds: (0.0, 1.5),
-        step: 0.1,
-        model_error: Spec::MODEL_ERROR,
-        is_main: true,
-    }
+    Spec { std: 0.5, bounds: (0.0, 1.5), step: 0.1, ..Spec::ratio(name, words) }
 }
 
 impl Effect for CombinedSlip {

@@ -92,6 +92,22 @@ impl Spec {
         is_main: false,
     };
 
+    /// A main number that is a ratio and nothing at zero. How large it is usually is the effect's own.
+    pub const fn ratio(name: &'static str, words: &'static str) -> Self {
+        Self {
+            name,
+            words,
+            unit: "1",
+            scale: Scale::Linear,
+            mean: 0.0,
+            std: 1.0,
+            bounds: (-1.0, 1.0),
+            step: 0.1,
+            model_error: Self::MODEL_ERROR,
+            is_main: true,
+        }
+    }
+
     /// The coordinate of a value.
     pub fn coordinate(&self, value: f64) -> f64 {
         self.scale.coordinate(value)

@@ -1,6 +1,6 @@
 //! Tires of unequal radius.
 
-use super::{Acting, Effect, Kind, Now, Scale, SearchHints, Setting, Spec, Usual};
+use super::{Acting, Effect, Kind, Now, SearchHints, Setting, Spec, Usual};
 
 /// Each wheel's rolling radius, relative to the one of the vehicle table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,18 +10,7 @@ struct TireRadius {
 
 /// Of one wheel.
 const fn difference(name: &'static str, words: &'static str) -> Spec {
-    Spec {
-        name,
-        words,
-        unit: "1",
-        scale: Scale::Linear,
-        mean: 0.0,
-        std: 0.01,
-        bounds: (-0.2, 0.2),
-        step: 0.001,
-        model_error: Spec::MODEL_ERROR,
-        is_main: true,
-    }
+    Spec { std: 0.01, bounds: (-0.2, 0.2), step: 0.001, ..Spec::ratio(name, words) }
 }
 
 /// Wear, load and pressure make tires of one set differ by some tenths of a per cent: what is wrong with a wheel is more.

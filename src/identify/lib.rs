@@ -9,6 +9,7 @@
 //! same search is output error where the equations hold, and a prediction-error method where they do not.
 
 mod axles;
+mod bounded;
 mod braking;
 mod car;
 mod config;
@@ -41,6 +42,7 @@ mod uncertainty;
 pub mod understeer;
 
 pub use axles::{AxleStiffness, CorneringStiffness, against, too_unsure};
+pub use bounded::bounded_step;
 pub use config::IdentifyConfig;
 pub use doubt::{Doubt, MOST_DEVIATIONS, Told};
 pub use error::IdentifyError;

@@ -3,6 +3,7 @@
 
 use nalgebra::{DMatrix, DVector, Dyn, Matrix3, OMatrix, U3, Vector3};
 
+use super::bounded::bounded_step;
 use super::motion::Output;
 use super::segment_sums::SegmentSums;
 
@@ -128,7 +129,7 @@ impl Eliminated<'_> {
     /// The step of parameters and starts, and by how much the cost would fall were all linear. No parameter goes
     /// farther than its limits, down and up.
     pub(super) fn step(&self, limits: &[(f64, f64)]) -> Option<(Point, f64)> {
-        let theta = self.step_of_parameters(limits)?;
+        let theta = bounded_step(&self.information, &-&self.gradient, limits)?;
         let mut starts = vec![Vector3::zeros(); self.starts.len()];
         let mut after = Vector3::zeros();
         for (place, (inverse, border, gradient)) in self.starts.iter().enumerate().rev() {
@@ -139,31 +140,6 @@ impl Eliminated<'_> {
         let step = Point { theta, starts };
         let gain = self.all.gain(&step);
         Some((step, gain))
-    }
-
-    /// Where one would leave its limits it stops there, and the others make the best of that.
-    fn step_of_parameters(&self, limits: &[(f64, f64)]) -> Option<DVector<f64>> {
-        let mut theta = DVector::zeros(limits.len());
-        let mut free: Vec<usize> = (0..limits.len()).collect();
-        while !free.is_empty() {
-            for place in &free {
-                theta[*place] = 0.0;
-            }
-            let pull = (&self.gradient + &self.information * &theta).select_rows(&free);
-            let information = self.information.select_rows(&free).select_columns(&free);
-            let solved = information.cholesky()?.solve(&pull);
-            for (place, step) in free.iter().zip(&solved) {
-                theta[*place] = -step;
-            }
-            let beyond = |place: usize| (limits[place].0 - theta[place]).max(theta[place] - limits[place].1);
-            let farthest = (0..free.len()).max_by(|a, b| beyond(free[*a]).total_cmp(&beyond(free[*b])))?;
-            if beyond(free[farthest]) <= 0.0 {
-                break;
-            }
-            let held = free.remove(farthest);
-            theta[held] = theta[held].max(limits[held].0).min(limits[held].1);
-        }
-        Some(theta)
     }
 
     /// What each segment says of the parameters, once the starts have followed: the terms whose sum is

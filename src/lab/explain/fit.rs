@@ -5,11 +5,16 @@ use rayon::prelude::*;
 
 use super::model::{Free, Model, Place};
 use super::split::{Part, Split};
+use identify::bounded_step;
 use predict::GriddedDrive;
 use predict::car::BODY_STATES;
 use predict::noise::Noise;
 use predict::pass::{Beside, Other, pass_run};
 use predict::sums::{BlockSums, PassOptions};
+
+/// A number goes no farther in one step than so many standard deviations of its prior. Numerical: beyond, equations that are
+/// not linear say little.
+const FARTHEST: f64 = 4.0;
 
 /// The drives and which of their blocks may be looked at.
 #[derive(Clone, Debug)]
@@ -286,9 +291,9 @@ impl<'d> Data<'d> {
         let mut is_stuck = false;
         for round in 0..rounds {
             told(round);
-            let (mut information, gradient) = self.normal(&sums, &model, free);
+            let (information, gradient) = self.normal(&sums, &model, free);
             let Some(inverse) = information.clone().cholesky().map(|c| c.inverse()) else { break };
-            let Some(step) = within_bounds(&model, free, &mut information, &gradient) else { break };
+            let Some(step) = bounded_step(&information, &gradient, &limits(&model, free)) else { break };
             last = Some(inverse);
             let before = self.minus_two_ln(&sums);
             let mut value = before;
@@ -336,10 +341,7 @@ impl<'d> Data<'d> {
         (step, value): (&DVector<f64>, f64),
     ) -> Option<Stepped<'a>> {
         let before = value + prior(model, free);
-        let mut share: f64 = 1.0;
-        for (free, step) in free.iter().zip(step.iter()) {
-            share = share.min(4.0 * free.std / step.abs().max(1e-300));
-        }
+        let mut share = 1.0;
         for _ in 0..4 {
             let mut moved = model.clone();
             for (free, step) in free.iter().zip(step.iter()) {
@@ -378,30 +380,13 @@ impl<'d> Data<'d> {
     }
 }
 
-/// The step that solves the normal equations; numbers that it would push out of their bounds stay, and are
-/// known for certain from then on, as far as the equations go.
-pub fn within_bounds(
-    model: &Model<'_>,
-    free: &[Free],
-    information: &mut DMatrix<f64>,
-    gradient: &DVector<f64>,
-) -> Option<DVector<f64>> {
-    let mut stays = vec![false; free.len()];
-    loop {
-        let step = information.clone().cholesky()?.solve(gradient);
-        let outwards = |place: usize| {
-            let nudge = Free { step: (1e-3 * free[place].step).copysign(step[place]), ..free[place] };
-            !stays[place] && model.moved(&nudge).is_none()
-        };
-        let pushed: Vec<usize> = (0..free.len()).filter(|place| outwards(*place)).collect();
-        if pushed.is_empty() {
-            return Some(step);
-        }
-        for place in pushed {
-            stays[place] = true;
-            information[(place, place)] *= 1e12;
-        }
-    }
+/// How far each number may go in one step, down and up: within its bounds, and no farther than is likely at all.
+fn limits(model: &Model<'_>, free: &[Free]) -> Vec<(f64, f64)> {
+    let each = free.iter().map(|free| {
+        let (least, most) = model.room(free.place);
+        (least.max(-FARTHEST * free.std), most.min(FARTHEST * free.std))
+    });
+    each.collect()
 }
 
 /// What the prior says against a model.

@@ -299,6 +299,12 @@ impl<'a> Model<'a> {
         is_at_either(self.get(place), self.bounds(place))
     }
 
+    /// How far a coordinate may go, down and up.
+    pub fn room(&self, place: Place) -> (f64, f64) {
+        let (at, (low, high)) = (self.get(place), self.bounds(place));
+        ((low - at).min(0.0), (high - at).max(0.0))
+    }
+
     /// Changes a free number, within its bounds.
     pub fn set(&mut self, place: Place, coordinate: f64) {
         let (low, high) = self.bounds(place);

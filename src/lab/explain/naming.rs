@@ -9,9 +9,10 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::candidates::Candidate;
-use super::fit::{Data, Fit, Learn, Varied, within_bounds};
+use super::fit::{Data, Fit, Learn, Varied};
 use super::model::{Free, Model, Place};
 use super::tuning::TUNING;
+use identify::bounded_step;
 use physics::model::effect::{Growth, Kind};
 use predict::grid::STEP_S;
 use predict::noise::{Live, Noise};
@@ -317,7 +318,14 @@ impl Normal {
             alone += &sum.alone;
         }
         // What ordinary numbers cannot reach without leaving their bounds they do not explain.
-        let _ = within_bounds(&fit.model, &fit.free, &mut own, &gradient);
+        let room: Vec<_> = fit.free.iter().map(|free| fit.model.room(free.place)).collect();
+        if let Some(step) = bounded_step(&own, &gradient, &room) {
+            for (place, (step, room)) in step.iter().zip(room).enumerate() {
+                if *step == room.0 || *step == room.1 {
+                    own[(place, place)] *= 1e12;
+                }
+            }
+        }
         let count = ordinary.len();
         let inverse = own.cholesky().map_or_else(|| DMatrix::zeros(count, count), |c| c.inverse());
         Self { gradient, alone, inverse }

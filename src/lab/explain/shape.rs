@@ -6,7 +6,7 @@ use super::naming::Refitted;
 use super::tuning::TUNING;
 
 /// Rounds of fitting. Numerical: Gauss–Newton steps.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 8;
 
 /// A fit whose numbers beside its size a car can have. One that ends at its bound is set to what is usual, and stays there
 /// if it would only go back. If most of the evidence was for that number, this is another thing: a load that sloshes is no
@@ -56,7 +56,7 @@ fn at_bounds(refitted: &Refitted<'_>) -> Vec<usize> {
     }
     let is_out = |place: &usize| {
         let (spec, of) = (&refitted.candidate.kind.parameters[*place], Place::Effect(effect, *place));
-        let is_nothing = model.get(of) <= 0.0 && spec.bounds.0 == 0.0;
+        let is_nothing = spec.bounds.0 == 0.0 && model.get(of) < 0.5 * spec.bounds.1;
         !spec.is_main && !is_nothing && model.is_at_bound(of)
     };
     refitted.candidate.free.iter().copied().filter(is_out).collect()

@@ -3,7 +3,7 @@
 
 use nalgebra::DMatrix;
 
-use super::bounded::bounded_step;
+use super::damped::damped_step;
 use super::grid::STEP_S;
 use super::inputs::FreeDrive;
 use super::numbers::{Free, Number};
@@ -222,7 +222,7 @@ impl<'a> Problem<'_, 'a> {
                 let before = cost;
                 for _ in 0..tries {
                     let (information, gradient) = (&normal.information, &normal.gradient);
-                    let step = bounded_step(information, gradient, damping, self.free, &at);
+                    let step = damped_step(information, gradient, damping, self.free, &at);
                     let next = step.unwrap_or_else(|| at.clone());
                     let there = self.predict(&next);
                     let cost_there = self.cost(&next, &there, scale);

@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::super::bounded::bounded_step;
+use super::super::damped::damped_step;
 use super::super::numbers::{Free, prior_cost};
 use super::Search;
 use super::colour::{Colour, Series};
@@ -183,7 +183,7 @@ impl Search<'_> {
             let mut misleads = false;
             // Levenberg's and Marquardt's.
             for tries in 0..TRIES {
-                let Some(next) = bounded_step(&information, &gradient, damping, free, &at) else { break };
+                let Some(next) = damped_step(&information, &gradient, damping, free, &at) else { break };
                 let step = DVector::from_fn(count, |i, _| next[i] - at[i]);
                 if are_own_new && 2.0 * step.dot(&gradient) - step.dot(&(&information * &step)) < LEAST_STEP {
                     break;

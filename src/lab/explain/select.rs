@@ -173,18 +173,24 @@ pub fn select<'a>(
             round = round.and(look(&data, &extended, &[(&strict, Learn::Nothing)], &library, least));
         }
         round.refitted.retain(|of| of.candidate.live.is_none() || is_enough(of));
-        put_in_order(&data, &extended, &mut round.refitted);
+        let stands_for_all = put_in_order(&data, &extended, &mut round.refitted);
         for refitted in &round.refitted {
             tracing::debug!(name = refitted.candidate.name(), evidence = refitted.evidence, "fitted");
         }
-        let best = round.refitted.iter().find(|of| is_enough(of)).cloned();
+        let mut worth: Vec<Refitted<'a>> =
+            round.refitted.iter().filter(|of| is_enough(of)).cloned().collect();
+        // What cannot be told from what every car has is not unusual, though that may not be sure enough to be named.
+        if stands_for_all && !round.refitted.first().is_some_and(is_enough) {
+            worth.clear();
+        }
+        let best = worth.first();
         // At the end the rest of what every car has, once.
-        let ordinary = if best.is_none() && was_at_end {
+        let ordinary = if worth.is_empty() && was_at_end {
             Vec::new()
         } else {
-            before_the_unusual(&data, &extended, &library, &round.refitted, best.as_ref())
+            before_the_unusual(&data, &extended, &library, &round.refitted, best)
         };
-        was_at_end |= best.is_none();
+        was_at_end |= worth.is_empty();
         if let Some(last) = ordinary.last() {
             extended = last.fit.clone();
             rounds.extend(ordinary.iter().map(Round::without_rivals));
@@ -192,35 +198,65 @@ pub fn select<'a>(
             continue;
         }
         rounds.push(round);
-        let Some(mut first) = best else { break };
-        if let Some(split) = first.onset().and_then(|at| data.split.released(at, TUNING.selection.onset_s)) {
-            data.split = split;
-            let again = |fit: &Fit<'a>| data.fit(&fit.model, &fit.free, &fit.noise, NEXT_ROUNDS);
-            baseline = again(&baseline);
-            extended = if chosen.is_empty() { baseline.clone() } else { again(&extended) };
-            // What was fitted to other blocks cannot be compared; and within one that was held out, it could
-            // have begun anywhere.
-            let mut fit = first.fit.clone();
-            fit.model = first.begun_within(&data, BLOCK_S);
-            first = Refitted::new(&extended, first.candidate, again(&fit));
-            first = refine(&data, &extended, &first, NEXT_ROUNDS);
-        }
-        first.fit = settled(&data, &first.fit);
-        let confirmed = is_confirmed(&data, &extended, &first, !chosen.is_empty());
-        tracing::debug!(
-            name = first.candidate.name(),
-            evidence = first.evidence,
-            confirmed,
-            numbers = ?first.fit.model.effects.last().map(|effect| effect.values()),
-            live = ?first.fit.noise.live,
-        );
-        if !confirmed {
-            break;
-        }
-        extended = first.fit.clone();
-        chosen.push(first);
+        let Some(taken) = first_confirmed(&data, (&baseline, &extended), &worth, is_further) else { break };
+        data.split = taken.split;
+        (baseline, extended) = (taken.baseline, taken.refitted.fit.clone());
+        chosen.push(taken.refitted);
     }
     Selection { baseline, extended, chosen, rounds, split: data.split }
+}
+
+/// A candidate that held-out data confirm.
+struct Taken<'a> {
+    refitted: Refitted<'a>,
+    /// The plain model and the split: what begins at a moment changes what is held out.
+    baseline: Fit<'a>,
+    split: Split,
+}
+
+/// The first that is confirmed, of those that come close to the first one.
+fn first_confirmed<'a>(
+    data: &Data<'_>,
+    before: (&Fit<'a>, &Fit<'a>),
+    ordered: &[Refitted<'a>],
+    is_further: bool,
+) -> Option<Taken<'a>> {
+    let close = TUNING.selection.rival_share * ordered.first()?.evidence;
+    let mut tried = ordered.iter().filter(|of| of.evidence >= close).take(TUNING.selection.most_rivals);
+    tried.find_map(|of| confirmed(data, before, of, is_further))
+}
+
+/// A candidate, all its numbers settled, if held-out data confirm it beside the plain model and what was chosen before.
+fn confirmed<'a>(
+    data: &Data<'_>,
+    (baseline, extended): (&Fit<'a>, &Fit<'a>),
+    of: &Refitted<'a>,
+    is_further: bool,
+) -> Option<Taken<'a>> {
+    let mut data = data.clone();
+    let (mut refitted, mut baseline, mut extended) = (of.clone(), baseline.clone(), extended.clone());
+    if let Some(split) = of.onset().and_then(|at| data.split.released(at, TUNING.selection.onset_s)) {
+        data.split = split;
+        let again = |fit: &Fit<'a>| data.fit(&fit.model, &fit.free, &fit.noise, NEXT_ROUNDS);
+        baseline = again(&baseline);
+        extended = if is_further { again(&extended) } else { baseline.clone() };
+        // What was fitted to other blocks cannot be compared; and within one that was held out, it could
+        // have begun anywhere.
+        let mut fit = of.fit.clone();
+        fit.model = of.begun_within(&data, BLOCK_S);
+        refitted = Refitted::new(&extended, refitted.candidate, again(&fit));
+        refitted = refine(&data, &extended, &refitted, NEXT_ROUNDS);
+    }
+    refitted.fit = settled(&data, &refitted.fit);
+    let is_confirmed = is_confirmed(&data, &extended, &refitted, is_further);
+    tracing::debug!(
+        name = refitted.candidate.name(),
+        evidence = refitted.evidence,
+        confirmed = is_confirmed,
+        numbers = ?refitted.fit.model.effects.last().map(|effect| effect.values()),
+        live = ?refitted.fit.noise.live,
+    );
+    is_confirmed.then_some(Taken { refitted, baseline, split: data.split })
 }
 
 /// Evidence that is needed in a share of the recordings, after so much has been chosen or nothing.

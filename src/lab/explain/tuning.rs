@@ -43,7 +43,7 @@ pub struct SelectionTuning {
     pub least_share: f64,
     /// … and of the evidence that is needed: to first order a gain shows only in part.
     pub least_of_first_order: f64,
-    /// After the first fit so many may win …
+    /// After the first fit so many may win, and if held-out data do not confirm the best, so many are asked …
     pub most_rivals: usize,
     /// … and all others with this share of the best evidence. What is unusual keeps this share of its own beside all that every
     /// car has (`whole_cars`).

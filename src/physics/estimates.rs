@@ -74,7 +74,7 @@ pub enum MuSource {
     Joint,
     /// Deceleration during ABS braking.
     Abs,
-    /// The driven wheels were at their limit: slip grew, the force did not.
+    /// The driven wheels were at their limit, slip grew and the force did not; or the car skids.
     Limit,
 }
 

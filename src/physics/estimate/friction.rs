@@ -15,6 +15,7 @@ use super::kinematics::{Car, Kinematics};
 use super::mapping::MappedFriction;
 use super::saturating::Likelihood;
 use super::saturation::LimitFriction;
+use super::skid::Skid;
 use crate::estimates::{Friction, MuSource};
 use crate::filter::Fading;
 use crate::model::GRAVITY;
@@ -95,6 +96,7 @@ pub struct FrictionMonitor {
     smoothing: Fading,
     surface: Fading,
     belief: Belief,
+    skid: Skid,
     /// What was measured last.
     measured: Option<Measured>,
     /// Seconds since the use of friction last reached the bound.
@@ -143,6 +145,7 @@ impl FrictionMonitor {
     pub fn new(car: &Car, config: &FrictionConfig) -> Self {
         Self {
             belief: Belief::UNKNOWN,
+            skid: Skid::new(car),
             measured: None,
             bound_age_s: 0.0,
             abs_used: 0.0,
@@ -178,6 +181,9 @@ impl FrictionMonitor {
         }
         self.learn_brush(evidence.brush);
         self.learn_abs(now, used, &evidence);
+        if let Some(skid) = self.skid.step(now) {
+            self.learn_measured(skid.mu, skid.std, MuSource::Limit, true);
+        }
         if let Some(limit) = evidence.limit.filter(|limit| limit.age_s == 0.0) {
             self.learn_measured(limit.mu, [limit.std; 2], MuSource::Limit, true);
         }

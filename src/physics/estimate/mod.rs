@@ -25,6 +25,7 @@ mod plain_readings;
 mod roughness;
 mod saturating;
 mod saturation;
+mod skid;
 mod slope;
 pub mod thesis;
 mod torque_zero;

@@ -74,12 +74,23 @@ pub fn refitted<T>(
     onsets: &[f64],
     then: impl for<'a> FnOnce(&Data<'_>, &Fit<'a>, Refitted<'a>) -> T,
 ) -> T {
+    each_refitted(effects, &[kind], onsets, |data, plain, mut all| then(data, plain, all.remove(0)))
+}
+
+/// The same of several kinds, each alone.
+pub fn each_refitted<T>(
+    effects: &str,
+    kinds: &[&'static Kind],
+    onsets: &[f64],
+    then: impl for<'a> FnOnce(&Data<'_>, &Fit<'a>, Vec<Refitted<'a>>) -> T,
+) -> T {
     let (vehicle, recording) = recorded(effects);
     let drives = [GriddedDrive::new(&recording, &vehicle)];
     let data = training(&drives);
     let plain = fitted(&data, &vehicle);
-    let library = library(&[kind], &plain.model, |_| true, onsets);
-    let scanned = scan(&data, &plain, &library);
-    let refitted = refit(&data, &plain, (&plain, Learn::Noise), &scanned[0], 4);
-    then(&data, &plain, refitted)
+    let all = kinds.iter().map(|kind| {
+        let scanned = scan(&data, &plain, &library(&[*kind], &plain.model, |_| true, onsets));
+        refit(&data, &plain, (&plain, Learn::Noise), &scanned[0], 4)
+    });
+    then(&data, &plain, all.collect())
 }

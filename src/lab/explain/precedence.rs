@@ -134,36 +134,24 @@ fn begun_anew<'a>(model: &Model<'a>) -> Option<Model<'a>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bench::{fitted, recorded, training};
-    use super::super::candidates::library;
-    use super::super::fit::Learn;
-    use super::super::naming::{refit, scan};
+    use super::super::bench::each_refitted;
     use super::*;
     use physics::model::effect::named;
-    use predict::GriddedDrive;
 
     /// GIVEN a car whose wheels roll hard, which toe-in would do as well, and a little better by chance THEN what every car has goes
     /// first, and stands for the toe-in.
     #[test]
     #[ignore = "long: a car fitted, and more"]
     fn what_cannot_be_told_from_what_every_car_has_does_not_go_before_it() {
-        let (vehicle, recording) = recorded("[[effect]]\nkind = \"rolling_resistance\"\ncoefficient = 0.004");
-        let drives = [GriddedDrive::new(&recording, &vehicle)];
-        let data = training(&drives);
-        let plain = fitted(&data, &vehicle);
+        let hard = "[[effect]]\nkind = \"rolling_resistance\"\ncoefficient = 0.004";
         let kinds = ["wheel_alignment", "rolling_resistance"].map(|name| named(name).unwrap());
-        let library = library(&kinds, &plain.model, |_| true, &[]);
-        let scanned = scan(&data, &plain, &library);
-        let of = |name: &str| {
-            let scored = scanned.iter().find(|scored| scored.candidate.name() == name).unwrap();
-            refit(&data, &plain, (&plain, Learn::Noise), scored, 4)
-        };
-        let mut order = vec![of("wheel_alignment"), of("rolling_resistance")];
-        assert!(order[1].evidence > 30.0, "{}", order[1].evidence);
-        order[0].evidence = order[1].evidence + 1.0;
-        assert!(prefer_the_ordinary(&data, &plain, &mut order));
-        assert_eq!(order[0].candidate.name(), "rolling_resistance");
-        // Alone, it stands for nothing else.
-        assert!(!prefer_the_ordinary(&data, &plain, &mut order[..1]));
+        each_refitted(hard, &kinds, &[], |data, plain, mut order| {
+            assert!(order[1].evidence > 30.0, "{}", order[1].evidence);
+            order[0].evidence = order[1].evidence + 1.0;
+            assert!(prefer_the_ordinary(data, plain, &mut order));
+            assert_eq!(order[0].candidate.name(), "rolling_resistance");
+            // Alone, it stands for nothing else.
+            assert!(!prefer_the_ordinary(data, plain, &mut order[..1]));
+        });
     }
 }

@@ -110,4 +110,22 @@ mod tests {
         let found = rolling(slow, "roll_frequency_rad_per_s");
         assert!(found.is_none(), "{found:?}");
     }
+
+    /// GIVEN tires that lose no radius with load WHEN a search ends next to that THEN it is no bound.
+    #[test]
+    #[ignore = "long: a car fitted, and more"]
+    fn next_to_nothing_is_no_bound() {
+        let kind = named("load_transfer").unwrap();
+        let loss = kind.place_of("radius_loss_m_per_n").unwrap();
+        refitted("[[effect]]\nkind = \"load_transfer\"\ncg_height_m = 0.6", kind, &[], |_, _, mut of| {
+            let mut is_out = |at: f64| {
+                of.fit.model.put(Place::Effect(0, loss), at);
+                at_bounds(&of).contains(&loss)
+            };
+            let most = kind.parameters[loss].bounds.1;
+            assert!(!is_out(4e-5 * most));
+            assert!(!is_out(0.5 * most));
+            assert!(is_out(most));
+        });
+    }
 }

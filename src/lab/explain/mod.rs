@@ -34,6 +34,7 @@ mod explanation;
 mod finding;
 mod fit;
 pub mod found;
+mod held_out;
 mod history;
 mod lateness;
 mod learn;

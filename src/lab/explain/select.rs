@@ -8,13 +8,14 @@ use rayon::prelude::*;
 use super::candidates::{Candidate, onsets, onsets_within};
 use super::exogenous::follows_motion;
 use super::fit::{Data, Fit, Learn};
+use super::held_out::first_confirmed;
 use super::model::Model;
 use super::naming::{Refitted, Scored, begun_at, refine, refit, scan};
 use super::patches;
-use super::precedence::{put_in_order, settled};
+use super::precedence::put_in_order;
 use super::shape::in_shape;
 use super::smooth::courses;
-use super::split::{BLOCK_S, Part, Split};
+use super::split::Split;
 use super::throughout::shows_throughout;
 use super::tuning::TUNING;
 use super::whole_car::before_the_unusual;
@@ -177,13 +178,12 @@ pub fn select<'a>(
         for refitted in &round.refitted {
             tracing::debug!(name = refitted.candidate.name(), evidence = refitted.evidence, "fitted");
         }
-        let mut worth: Vec<Refitted<'a>> =
-            round.refitted.iter().filter(|of| is_enough(of)).cloned().collect();
+        let mut worth: Vec<&Refitted<'a>> = round.refitted.iter().filter(|of| is_enough(of)).collect();
         // What cannot be told from what every car has is not unusual, though that may not be sure enough to be named.
         if stands_for_all && !round.refitted.first().is_some_and(is_enough) {
             worth.clear();
         }
-        let best = worth.first();
+        let best = worth.first().copied();
         // At the end the rest of what every car has, once.
         let ordinary = if worth.is_empty() && was_at_end {
             Vec::new()
@@ -197,66 +197,14 @@ pub fn select<'a>(
             chosen.extend(ordinary);
             continue;
         }
+        let taken = first_confirmed(&data, (&baseline, &extended), &worth, is_further);
         rounds.push(round);
-        let Some(taken) = first_confirmed(&data, (&baseline, &extended), &worth, is_further) else { break };
+        let Some(taken) = taken else { break };
         data.split = taken.split;
         (baseline, extended) = (taken.baseline, taken.refitted.fit.clone());
         chosen.push(taken.refitted);
     }
     Selection { baseline, extended, chosen, rounds, split: data.split }
-}
-
-/// A candidate that held-out data confirm.
-struct Taken<'a> {
-    refitted: Refitted<'a>,
-    /// The plain model and the split: what begins at a moment changes what is held out.
-    baseline: Fit<'a>,
-    split: Split,
-}
-
-/// The first that is confirmed, of those that come close to the first one.
-fn first_confirmed<'a>(
-    data: &Data<'_>,
-    before: (&Fit<'a>, &Fit<'a>),
-    ordered: &[Refitted<'a>],
-    is_further: bool,
-) -> Option<Taken<'a>> {
-    let close = TUNING.selection.rival_share * ordered.first()?.evidence;
-    let mut tried = ordered.iter().filter(|of| of.evidence >= close).take(TUNING.selection.most_rivals);
-    tried.find_map(|of| confirmed(data, before, of, is_further))
-}
-
-/// A candidate, all its numbers settled, if held-out data confirm it beside the plain model and what was chosen before.
-fn confirmed<'a>(
-    data: &Data<'_>,
-    (baseline, extended): (&Fit<'a>, &Fit<'a>),
-    of: &Refitted<'a>,
-    is_further: bool,
-) -> Option<Taken<'a>> {
-    let mut data = data.clone();
-    let (mut refitted, mut baseline, mut extended) = (of.clone(), baseline.clone(), extended.clone());
-    if let Some(split) = of.onset().and_then(|at| data.split.released(at, TUNING.selection.onset_s)) {
-        data.split = split;
-        let again = |fit: &Fit<'a>| data.fit(&fit.model, &fit.free, &fit.noise, NEXT_ROUNDS);
-        baseline = again(&baseline);
-        extended = if is_further { again(&extended) } else { baseline.clone() };
-        // What was fitted to other blocks cannot be compared; and within one that was held out, it could
-        // have begun anywhere.
-        let mut fit = of.fit.clone();
-        fit.model = of.begun_within(&data, BLOCK_S);
-        refitted = Refitted::new(&extended, refitted.candidate, again(&fit));
-        refitted = refine(&data, &extended, &refitted, NEXT_ROUNDS);
-    }
-    refitted.fit = settled(&data, &refitted.fit);
-    let is_confirmed = is_confirmed(&data, &extended, &refitted, is_further);
-    tracing::debug!(
-        name = refitted.candidate.name(),
-        evidence = refitted.evidence,
-        confirmed = is_confirmed,
-        numbers = ?refitted.fit.model.effects.last().map(|effect| effect.values()),
-        live = ?refitted.fit.noise.live,
-    );
-    is_confirmed.then_some(Taken { refitted, baseline, split: data.split })
 }
 
 /// Evidence that is needed in a share of the recordings, after so much has been chosen or nothing.
@@ -273,16 +221,6 @@ pub fn least_evidence(share: f64, chosen: &[Refitted<'_>]) -> f64 {
         by * taken.evidence
     };
     f64::max(share * TUNING.selection.further_evidence, chosen.iter().map(of_found).sum())
-}
-
-/// Does what it is fitted to confirm the held-out part? It must not make the prediction of what it has not seen
-/// worse.
-pub fn is_confirmed(data: &Data<'_>, before: &Fit<'_>, of: &Refitted<'_>, is_further: bool) -> bool {
-    let held = data.of(Part::Holdout);
-    let gain = held.minus_two_ln(&before.sums) - held.minus_two_ln(&of.fit.sums);
-    tracing::debug!(name = of.candidate.name(), held_out = gain);
-    let worse = TUNING.selection.worse_share * of.evidence + TUNING.selection.worse;
-    gain > -worse && (!is_further || gain > 0.0)
 }
 
 /// Scans the library from some fits, fits what is worth it, and refuses what only follows the driver.
@@ -448,7 +386,7 @@ pub fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> Option<f64> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::bench::{each_refitted, refitted};
+    use super::super::bench::refitted;
     use super::*;
     use physics::model::effect::named;
 
@@ -466,27 +404,5 @@ mod tests {
     fn what_was_off_from_the_start_is_no_change() {
         assert!(begins(22.0, 22.0));
         assert!(!begins(-1.0, 5.0));
-    }
-
-    /// GIVEN candidates the best of which only seems so: held-out driving does not confirm it THEN the next one is taken.
-    #[test]
-    #[ignore = "long: a car fitted, and more"]
-    fn where_the_best_is_not_confirmed_the_next_is_asked() {
-        let lag = "[[effect]]\nkind = \"steering_lag\"\ntime_constant_s = 0.08";
-        let kinds = ["steering_lag", "rear_steer", "air_drag", "steering_ratio", "wheel_alignment"];
-        each_refitted(lag, &kinds.map(|name| named(name).unwrap()), &[], |data, plain, all| {
-            let is_confirmed = |of: &Refitted<'_>| confirmed(data, (plain, plain), of, true).is_some();
-            let (lag, others) = all.split_first().unwrap();
-            let other = others.iter().find(|of| !is_confirmed(of)).unwrap();
-            let mut other = other.clone();
-            other.evidence = 1.5 * lag.evidence;
-            let taken = |order: &[Refitted<'_>]| {
-                first_confirmed(data, (plain, plain), order, true).map(|of| of.refitted.candidate.name())
-            };
-            assert_eq!(taken(&[other.clone(), lag.clone()]).as_deref(), Some("steering_lag"));
-            // Not one that comes nowhere near.
-            other.evidence = 3.0 * lag.evidence;
-            assert_eq!(taken(&[other, lag.clone()]), None);
-        });
     }
 }

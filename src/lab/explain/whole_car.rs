@@ -2,9 +2,9 @@
 
 use super::candidates::Candidate;
 use super::fit::{Data, Fit};
+use super::held_out::is_confirmed;
 use super::naming::Refitted;
 use super::precedence::ROUNDS;
-use super::select::is_confirmed;
 use super::tuning::TUNING;
 use physics::model::effect::Usual;
 

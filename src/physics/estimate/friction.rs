@@ -223,9 +223,8 @@ impl FrictionMonitor {
         let turning = now.yaw_rate.map_or(0.0, |r| (speed * r).abs()) + TUNING.lateral_transient;
         let target = [longitudinal, ay.clamp(-turning, turning) / GRAVITY];
         let smoothed = self.smoothed.get_or_insert(target);
-        let weight = 1.0 - self.smoothing.left(now.elapsed_s);
         for (value, target) in smoothed.iter_mut().zip(target) {
-            *value += weight * (target - *value);
+            self.smoothing.smooth(value, target, now.elapsed_s);
         }
         Some((smoothed[0] * smoothed[0] + smoothed[1] * smoothed[1]).sqrt())
     }
@@ -275,8 +274,7 @@ impl FrictionMonitor {
             self.abs_used = used;
             return;
         };
-        let weight = 1.0 - self.abs_settling.left(now.elapsed_s);
-        self.abs_used += weight * (used - self.abs_used);
+        self.abs_settling.smooth(&mut self.abs_used, used, now.elapsed_s);
         // While the brake pressure builds up not all tires are at their limit.
         let is_settled = used - self.abs_used < TUNING.abs_settled * used;
         let is_braking = now.abs == Some(true) && working_s > TUNING.abs_builds_up_s && along < 0.0;

@@ -488,8 +488,7 @@ impl Excitation {
     const NONE: Self = Self { square: 0.0, fading: Fading::over(TUNING.excitation_memory_s) };
 
     fn step(&mut self, mu: f64, elapsed_s: f64) {
-        let weight = 1.0 - self.fading.left(elapsed_s);
-        self.square += weight * (mu * mu - self.square);
+        self.fading.smooth(&mut self.square, mu * mu, elapsed_s);
     }
 
     fn level(&self, full: f64) -> f64 {

@@ -114,11 +114,10 @@ impl Skid {
             self.change *= self.forgets.left(now.elapsed_s);
         }
         self.change += slides_by * now.elapsed_s - self.to_rear * (yaw_rate - before);
-        let towards = |smoothed: &mut f64, now: f64, left: f64| *smoothed += (1.0 - left) * (now - *smoothed);
-        let left = self.smoothing.left(now.elapsed_s);
-        towards(&mut self.acceleration[0], along, left);
-        towards(&mut self.acceleration[1], across, left);
-        towards(&mut self.apart, slides_by.abs(), self.apart_over.left(now.elapsed_s));
+        for (smoothed, now_is) in self.acceleration.iter_mut().zip([along, across]) {
+            self.smoothing.smooth(smoothed, now_is, now.elapsed_s);
+        }
+        self.apart_over.smooth(&mut self.apart, slides_by.abs(), now.elapsed_s);
         let [along, across] = self.acceleration;
         let is_against = across * self.change < 0.0;
         if self.skids && (self.apart < TUNING.caught || !is_against) {

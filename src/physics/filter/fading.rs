@@ -23,6 +23,12 @@ impl Fading {
         }
         self.left
     }
+
+    /// Moves a smoothed value towards what it is now, after so long, s.
+    #[inline]
+    pub fn smooth(&mut self, value: &mut f64, now: f64, elapsed_s: f64) {
+        *value += (1.0 - self.left(elapsed_s)) * (now - *value);
+    }
 }
 
 #[cfg(test)]

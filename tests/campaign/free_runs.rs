@@ -1,5 +1,6 @@
 //! The ordinary car on real drives, beside the yardstick that comes with them: how well it predicts what was held out.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -133,6 +134,72 @@ mod by_hand {
             tolerance: 0.02,
             header: "drive | bicycle: yaw rate | gripd: yaw rate | bicycle: lateral acceleration | gripd: lateral \
                      acceleration | bicycle: sideslip, ° | gripd: sideslip, °",
+        };
+        section.check(&rows);
+    }
+
+    /// The car's numbers by two halves of the drives, by name: values and deviations.
+    fn halves(folder: &Path, in_first: impl Fn(usize) -> bool) -> BTreeMap<String, [(f64, f64); 2]> {
+        let mut logs: Vec<PathBuf> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .filter(|path| path.file_name().unwrap().to_string_lossy().starts_with("group"))
+            .collect();
+        logs.sort();
+        let half = |first: bool| -> Vec<PathBuf> {
+            let kept = logs.iter().enumerate().filter(|(place, _)| in_first(*place) == first);
+            kept.map(|(_, log)| log.clone()).collect()
+        };
+        let [first, second] = [true, false].map(|first| {
+            let answer = identified(&folder.join("drives.toml"), &half(first));
+            answer["parameters"].as_object().unwrap().clone()
+        });
+        let number = |of: &Value| Some((of["value"].as_f64()?, of["std"].as_f64()?));
+        let both =
+            |(name, one): (&String, &Value)| Some((name.clone(), [number(one)?, number(second.get(name)?)?]));
+        first.iter().filter_map(both).collect()
+    }
+
+    /// Do drives of one car say the same of it? `GRIPD_RENEW=1 cargo test --release --test campaign
+    /// by_hand::halves_of_the_drives_beside_each_other -- --ignored`.
+    #[test]
+    #[ignore = "by hand: two minutes"]
+    fn halves_of_the_drives_beside_each_other() {
+        let Some(folder) = testing::shared("recordings/gti") else { return };
+        let mut rows = Vec::new();
+        for (name, bits) in [
+            ("every second drive", 0b01_0101_0101_0101_u32),
+            ("the first and the last seven", 0b00_0000_0111_1111),
+            ("by pairs", 0b11_0011_0011_0010),
+            ("by threes", 0b01_1100_0111_0010),
+        ] {
+            let numbers = halves(&folder, |place| bits >> place & 1 == 1);
+            let apart = |[one, other]: &[(f64, f64); 2]| (one.0 - other.0) / one.1.hypot(other.1);
+            for (name, both) in &numbers {
+                println!("{name}: {both:?}, {:.2}", apart(both));
+            }
+            let square: f64 = numbers.values().map(|both| apart(both).powi(2)).sum();
+            let furthest =
+                |a: &[(f64, f64); 2], b: &[(f64, f64); 2]| apart(a).abs().total_cmp(&apart(b).abs());
+            let (worst, both) = numbers.iter().max_by(|a, b| furthest(a.1, b.1)).unwrap();
+            let row = format!(
+                "{name} | {} | {:.1} | {worst} | {:.3} ± {:.3} | {:.3} ± {:.3}",
+                numbers.len(),
+                square / numbers.len() as f64,
+                both[0].0,
+                both[0].1,
+                both[1].0,
+                both[1].1
+            );
+            println!("{row}");
+            rows.push(row);
+        }
+        let section = Section {
+            name: "halves",
+            seed: "recorded",
+            tolerance: 0.1,
+            header: "14 drives of a GTI, halves | numbers of the car | χ² per number | furthest apart | by one half | by the \
+                     other",
         };
         section.check(&rows);
     }

@@ -161,6 +161,8 @@ impl<'a> FittedCars<'a> {
             }
             _ => found,
         };
+        // Who asks for the car alone asks how well it is known; what is beyond it is judged by odds.
+        let found = if asked.library.is_empty() { found.widened_by_leaving_out(drives) } else { found };
         Some(Self { found, plain, begins_utc: begins(recordings), drives: all })
     }
 

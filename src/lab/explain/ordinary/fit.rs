@@ -38,13 +38,13 @@ pub struct FreeFit<'a> {
 pub type FreeStart = (Vec<f64>, Vec<f64>, f64);
 
 /// Steps from each start, and from the best two of them. Numerical.
-const STEPS: [usize; 2] = [8, 25];
+pub(super) const STEPS: [usize; 2] = [8, 25];
 
 /// Rounds of learning the residuals' size.
 const ROUNDS: usize = 2;
 
 /// From so few drives their scatter tells nothing. Statistical: with four its deviation is known to 40 %.
-const LEAST_DRIVES: usize = 4;
+pub(super) const LEAST_DRIVES: usize = 4;
 
 /// The search stops where a step gains less than this share.
 const LEAST_GAIN: f64 = 1e-4;
@@ -110,6 +110,13 @@ pub fn begin_counting(drives: &[FreeDrive], fits: usize) {
 pub fn count_more(drives: &[FreeDrive], fits: usize) {
     if let [first, ..] = drives {
         first.work.expect(fits * counts(drives));
+    }
+}
+
+/// So many searches follow from where a fit has ended.
+pub(super) fn count_searches(drives: &[FreeDrive], searches: usize) {
+    if let [first, ..] = drives {
+        first.work.expect(searches * counted(STEPS[1]) * points(drives));
     }
 }
 
@@ -206,7 +213,7 @@ impl<'a> Problem<'_, 'a> {
 
     /// Levenberg's and Marquardt's search within the bounds, with slopes that are kept as long as they serve: they are nearly
     /// all of the computing. Returns the cost and the end.
-    fn search(&self, from: Vec<f64>, scale: &Scale, steps: usize) -> (f64, Vec<f64>) {
+    pub(super) fn search(&self, from: Vec<f64>, scale: &Scale, steps: usize) -> (f64, Vec<f64>) {
         let mut at = from;
         let mut predicted = self.predict(&at);
         let mut cost = self.cost(&at, &predicted, scale);

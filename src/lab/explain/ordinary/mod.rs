@@ -22,6 +22,7 @@ mod fitted_number;
 mod frozen;
 mod grid;
 mod inputs;
+mod leave_out;
 mod numbers;
 mod problem;
 mod remaining;

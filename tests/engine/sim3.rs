@@ -1,7 +1,7 @@
 //! Sim3 of the thesis and what lies beyond it: the slope's step is found, friction is a bound while it
 //! is one, and a value once the driven tires are at their limit, whatever their curve.
 
-use gripd::estimate::{EstimatorsConfig, Pipeline, SlipPoint, WheelSaturation};
+use gripd::estimate::{AtLimit, EstimatorsConfig, Pipeline, SlipPoint, WheelSaturation};
 use gripd::estimates::{Estimates, MuSource};
 use gripd::model::scenario::Stretch;
 use gripd::model::scenario::thesis::{SIM2, SIM3, SIM3_LIMIT};
@@ -294,9 +294,31 @@ fn braking_forces_at_their_limit_are_seen_like_driving_forces() {
     let curve = |slip: f64| (30.0 * slip).min(0.45);
     let slips = [0.004, 0.008, 0.012, 0.016, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07];
     let found: Vec<_> = slips.iter().filter_map(|s| wheel.step(braking(*s, curve(*s)), 30.0)).collect();
-    assert!(found.last().is_some_and(|(mu, _)| (mu - 0.45).abs() < 0.005), "{found:?}");
+    assert!(
+        found.last().is_some_and(|found| (found.mu - 0.45).abs() < 0.005 && !found.is_beyond),
+        "{found:?}"
+    );
     let mut wheel = WheelSaturation::new();
     assert!(slips.iter().all(|s| wheel.step(braking(*s, 10.0 * s), 10.0).is_none()), "a line has no limit");
+}
+
+/// GIVEN a magic formula's tire of shape 1.6 WHEN its wheel is seen through the limit THEN that is the friction; where it is seen
+/// spinning only, at 60 % of it, the tire is told to be beyond its limit.
+#[test]
+fn a_wheel_that_spins_far_beyond_its_limit_gives_less() {
+    let (friction, slope, shape) = (0.4, 30.0, 1.6);
+    let curve = |slip: f64| friction * f64::sin(shape * f64::atan(slope * slip / (shape * friction)));
+    let seen = |slips: &[f64]| {
+        let mut wheel = WheelSaturation::new();
+        let point = |slip: &f64| SlipPoint { slip: *slip, slip_std: 1e-4, mu: curve(*slip), mu_std: 0.002 };
+        slips.iter().filter_map(|slip| wheel.step(point(slip), slope)).last()
+    };
+    let through = seen(&[0.005, 0.01, 0.015, 0.02, 0.025, 0.03, 0.035, 0.04, 0.05, 0.06, 0.07]);
+    let is_the_friction = |found: AtLimit| (found.mu / friction - 1.0).abs() < 0.03 && !found.is_beyond;
+    assert!(through.is_some_and(is_the_friction), "{through:?}");
+    let spinning = seen(&[0.8, 1.0, 1.3, 1.6, 2.0, 2.4, 2.9]);
+    let is_less = |found: AtLimit| (0.55..0.7).contains(&(found.mu / friction)) && found.is_beyond;
+    assert!(spinning.is_some_and(is_less), "{spinning:?}");
 }
 
 /// Seconds for which the lower bound was above the friction, and its mean.

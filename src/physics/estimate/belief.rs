@@ -92,8 +92,8 @@ impl Belief {
         (self.sum, self.most) = (total(&self.weight), 1.0);
     }
 
-    /// At least this much is in use, within half a cell. The weight ruled out below is spread evenly between this use
-    /// and the least friction known before: the road may have got worse, and this use may be all there is.
+    /// At least this much is in use, within half a cell. Where more was known to be there, the weight ruled out below is spread
+    /// evenly between this use and that: the road may have got worse, and this use may be all there is.
     pub fn learn_used(&mut self, used: f64) -> Use {
         // A use beyond the highest cell counts as that cell.
         let used = used.min(middle(CELLS - 1));
@@ -111,8 +111,9 @@ impl Belief {
             self.normalize();
             return Use::Another;
         }
-        let end = if known < used + CELL { CELLS } else { cells_below(known) };
-        if let Some((at_first, further)) = self.weight[first..end.max(first)].split_first_mut() {
+        // Where more is in use than was known, what is left is as likely as it was.
+        if let Some((at_first, further)) = self.weight[first..cells_below(known).max(first)].split_first_mut()
+        {
             let share = ruled_out / (part + further.len() as f64).max(1.0);
             *at_first += share * part;
             for weight in further {
@@ -305,6 +306,15 @@ mod tests {
         belief.learn_used(0.4);
         let (low, high) = belief.interval();
         assert!((low - 0.4).abs() < 0.02 && high > HIGHEST - 0.02, "{low} {high}");
+    }
+
+    #[test]
+    fn a_little_more_in_use_than_was_known_leaves_the_upper_bound() {
+        let mut belief = Belief::UNKNOWN;
+        belief.learn_measured(0.4, [0.03; 2]);
+        belief.learn_used(0.41);
+        let (low, high) = belief.interval();
+        assert!((low - 0.41).abs() < 0.02 && high < 0.5, "{low} {high}");
     }
 
     #[test]

@@ -26,6 +26,9 @@ struct Tuning {
     smoothing_s: f64,
     /// By so much a_y may exceed v r while the car begins to turn, m/s².
     lateral_transient: f64,
+    /// The interval is published so much wider on either side: half a cell of the belief, which is what an accelerometer's
+    /// offset and the slope of a road make, too.
+    told_to: f64,
     /// The bound keeps this clear of the smoothed use, for noise and sensor offsets, …
     margin: f64,
     /// … and so much of the use itself: while driving in a curve the axles share their work unevenly.
@@ -67,6 +70,7 @@ struct Tuning {
 const TUNING: Tuning = Tuning {
     smoothing_s: 0.15,
     lateral_transient: 0.5,
+    told_to: 0.01,
     margin: 0.02,
     sharing: 0.05,
     abs_std: 0.04,
@@ -185,7 +189,7 @@ impl FrictionMonitor {
             self.learn_measured(skid.mu, skid.std, MuSource::Limit, true);
         }
         if let Some(limit) = evidence.limit.filter(|limit| limit.age_s == 0.0) {
-            self.learn_measured(limit.mu, [limit.std; 2], MuSource::Limit, true);
+            self.learn_measured(limit.mu, limit.std, MuSource::Limit, !limit.is_beyond);
         }
         if let Some(curve) = evidence.curve {
             self.learn_curve(&curve);
@@ -338,6 +342,7 @@ impl FrictionMonitor {
     fn publish(&self, friction: &mut Friction) {
         let (low, high) = self.belief.interval();
         let is_bounded = high < MOST_TOLD;
+        let (low, high) = (low - TUNING.told_to, high + TUNING.told_to);
         let measured =
             self.measured.filter(|measured| is_bounded && measured.age_s <= self.config.abs_memory_s);
         friction.low = Some(low).filter(|low| *low > LEAST_TOLD);

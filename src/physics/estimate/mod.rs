@@ -38,4 +38,4 @@ pub use kinematics::{Car, Cornering, Heard, Kinematics};
 pub use learned::{Known, Learned};
 pub use pipeline::Pipeline;
 pub use plain_readings::PlainReadings;
-pub use saturation::{LimitFriction, SlipPoint, WheelSaturation};
+pub use saturation::{AtLimit, LimitFriction, SlipPoint, WheelSaturation};

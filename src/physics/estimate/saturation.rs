@@ -20,7 +20,8 @@ use crate::estimates::Estimate;
 use crate::model::GRAVITY;
 use crate::{Quantity, Sensors, Wheel};
 
-/// Tuned with the test `sim3`: over seeds, tires and surfaces, at the limit and far from it.
+/// Tuned with the test `sim3`: over seeds, tires and surfaces, at the limit and far from it; what lies beyond it with the test
+/// `campaign`.
 struct Tuning {
     /// Fewest points of a flat stretch.
     fewest: usize,
@@ -65,6 +66,12 @@ struct Tuning {
     peak_lost: f64,
     /// Between the flat stretch's force and the peak of the curve, relative.
     curve_std: f64,
+    /// Beyond the limit, where force/slip is below this share of the tire's slope, …
+    beyond: f64,
+    /// … the tire gives this share of the friction, …
+    given: f64,
+    /// … with these deviations, relative, downwards and upwards: a magic formula of shape 1.6 gives 0.6 of it, a brush all.
+    given_std: [f64; 2],
     /// Of the wheel's inertia, relative, where the data sheet does not say.
     inertia_std: f64,
     /// Share of the load transfer (left out of the loads) that counts as uncertainty.
@@ -94,6 +101,9 @@ const TUNING: Tuning = Tuning {
     peak_held_s: 3.0,
     peak_lost: 0.8,
     curve_std: 0.02,
+    beyond: 0.15,
+    given: 0.9,
+    given_std: [0.12, 0.22],
     inertia_std: 0.1,
     load_transfer_std: 0.5,
     after_spin_s: 0.5,
@@ -104,10 +114,31 @@ const TUNING: Tuning = Tuning {
 pub struct LimitFriction {
     /// Friction.
     pub mu: f64,
-    /// Its standard deviation, the data sheet's part included.
-    pub std: f64,
+    /// Its standard deviations downwards and upwards, the data sheet's part included.
+    pub std: [f64; 2],
+    /// Does the tire slip far beyond its limit, where it gives less?
+    pub is_beyond: bool,
     /// Seconds since it was last seen.
     pub age_s: f64,
+}
+
+impl LimitFriction {
+    /// Is another friction within its 95 % interval?
+    fn holds(&self, mu: f64) -> bool {
+        let [down, up] = self.std;
+        (self.mu - 1.96 * down..=self.mu + 1.96 * up).contains(&mu)
+    }
+}
+
+/// A stretch of a wheel's slip curve at the limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AtLimit {
+    /// Longitudinal force / load of the wheel.
+    pub mu: f64,
+    /// Standard deviation of its noise.
+    pub std: f64,
+    /// Does the tire slip far beyond its limit, where it gives less?
+    pub is_beyond: bool,
 }
 
 /// A point of a wheel's slip curve, driving positive, braking negative.
@@ -154,9 +185,8 @@ impl WheelSaturation {
         self.running_away >= TUNING.spinning
     }
 
-    /// Takes the next point; `slope` is the tire's, as far as it is known. Returns the friction and
-    /// the standard deviation of its noise if the tire is at its limit.
-    pub fn step(&mut self, point: SlipPoint, slope: f64) -> Option<(f64, f64)> {
+    /// Takes the next point; `slope` is the tire's, as far as it is known. Returns the force if the tire is at its limit.
+    pub fn step(&mut self, point: SlipPoint, slope: f64) -> Option<AtLimit> {
         let sign = point.mu.signum();
         let point = SlipPoint { slip: sign * point.slip, mu: point.mu.abs(), ..point };
         if !(point.slip.is_finite() && point.mu.is_finite()) {
@@ -190,8 +220,8 @@ impl WheelSaturation {
         self.running_away = if away { self.running_away.saturating_add(1) } else { 0 };
     }
 
-    /// The friction, if these points are a stretch at the limit.
-    fn limit(points: &[SlipPoint], slope: f64) -> Option<(f64, f64)> {
+    /// The force, if these points are a stretch at the limit.
+    fn limit(points: &[SlipPoint], slope: f64) -> Option<AtLimit> {
         let n = points.len() as f64;
         let mean = |value: fn(&SlipPoint) -> f64| points.iter().map(value).sum::<f64>() / n;
         let (slip, mu) = (mean(|p| p.slip), mean(|p| p.mu));
@@ -222,7 +252,8 @@ impl WheelSaturation {
         let largest = points.iter().map(|p| p.mu).fold(0.0, f64::max);
         let top = points.iter().filter(|p| p.mu >= TUNING.top * largest);
         let (count, sum) = top.fold((0.0, 0.0), |(count, sum), p| (count + 1.0, sum + p.mu));
-        Some((sum / count, scatter / f64::sqrt(count)))
+        let is_beyond = mu < TUNING.beyond * slope * least;
+        Some(AtLimit { mu: sum / count, std: scatter / f64::sqrt(count), is_beyond })
     }
 }
 
@@ -306,7 +337,9 @@ impl SaturationDetector {
                 mu_std: force_std / load,
             };
             let slope = slopes[i].map_or(prior, |slope| slope.value);
-            let Some((mu, noise)) = self.wheels[i].step(point, slope) else { continue };
+            let Some(AtLimit { mu, std: noise, is_beyond }) = self.wheels[i].step(point, slope) else {
+                continue;
+            };
             let spin_up = block.wheel_acceleration[i] / self.car.radius;
             let inertia_std = if self.with_torque {
                 TUNING.inertia_std * self.car.wheel_inertia * spin_up / self.car.radius / load
@@ -317,11 +350,14 @@ impl SaturationDetector {
                 TUNING.load_transfer_std * self.car.load_transfer(wheel) * block.acceleration / GRAVITY;
             let relative = self.force_scale_std.hypot(TUNING.curve_std).hypot(transfer);
             let sideways = block.lateral_acceleration / GRAVITY;
-            let found = LimitFriction {
-                mu: mu.hypot(sideways),
-                std: noise.hypot(inertia_std).hypot(relative * mu),
-                age_s: 0.0,
+            let (used, std) = (mu.hypot(sideways), noise.hypot(inertia_std).hypot(relative * mu));
+            let (mu, std) = if is_beyond {
+                let mu = used / TUNING.given;
+                (mu, TUNING.given_std.map(|relative| std.hypot(relative * mu)))
+            } else {
+                (used, [std; 2])
             };
+            let found = LimitFriction { mu, std, is_beyond, age_s: 0.0 };
             self.seen[i] = Some(Self::with_peak(self.seen[i], found));
         }
         if self.wheels.iter().any(WheelSaturation::is_spinning) {
@@ -343,8 +379,11 @@ impl SaturationDetector {
 
     fn with_peak(before: Option<(LimitFriction, f64)>, found: LimitFriction) -> (LimitFriction, f64) {
         match before {
+            // What was seen at the limit itself says more.
             Some((peak, age))
-                if age < TUNING.peak_held_s && (TUNING.peak_lost * peak.mu..peak.mu).contains(&found.mu) =>
+                if age < TUNING.peak_held_s
+                    && ((TUNING.peak_lost * peak.mu..peak.mu).contains(&found.mu)
+                        || found.is_beyond && !peak.is_beyond && found.holds(peak.mu)) =>
             {
                 (LimitFriction { age_s: 0.0, ..peak }, age)
             }
@@ -363,7 +402,9 @@ impl SaturationDetector {
                 Some(other) => LimitFriction {
                     mu: 0.5 * (other.mu + seen.mu),
                     // The wheels share most of their errors; their difference counts as a further one.
-                    std: other.std.max(seen.std).hypot(0.5 * (other.mu - seen.mu)),
+                    std: [0, 1]
+                        .map(|way| other.std[way].max(seen.std[way]).hypot(0.5 * (other.mu - seen.mu))),
+                    is_beyond: other.is_beyond || seen.is_beyond,
                     age_s: other.age_s.max(seen.age_s),
                 },
                 None => seen,

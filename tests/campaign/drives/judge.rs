@@ -13,6 +13,9 @@ use super::drive::Drive;
 const GRACE_S: f64 = 1.0;
 const NOTICEABLE: f64 = 0.5;
 
+/// A fall of friction has to be noticed within this, s of the same driving.
+const NOTICED_S: f64 = 0.5;
+
 /// An interval that excludes the truth by more than this is a lie.
 const MOST_OFF: f64 = 0.1;
 
@@ -23,13 +26,16 @@ const EXCITING: f64 = 3.0;
 pub const TRANSITION: usize = 12;
 
 /// Edges of the use of friction by which samples are sorted.
-const EDGES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 0.95];
+const EDGES: [f64; 4] = [0.2, 0.5, 0.8, 0.95];
+
+/// A friction is bounded from above below this: nearly every road gives less.
+const BOUNDED: f64 = 1.15;
 
 /// Samples of one range of use.
 #[derive(Clone, Copy, Debug, Default)]
 struct Use {
     samples: u64,
-    /// With a bound from above.
+    /// With a bound from above, below [`BOUNDED`].
     bounded: u64,
     covered: u64,
     valid: u64,
@@ -145,7 +151,7 @@ impl Judgement {
         let row = &mut self.by_use[EDGES.iter().take_while(|edge| used >= **edge).count()];
         row.samples += 1;
         row.covered += u64::from(off == 0.0);
-        if let Some(high) = friction.high {
+        if let Some(high) = friction.high.filter(|high| *high < BOUNDED) {
             row.bounded += 1;
             row.width += high - friction.low.unwrap_or(0.0);
         }
@@ -232,6 +238,27 @@ impl Judgement {
         self.by_use.iter().enumerate().map(row).collect()
     }
 
+    /// Of all drives, a row of a table.
+    pub fn of_drives(&self) -> String {
+        let all = self.drops.len() as u64 + self.drops_unnoticed;
+        let noticed = |within_s: f64| share(self.noticed(within_s), all);
+        let [near, near_excited] = self.cornering.map(|[values, near]| share(near, values));
+        let [_, (count, squares)] = self.sideslip;
+        format!(
+            "{} | {} | {all} | {:.0} % | {:.0} % | {near:.1} % | {near_excited:.1} % | {:.3}°",
+            self.drives,
+            self.lies.len(),
+            noticed(NOTICED_S),
+            noticed(GRACE_S),
+            (squares / count.max(1) as f64).sqrt().to_degrees()
+        )
+    }
+
+    /// Falls that were noticed within so many seconds.
+    fn noticed(&self, within_s: f64) -> u64 {
+        self.drops.iter().filter(|waited| **waited <= within_s).count() as u64
+    }
+
     /// Samples beyond the last edge of use.
     pub fn at_the_limit(&self) -> u64 {
         self.by_use[EDGES.len()].samples
@@ -249,7 +276,7 @@ impl fmt::Display for Judgement {
         )?;
         writeln!(
             f,
-            "| use of friction | samples | truth in the interval | bounded above | mean width | valid | valid and off by > 0.1 |"
+            "| use of friction | samples | truth in the interval | bounded, below 1.15 | mean width | valid | valid and off by > 0.1 |"
         )?;
         writeln!(f, "|---|---|---|---|---|---|---|")?;
         for row in self.rows() {
@@ -275,11 +302,12 @@ impl fmt::Display for Judgement {
         }
         let mut drops = self.drops.clone();
         drops.sort_by(f64::total_cmp);
-        let within = drops.iter().filter(|waited| **waited <= GRACE_S).count();
         writeln!(
             f,
-            "drops to less than half: {} seen, {within} within {GRACE_S} s of driving at {NOTICEABLE} of the new friction (most {:.2} s), {} not",
+            "drops to less than half: {} seen, {} within {NOTICED_S} and {} within {GRACE_S} s of driving at {NOTICEABLE} of the new friction (most {:.2} s), {} not",
             drops.len(),
+            self.noticed(NOTICED_S),
+            self.noticed(GRACE_S),
             drops.last().copied().unwrap_or(0.0),
             self.drops_unnoticed
         )?;

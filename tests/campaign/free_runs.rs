@@ -22,6 +22,21 @@ fn held_out(answer: &Value, channel: &str) -> f64 {
     answer["fit"]["holdout"][channel].as_f64().unwrap_or(f64::NAN)
 }
 
+/// The recordings of a configuration that comes with them. A group's drive of the GTI belongs to drives.toml, a lap to laps.toml.
+pub fn logs_of(config: &Path) -> Vec<PathBuf> {
+    let folder = config.parent().unwrap();
+    let mut logs: Vec<PathBuf> =
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    logs.retain(|log| {
+        let name = log.file_name().unwrap().to_string_lossy();
+        let is_its_own =
+            !folder.ends_with("gti") || name.starts_with("group") != config.ends_with("laps.toml");
+        name.ends_with(".log.gz") && is_its_own
+    });
+    logs.sort();
+    logs
+}
+
 #[test]
 fn a_drive_in_circles_is_predicted_by_steering_and_speed() {
     let Some(folder) = testing::shared("recordings") else { return };
@@ -91,20 +106,11 @@ mod by_hand {
             ["gti/drives.toml", "gti/laps.toml", "tts/car.toml", "gti_payload/car.toml", "av21/car.toml"]
         {
             let config = folder.join(config);
-            let mut logs: Vec<PathBuf> = std::fs::read_dir(config.parent().unwrap())
-                .unwrap()
-                .map(|entry| entry.unwrap().path())
-                .filter(|path| path.to_string_lossy().ends_with(".log.gz"))
-                .collect();
-            logs.sort();
-            let is_lap = config.ends_with("laps.toml");
-            // A group's drive belongs to drives.toml, a lap to laps.toml; two laps have another drive's steering.
+            let mut logs = logs_of(&config);
+            // Two laps have another drive's steering.
             logs.retain(|log| {
-                let name = log.file_name().unwrap().to_string_lossy().into_owned();
-                !config.starts_with(folder.join("gti")) && !is_lap
-                    || name.starts_with("group") != is_lap
-                        && !name.starts_with("dry1")
-                        && !name.starts_with("wet2")
+                let name = log.file_name().unwrap().to_string_lossy();
+                !name.starts_with("dry1") && !name.starts_with("wet2")
             });
             for log in logs {
                 let answer = identified(&config, std::slice::from_ref(&log));
@@ -140,18 +146,14 @@ mod by_hand {
 
     /// The car's numbers by two halves of the drives, by name: values and deviations.
     fn halves(folder: &Path, in_first: impl Fn(usize) -> bool) -> BTreeMap<String, [(f64, f64); 2]> {
-        let mut logs: Vec<PathBuf> = std::fs::read_dir(folder)
-            .unwrap()
-            .map(|entry| entry.unwrap().path())
-            .filter(|path| path.file_name().unwrap().to_string_lossy().starts_with("group"))
-            .collect();
-        logs.sort();
+        let config = folder.join("drives.toml");
+        let logs = logs_of(&config);
         let half = |first: bool| -> Vec<PathBuf> {
             let kept = logs.iter().enumerate().filter(|(place, _)| in_first(*place) == first);
             kept.map(|(_, log)| log.clone()).collect()
         };
         let [first, second] = [true, false].map(|first| {
-            let answer = identified(&folder.join("drives.toml"), &half(first));
+            let answer = identified(&config, &half(first));
             answer["parameters"].as_object().unwrap().clone()
         });
         let number = |of: &Value| Some((of["value"].as_f64()?, of["std"].as_f64()?));

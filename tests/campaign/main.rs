@@ -11,6 +11,7 @@ mod free_runs;
 mod kept;
 mod left_out;
 mod long_drives;
+mod online;
 mod over_drives;
 mod real_cars;
 mod soak;

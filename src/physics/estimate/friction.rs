@@ -65,6 +65,10 @@ struct Tuning {
     /// Model error of a brush at no use of friction, relative; it falls to zero at full use. A brush fitted to a
     /// real tire's curve at 60 % use is off by half.
     brush_model_error: f64,
+    /// What is used rises while a manoeuvre begins: a brush is fitted to what was, and may lack this many times what has come since, …
+    brush_lags: f64,
+    /// … that is since what is used had settled, s.
+    settles_s: f64,
 }
 
 const TUNING: Tuning = Tuning {
@@ -88,6 +92,8 @@ const TUNING: Tuning = Tuning {
     straight: 0.4,
     brush_lasts_s: 0.3,
     brush_model_error: 1.2,
+    brush_lags: 2.0,
+    settles_s: 0.3,
 };
 
 /// Keeps what is believed of friction.
@@ -98,6 +104,9 @@ pub struct FrictionMonitor {
     /// Normalized forces, smoothed: longitudinal and lateral.
     smoothed: Option<[f64; 2]>,
     smoothing: Fading,
+    /// What is used, smoothed further.
+    settled: f64,
+    settling: Fading,
     surface: Fading,
     belief: Belief,
     skid: Skid,
@@ -157,6 +166,8 @@ impl FrictionMonitor {
             config: config.clone(),
             smoothed: None,
             smoothing: Fading::over(TUNING.smoothing_s),
+            settled: 0.0,
+            settling: Fading::over(TUNING.settles_s),
             surface: Fading::over(config.surface_lasts_s),
             abs_settling: Fading::over(TUNING.abs_settles_s),
             recent: 0.0,
@@ -183,7 +194,9 @@ impl FrictionMonitor {
         if let Some(used) = used.map(Self::surely).filter(|used| *used > 0.0) {
             self.learn_used(used);
         }
-        self.learn_brush(evidence.brush);
+        let used_now = used.unwrap_or(self.settled);
+        self.settling.smooth(&mut self.settled, used_now, now.elapsed_s);
+        self.learn_brush(evidence.brush, (used_now - self.settled).max(0.0));
         self.learn_abs(now, used, &evidence);
         if let Some(skid) = self.skid.step(now) {
             self.learn_measured(skid.mu, skid.std, MuSource::Limit, true);
@@ -244,7 +257,7 @@ impl FrictionMonitor {
         }
     }
 
-    fn learn_brush(&mut self, brush: Option<BrushFriction>) {
+    fn learn_brush(&mut self, brush: Option<BrushFriction>, risen: f64) {
         let brush =
             brush.filter(|brush| !brush.is_bound && !brush.is_doubted && brush.age_s < TUNING.brush_lasts_s);
         let (Some(brush), Some([along, across])) = (brush, self.smoothed) else { return };
@@ -258,7 +271,8 @@ impl FrictionMonitor {
         }
         let model_std = TUNING.brush_model_error * (1.0 - using) * brush.mu;
         let is_sure = using >= self.config.valid_from_use;
-        self.learn_measured(brush.mu, [brush.std.hypot(model_std); 2], MuSource::Brush, is_sure);
+        let std = brush.std.hypot(model_std);
+        self.learn_measured(brush.mu, [std, std.hypot(TUNING.brush_lags * risen)], MuSource::Brush, is_sure);
     }
 
     /// Where the ABS works, a wheel is at its limit; it may be one alone.

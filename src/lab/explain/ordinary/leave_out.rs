@@ -16,13 +16,17 @@ impl FreeFit<'_> {
     /// a group of drives left out at a time (Efron and Tibshirani, An Introduction to the Bootstrap, ch. 11). What the model lacks
     /// differs from drive to drive, and moves numbers that can stand for each other much further than slopes at one point have it.
     pub fn widened_by_leaving_out(mut self, drives: &[FreeDrive]) -> Self {
-        if drives.len() < LEAST_DRIVES {
+        // What is only predicted has no say.
+        let is_fitted = |drive: &FreeDrive| drive.held.iter().any(|held| !held);
+        let fitted: Vec<usize> = (0..drives.len()).filter(|place| is_fitted(&drives[*place])).collect();
+        if fitted.len() < LEAST_DRIVES {
             return self;
         }
-        let groups = drives.len().min(MOST_GROUPS);
+        let groups = fitted.len().min(MOST_GROUPS);
         count_searches(drives, groups);
+        let group = |number: usize| fitted.iter().copied().skip(number).step_by(groups);
         let without: Vec<Vec<f64>> =
-            (0..groups).into_par_iter().map(|group| self.without(drives, (group, groups))).collect();
+            (0..groups).into_par_iter().map(|number| self.without(drives, group(number))).collect();
         let factor = |place: usize| {
             let variance = self.covariance[(place, place)];
             if self.free[place].of != Scope::Car || variance <= 0.0 {
@@ -41,12 +45,10 @@ impl FreeFit<'_> {
         self
     }
 
-    /// Where the numbers come to without a group of drives, from where they are with all.
-    fn without(&self, drives: &[FreeDrive], (group, groups): (usize, usize)) -> Vec<f64> {
+    /// Where the numbers come to without a group of drives.
+    fn without(&self, drives: &[FreeDrive], group: impl Iterator<Item = usize>) -> Vec<f64> {
         let mut others = drives.to_vec();
-        for drive in others.iter_mut().skip(group).step_by(groups) {
-            drive.counts.fill(false);
-        }
+        group.for_each(|place| others[place].counts.fill(false));
         let scale = Scale { noise: self.noise, memory: self.time_constants_s.map(Scale::memory_of) };
         let problem = Problem { model: &self.model, free: &self.free, drives: &others };
         // From what was thought of the car: near the answer of all a search would stay in its valley.

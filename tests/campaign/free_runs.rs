@@ -7,6 +7,7 @@ use std::process::Command;
 use serde_json::Value;
 use testing::program::gripd;
 use testing::results::Section;
+use testing::setting::setting;
 
 /// `gripd identify --method ordinary`, as JSON.
 fn identified(config: &Path, logs: &[PathBuf]) -> Value {
@@ -22,18 +23,17 @@ fn held_out(answer: &Value, channel: &str) -> f64 {
     answer["fit"]["holdout"][channel].as_f64().unwrap_or(f64::NAN)
 }
 
+/// The Python that runs the tools of the recordings, which need numpy and more.
+pub fn yardstick_python() -> String {
+    setting("YARDSTICK_PYTHON", "python3".into())
+}
+
 /// The recordings of a configuration that comes with them. A group's drive of the GTI belongs to drives.toml, a lap to laps.toml.
 pub fn logs_of(config: &Path) -> Vec<PathBuf> {
     let folder = config.parent().unwrap();
-    let mut logs: Vec<PathBuf> =
-        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    logs.retain(|log| {
-        let name = log.file_name().unwrap().to_string_lossy();
-        let is_its_own =
-            !folder.ends_with("gti") || name.starts_with("group") != config.ends_with("laps.toml");
-        name.ends_with(".log.gz") && is_its_own
-    });
-    logs.sort();
+    let is_lap = |log: &PathBuf| !log.file_name().unwrap().to_string_lossy().starts_with("group");
+    let mut logs = testing::recordings_in(folder);
+    logs.retain(|log| !folder.ends_with("gti") || is_lap(log) == config.ends_with("laps.toml"));
     logs
 }
 
@@ -53,8 +53,7 @@ mod by_hand {
     /// What the yardstick says of a drive: fits of yaw rate and lateral acceleration, deviation of the sideslip, degrees.
     /// Not a number without a Python that has numpy, scipy, numba and pandas (named by `YARDSTICK_PYTHON`).
     fn yardstick(folder: &Path, config: &Path, log: &Path) -> [f64; 3] {
-        let python = std::env::var("YARDSTICK_PYTHON").unwrap_or_else(|_| "python3".into());
-        let mut command = Command::new(python);
+        let mut command = Command::new(yardstick_python());
         command.arg(folder.join("tools/bicycle.py")).args([config, log]);
         command.arg("--truth").arg(log.parent().unwrap().join("truth"));
         let output = command.output().unwrap();

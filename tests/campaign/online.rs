@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use super::free_runs::logs_of;
+use super::free_runs::{logs_of, yardstick_python};
 use testing::program::gripd;
 use testing::results::Section;
 
@@ -26,7 +26,7 @@ mod by_hand {
     #[ignore = "by hand: half a minute, and Python with pandas for the score"]
     fn real_drives_by_the_score() {
         let Some(folder) = testing::shared("recordings") else { return };
-        let python = std::env::var("YARDSTICK_PYTHON").unwrap_or_else(|_| "python3".into());
+        let python = yardstick_python();
         let mut rows = Vec::new();
         for config in [
             "gti/drives.toml",
@@ -48,11 +48,11 @@ mod by_hand {
                 let output = score.arg("--truth").arg(own.join("truth")).output().unwrap();
                 let text = String::from_utf8_lossy(&output.stdout).into_owned();
                 let found = cells(text.lines().nth(1).unwrap_or_default());
-                let [_, seconds, rest @ ..] = &found[..] else {
+                let [_, numbers @ ..] = &found[..] else {
                     panic!("{}: {text}{}", log.display(), String::from_utf8_lossy(&output.stderr))
                 };
                 let place = log.strip_prefix(&folder).unwrap().display().to_string();
-                let row = format!("{} | {seconds} | {}", place.replace(".log.gz", ""), rest.join(" | "));
+                let row = format!("{} | {}", place.replace(".log.gz", ""), numbers.join(" | "));
                 println!("{row}");
                 rows.push(row);
             }

@@ -67,10 +67,7 @@ longitudinal_stiffness = { value = 30.0, std = 15.0 }
 fn the_zoe_scenes_agree_on_the_slope() {
     let Some(folder) = testing::shared("recordings") else { return };
     let config = Config::parse(ZOE, &folder.join("zoe.toml")).unwrap();
-    let mut scenes: Vec<_> =
-        std::fs::read_dir(folder.join("zoe")).unwrap().map(|entry| entry.unwrap().path()).collect();
-    scenes.retain(|path| path.to_string_lossy().ends_with(".log.gz"));
-    scenes.sort();
+    let scenes = testing::recordings_in(&folder.join("zoe"));
     let mut slopes = Vec::new();
     for scene in &scenes {
         let rows = replay(&config, scene);

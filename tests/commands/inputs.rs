@@ -171,11 +171,7 @@ fn recorded() -> Vec<(Car, PathBuf)> {
         ("tts", "tts/car.toml"),
         ("zoe", "zoe/car.toml"),
     ] {
-        let mut logs: Vec<PathBuf> =
-            std::fs::read_dir(folder.join(of)).unwrap().map(|entry| entry.unwrap().path()).collect();
-        logs.retain(|path| path.to_string_lossy().ends_with(".log.gz"));
-        logs.sort();
-        for log in logs {
+        for log in testing::recordings_in(&folder.join(of)) {
             let name = log.file_name().unwrap().to_string_lossy().into_owned();
             let is_lap = of == "gti" && (name.starts_with("dry") || name.starts_with("wet"));
             let car = match (of, is_lap) {

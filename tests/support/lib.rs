@@ -50,6 +50,15 @@ pub fn shared(path: &str) -> Option<PathBuf> {
     None
 }
 
+/// The recordings in a folder, by name.
+pub fn recordings_in(folder: &Path) -> Vec<PathBuf> {
+    let mut logs: Vec<PathBuf> =
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    logs.retain(|log| log.to_string_lossy().ends_with(".log.gz"));
+    logs.sort();
+    logs
+}
+
 /// A file of `tests/data`.
 pub fn data(name: &str) -> PathBuf {
     project("tests/data").join(name)

@@ -39,10 +39,8 @@ struct Tuning {
     abs_reserve: f64,
     /// So long it takes until brakes have built up what the tires can take, s.
     abs_builds_up_s: f64,
-    /// What is used has settled when it is this near, relative, …
+    /// While the ABS works, what is used has settled when it is this near, relative, to what it was before.
     abs_settled: f64,
-    /// … to what it was so long ago, s.
-    abs_settles_s: f64,
     /// What was used within so many seconds, s, …
     abs_recent_s: f64,
     /// … or is known to be there, is not used up when the ABS has less than this share of it. Its flag stays on while
@@ -67,7 +65,7 @@ struct Tuning {
     brush_model_error: f64,
     /// What is used rises while a manoeuvre begins: a brush is fitted to what was, and may lack this many times what has come since, …
     brush_lags: f64,
-    /// … that is since what is used had settled, s.
+    /// … that is since what is used had settled, s. The same is "before" where the ABS works.
     settles_s: f64,
 }
 
@@ -81,7 +79,6 @@ const TUNING: Tuning = Tuning {
     abs_reserve: 0.3,
     abs_builds_up_s: 0.3,
     abs_settled: 0.03,
-    abs_settles_s: 0.3,
     abs_recent_s: 5.0,
     abs_kept: 0.9,
     abs_shows_s: 0.7,
@@ -116,7 +113,6 @@ pub struct FrictionMonitor {
     bound_age_s: f64,
     /// What is used while the ABS works, smoothed further.
     abs_used: f64,
-    abs_settling: Fading,
     /// The most that was used lately, and how fast that is forgotten.
     recent: f64,
     recently: Fading,
@@ -169,7 +165,6 @@ impl FrictionMonitor {
             settled: 0.0,
             settling: Fading::over(TUNING.settles_s),
             surface: Fading::over(config.surface_lasts_s),
-            abs_settling: Fading::over(TUNING.abs_settles_s),
             recent: 0.0,
             recently: Fading::over(TUNING.abs_recent_s),
             at_limit_s: 0.0,
@@ -292,7 +287,7 @@ impl FrictionMonitor {
             self.abs_used = used;
             return;
         };
-        self.abs_settling.smooth(&mut self.abs_used, used, now.elapsed_s);
+        self.settling.smooth(&mut self.abs_used, used, now.elapsed_s);
         // While the brake pressure builds up not all tires are at their limit.
         let is_settled = used - self.abs_used < TUNING.abs_settled * used;
         let is_braking = now.abs == Some(true) && working_s > TUNING.abs_builds_up_s && along < 0.0;

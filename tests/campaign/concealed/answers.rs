@@ -9,6 +9,7 @@ use testing::program::gripd;
 
 use super::judge::{Judged, judge};
 use super::plan::{By, Case};
+use crate::free_runs::yardstick_python;
 use crate::{found, kept};
 
 /// Where drives are read from, and answers are kept.
@@ -141,8 +142,7 @@ impl Answers {
     }
 
     fn by_the_tool(&self, case: &Case, out: &Path) -> Command {
-        let python = std::env::var("YARDSTICK_PYTHON").unwrap_or_else(|_| "python3".into());
-        let mut command = Command::new(python);
+        let mut command = Command::new(yardstick_python());
         command.arg(self.recordings.join("tools/conceal.py")).arg(self.recordings.join(case.drive.config));
         command.arg(self.log(case.drive.name)).arg(out).args(case.told().split(' '));
         command

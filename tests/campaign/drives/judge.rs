@@ -84,6 +84,11 @@ pub fn share(part: u64, all: u64) -> f64 {
     100.0 * part as f64 / all.max(1) as f64
 }
 
+/// Of a count and a sum of squares, rad²; degrees.
+fn rms((count, squares): (u64, f64)) -> f64 {
+    (squares / count.max(1) as f64).sqrt().to_degrees()
+}
+
 /// By how much an interval excludes a value.
 fn excludes(estimates: &Estimates, truth: f64) -> f64 {
     let friction = &estimates.friction;
@@ -243,14 +248,13 @@ impl Judgement {
         let all = self.drops.len() as u64 + self.drops_unnoticed;
         let noticed = |within_s: f64| share(self.noticed(within_s), all);
         let [near, near_excited] = self.cornering.map(|[values, near]| share(near, values));
-        let [_, (count, squares)] = self.sideslip;
+        let [_, sideslip] = self.sideslip.map(rms);
         format!(
-            "{} | {} | {all} | {:.0} % | {:.0} % | {near:.1} % | {near_excited:.1} % | {:.3}°",
+            "{} | {} | {all} | {:.0} % | {:.0} % | {near:.1} % | {near_excited:.1} % | {sideslip:.3}°",
             self.drives,
             self.lies.len(),
             noticed(NOTICED_S),
-            noticed(GRACE_S),
-            (squares / count.max(1) as f64).sqrt().to_degrees()
+            noticed(GRACE_S)
         )
     }
 
@@ -317,7 +321,6 @@ impl fmt::Display for Judgement {
             "cornering stiffness where valid: {} values, {:.1} % within 7 %; beyond {EXCITING} m/s² {} values, {:.1} %",
             all.0, all.1, excited.0, excited.1
         )?;
-        let rms = |(count, squares): (u64, f64)| (squares / count.max(1) as f64).sqrt().to_degrees();
         let [all, valid] = self.sideslip;
         write!(
             f,

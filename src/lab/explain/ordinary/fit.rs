@@ -108,15 +108,17 @@ pub fn begin_counting(drives: &[FreeDrive], fits: usize) {
 
 /// So many more follow than were foreseen.
 pub fn count_more(drives: &[FreeDrive], fits: usize) {
-    if let [first, ..] = drives {
-        first.work.expect(fits * counts(drives));
-    }
+    expect(drives, fits * counts(drives));
 }
 
 /// So many searches follow from where a fit has ended.
 pub(super) fn count_searches(drives: &[FreeDrive], searches: usize) {
+    expect(drives, searches * counted(STEPS[1]) * points(drives));
+}
+
+fn expect(drives: &[FreeDrive], steps: usize) {
     if let [first, ..] = drives {
-        first.work.expect(searches * counted(STEPS[1]) * points(drives));
+        first.work.expect(steps);
     }
 }
 

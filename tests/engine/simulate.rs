@@ -147,6 +147,25 @@ fn the_demo_passes_three_surfaces_and_ends_in_an_abs_braking() {
 }
 
 #[test]
+fn traction_control_lets_spinning_wheels_go() {
+    let fastest = |lets_go_at_slip: Option<f64>| {
+        let mut scenario = ready("demo");
+        scenario.duration_s = 10.0;
+        scenario.initial_speed_mps = 5.0;
+        scenario.road.drain(..2);
+        scenario.road[0].from_s = 0.0;
+        let driver = scenario.driver.as_mut().unwrap();
+        driver.lets_go_at_slip = lets_go_at_slip;
+        let (truth, _) = drive(&scenario, 1);
+        let wheels = truth.iter().flat_map(|t| t.wheel_speed);
+        (wheels.fold(0.0, f64::max) * scenario.vehicle.wheel_radius_m.value, truth[999].speed)
+    };
+    let ((spinning, slow), (held, fast)) = (fastest(None), fastest(Some(0.3)));
+    assert!(spinning > 40.0 && held < 25.0, "{spinning} and {held} m/s");
+    assert!(fast > slow - 1.0, "{fast} and {slow} m/s");
+}
+
+#[test]
 fn with_any_seed_the_ready_drives_stay_on_the_road() {
     for name in ["demo", "asphalt_gravel"] {
         for seed in 10..18 {

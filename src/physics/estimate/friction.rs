@@ -48,8 +48,6 @@ struct Tuning {
     abs_kept: f64,
     /// Another road shows by wheels that stay at their limit for so long, s.
     abs_shows_s: f64,
-    /// What other wheels may have where nobody sees whether they slip, relative.
-    abs_unseen_reserve: f64,
     /// On a road more slippery than this one wheel speaks for all.
     abs_slippery: f64,
     /// A braking that ended counts for so long, s.
@@ -82,7 +80,6 @@ const TUNING: Tuning = Tuning {
     abs_recent_s: 5.0,
     abs_kept: 0.9,
     abs_shows_s: 0.7,
-    abs_unseen_reserve: 0.5,
     abs_slippery: 0.25,
     abs_told_s: 0.5,
     spinning: 1.5,
@@ -197,7 +194,7 @@ impl FrictionMonitor {
             self.learn_measured(skid.mu, skid.std, MuSource::Limit, true);
         }
         if let Some(limit) = evidence.limit.filter(|limit| limit.age_s == 0.0) {
-            self.learn_measured(limit.mu, limit.std, MuSource::Limit, !limit.is_beyond);
+            self.learn_limit(&limit);
         }
         if let Some(curve) = evidence.curve {
             self.learn_curve(&curve);
@@ -300,11 +297,33 @@ impl FrictionMonitor {
         let reserve = match evidence.brakes_at_limit {
             Some(false) => return,
             // On a slippery road wheels slip too little to tell.
-            None if used > TUNING.abs_slippery => TUNING.abs_unseen_reserve * used,
+            None if used > TUNING.abs_slippery => {
+                self.learn_one_sided(used, [TUNING.abs_std; 2], MuSource::Abs);
+                return;
+            }
             _ if across.abs() > TUNING.straight * along.abs() => TUNING.abs_reserve * used,
             _ => 0.0,
         };
         self.learn_measured(used, [TUNING.abs_std, TUNING.abs_std.hypot(reserve)], MuSource::Abs, true);
+    }
+
+    /// Driven wheels at their limit, or one of them.
+    fn learn_limit(&mut self, limit: &LimitFriction) {
+        if limit.is_one_sided {
+            self.learn_one_sided(limit.mu, limit.std, MuSource::Limit);
+        } else {
+            self.learn_measured(limit.mu, limit.std, MuSource::Limit, true);
+        }
+    }
+
+    /// A wheel is at its limit, and nobody knows of the others.
+    fn learn_one_sided(&mut self, mu: f64, std: [f64; 2], source: MuSource) {
+        let (known_low, known_high) = self.belief.interval();
+        let is_another = self.belief.learn_one_sided(mu, std);
+        let (low, high) = self.belief.interval();
+        let says_more = high - low < known_high - known_low;
+        let measured = Measured { mu: self.belief.mean(), source, age_s: 0.0, is_sure: false };
+        self.take(measured, is_another || says_more);
     }
 
     /// Tires that bend, or do not, at the force in use.
@@ -335,9 +354,11 @@ impl FrictionMonitor {
         self.take(Measured { mu, source, age_s: 0.0, is_sure }, is_another || says_more);
     }
 
-    /// A measurement wider than the belief changes the belief but not the published value.
+    /// A measurement wider than the belief changes the belief but not the published value, nor does one that nobody would act upon.
     fn take(&mut self, measured: Measured, says_more: bool) {
-        if says_more || self.measured.is_none_or(|before| before.source == measured.source) {
+        let may_follow =
+            |before: Measured| before.source == measured.source && (measured.is_sure || !before.is_sure);
+        if says_more || self.measured.is_none_or(may_follow) {
             self.measured = Some(measured);
         }
     }

@@ -58,7 +58,7 @@ struct Tuning {
     block_s: f64,
     /// A sample that comes later than this after the last one comes after a gap, s.
     gap_s: f64,
-    /// Both wheels of the axle are at their limits if they were within this time, s.
+    /// All wheels of the axle are at their limits if they were within this time, s.
     together_s: f64,
     /// Beyond its peak a tire gives less: for this time the largest force counts, s, …
     peak_held_s: f64,
@@ -72,6 +72,10 @@ struct Tuning {
     given: f64,
     /// … with these deviations, relative, downwards and upwards: a magic formula of shape 1.6 gives 0.6 of it, a brush all.
     given_std: [f64; 2],
+    /// A wheel spins, however long it has, with this slip or more, …
+    spins: f64,
+    /// … where force/slip is below this share of a tire's slope: on the softest surface half of it is left.
+    spins_softly: f64,
     /// Of the wheel's inertia, relative, where the data sheet does not say.
     inertia_std: f64,
     /// Share of the load transfer (left out of the loads) that counts as uncertainty.
@@ -102,8 +106,10 @@ const TUNING: Tuning = Tuning {
     peak_lost: 0.8,
     curve_std: 0.02,
     beyond: 0.15,
-    given: 0.9,
-    given_std: [0.12, 0.22],
+    given: 0.8,
+    given_std: [0.16, 0.17],
+    spins: 0.03,
+    spins_softly: 0.07,
     inertia_std: 0.1,
     load_transfer_std: 0.5,
     after_spin_s: 0.5,
@@ -118,6 +124,8 @@ pub struct LimitFriction {
     pub std: [f64; 2],
     /// Does the tire slip far beyond its limit, where it gives less?
     pub is_beyond: bool,
+    /// Was it seen of one wheel alone? Then the other side may give more.
+    pub is_one_sided: bool,
     /// Seconds since it was last seen.
     pub age_s: f64,
 }
@@ -152,6 +160,17 @@ pub struct SlipPoint {
     pub mu: f64,
     /// Standard deviation of its noise.
     pub mu_std: f64,
+}
+
+impl SlipPoint {
+    /// The force, if the wheel spins: whatever came before, so much slip for so little force is beyond any limit. `measured` is the
+    /// slip with its offset: while a wheel spins nobody learns that.
+    fn spins(&self, measured: f64, slope: f64) -> Option<AtLimit> {
+        let (sign, mu) = (self.mu.signum(), self.mu.abs());
+        let slip = (sign * measured).min(sign * self.slip - 2.0 * self.slip_std);
+        let spins = slip > TUNING.spins && mu > TUNING.least.1 && mu < TUNING.spins_softly * slope * slip;
+        spins.then_some(AtLimit { mu, std: self.mu_std, is_beyond: true })
+    }
 }
 
 /// Watches one wheel for its limit.
@@ -320,7 +339,7 @@ impl SaturationDetector {
         let points = traction.points(&block);
         for wheel in Wheel::ALL.into_iter().filter(|&wheel| self.car.driven_axle.drives(wheel)) {
             let i = wheel as usize;
-            let Some(point) = points[i] else {
+            let Some(measured) = points[i] else {
                 self.wheels[i].reset();
                 continue;
             };
@@ -331,13 +350,18 @@ impl SaturationDetector {
             let load = self.car.load(wheel);
             let along = force / load;
             let point = SlipPoint {
-                slip: point.slip - offset,
-                slip_std: point.slip_std.hypot(offset_std),
+                slip: measured.slip - offset,
+                slip_std: measured.slip_std.hypot(offset_std),
                 mu: along,
                 mu_std: force_std / load,
             };
             let slope = slopes[i].map_or(prior, |slope| slope.value);
-            let Some(AtLimit { mu, std: noise, is_beyond }) = self.wheels[i].step(point, slope) else {
+            let at_limit = self.wheels[i].step(point, slope);
+            let spins = point.spins(measured.slip, prior);
+            if spins.is_some() {
+                self.since_spinning_s = 0.0;
+            }
+            let Some(AtLimit { mu, std: noise, is_beyond }) = at_limit.or(spins) else {
                 continue;
             };
             let spin_up = block.wheel_acceleration[i] / self.car.radius;
@@ -357,7 +381,7 @@ impl SaturationDetector {
             } else {
                 (used, [std; 2])
             };
-            let found = LimitFriction { mu, std, is_beyond, age_s: 0.0 };
+            let found = LimitFriction { mu, std, is_beyond, is_one_sided: true, age_s: 0.0 };
             self.seen[i] = Some(Self::with_peak(self.seen[i], found));
         }
         if self.wheels.iter().any(WheelSaturation::is_spinning) {
@@ -366,8 +390,7 @@ impl SaturationDetector {
         self.combine();
     }
 
-    /// The last one, if any: of an axle whose wheels were both at their limits. One wheel alone has
-    /// ice under it, which says nothing of the other.
+    /// The last one, if any: of the whole axle where its wheels were at their limits together, else of one side.
     pub fn friction(&self) -> Option<LimitFriction> {
         self.friction
     }
@@ -382,8 +405,11 @@ impl SaturationDetector {
             // What was seen at the limit itself says more.
             Some((peak, age))
                 if age < TUNING.peak_held_s
-                    && ((TUNING.peak_lost * peak.mu..peak.mu).contains(&found.mu)
-                        || found.is_beyond && !peak.is_beyond && found.holds(peak.mu)) =>
+                    && if found.is_beyond == peak.is_beyond {
+                        (TUNING.peak_lost * peak.mu..peak.mu).contains(&found.mu)
+                    } else {
+                        found.is_beyond && found.holds(peak.mu)
+                    } =>
             {
                 (LimitFriction { age_s: 0.0, ..peak }, age)
             }
@@ -392,26 +418,55 @@ impl SaturationDetector {
     }
 
     fn combine(&mut self) {
-        let mut both: Option<LimitFriction> = None;
-        for (wheel, seen) in Wheel::ALL.into_iter().zip(self.seen) {
-            if !self.car.driven_axle.drives(wheel) {
-                continue;
-            }
-            let Some((seen, _)) = seen.filter(|(seen, _)| seen.age_s < TUNING.together_s) else { return };
-            both = Some(match both {
+        let driven = Wheel::ALL.into_iter().filter(|&wheel| self.car.driven_axle.drives(wheel)).count();
+        let mut count = 0;
+        let mut all: Option<LimitFriction> = None;
+        for (seen, _) in self.seen.into_iter().flatten().filter(|(seen, _)| seen.age_s < TUNING.together_s) {
+            count += 1;
+            all = Some(match all {
                 Some(other) => LimitFriction {
                     mu: 0.5 * (other.mu + seen.mu),
                     // The wheels share most of their errors; their difference counts as a further one.
                     std: [0, 1]
                         .map(|way| other.std[way].max(seen.std[way]).hypot(0.5 * (other.mu - seen.mu))),
                     is_beyond: other.is_beyond || seen.is_beyond,
-                    age_s: other.age_s.max(seen.age_s),
+                    is_one_sided: true,
+                    age_s: other.age_s.min(seen.age_s),
                 },
                 None => seen,
             });
         }
-        if both.is_some() {
-            self.friction = both;
+        if let Some(friction) = all {
+            self.friction = Some(LimitFriction { is_one_sided: count < driven, ..friction });
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(slip: f64, mu: f64, slip_std: f64) -> SlipPoint {
+        SlipPoint { slip, slip_std, mu, mu_std: 0.01 }
+    }
+
+    #[test]
+    fn a_wheel_that_spins_is_beyond_its_limit_whatever_came_before() {
+        let spins = |slip: f64, mu: f64| point(slip, mu, 0.001).spins(slip, 90.0);
+        let found = spins(0.3, 0.2).unwrap();
+        assert!(found.is_beyond && found.mu == 0.2, "{found:?}");
+        // Backwards, too.
+        assert!(spins(-0.3, -0.2).is_some());
+        // Loose snow gives way, and carries more the more it slips.
+        assert_eq!(spins(0.025, 0.2), None);
+        assert_eq!(spins(0.04, 0.3), None);
+    }
+
+    #[test]
+    fn a_smaller_tire_does_not_spin() {
+        // Its offset is known, or not yet; or what was learned of it was learned while it spun.
+        assert_eq!(point(0.0, 0.05, 0.002).spins(0.05, 90.0), None);
+        assert_eq!(point(0.05, 0.05, 0.02).spins(0.05, 90.0), None);
+        assert_eq!(point(0.3, 0.05, 0.002).spins(0.0, 90.0), None);
     }
 }

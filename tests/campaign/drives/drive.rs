@@ -89,6 +89,8 @@ impl Drive {
             at = until;
         }
         let seconds = at;
+        // No engine drives a wheel to a hundred metres a second: traction control, or the foot, lets it go.
+        let lets_go = Dice(ChaCha8Rng::seed_from_u64(!seed)).between(0.1, 0.5);
         if dice.chance(0.5) {
             about += ", braking";
             // The pedal is pressed: full pressure within 0.3 s, the anti-lock brake does the rest.
@@ -124,7 +126,7 @@ impl Drive {
             .unwrap();
         }
         writeln!(text, "duration_s = {seconds}\nseed = {seed}").unwrap();
-        text += &inputs.text();
+        text += &inputs.text(lets_go);
         text += "[vehicle]\n";
         text += &toml::to_string(&truly(&sheet, &mut dice)).unwrap();
         write!(
@@ -238,8 +240,11 @@ impl Inputs {
         .unwrap();
     }
 
-    fn text(&self) -> String {
+    fn text(&self, lets_go: f64) -> String {
         let points = self.speed.trim_end_matches(", ");
-        format!("[driver]\n[[driver.speed_mps]]\nkind = \"points\"\npoints = [{points}]\n{}", self.steering)
+        format!(
+            "[driver]\nlets_go_at_slip = {lets_go}\n[[driver.speed_mps]]\nkind = \"points\"\npoints = [{points}]\n{}",
+            self.steering
+        )
     }
 }

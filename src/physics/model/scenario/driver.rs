@@ -29,6 +29,10 @@ pub struct DriverConfig {
     /// Time constant of foot and engine, s.
     #[serde(default = "default_lag")]
     pub lag_s: f64,
+    /// Where a driven wheel slips more than this, traction control (or the foot) takes drive torque away; without it wheels
+    /// spin as long as the driver wants more.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lets_go_at_slip: Option<f64>,
 }
 
 fn default_gain() -> f64 {
@@ -61,6 +65,7 @@ impl DriverConfig {
             deceleration_max_mps2: default_deceleration(),
             engine_brake_mps2: default_engine_brake(),
             lag_s: default_lag(),
+            lets_go_at_slip: None,
         }
     }
 
@@ -79,6 +84,9 @@ impl DriverConfig {
             ("driver.lag_s", self.lag_s),
         ] {
             positive(problems, key, value);
+        }
+        if let Some(slip) = self.lets_go_at_slip {
+            positive(problems, "driver.lets_go_at_slip", slip);
         }
         if !(self.engine_brake_mps2.is_finite() && self.engine_brake_mps2 >= 0.0) {
             problems.push(Problem::new(

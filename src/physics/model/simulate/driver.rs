@@ -21,19 +21,33 @@ pub(super) struct Driver {
     speed: Input,
     integral: f64,
     acceleration: f64,
+    /// Share of the drive torque that is left while driven wheels spin.
+    left: f64,
 }
+
+/// Torque is taken away from spinning wheels with this time constant, and comes back with that one, s: an engine's throttle, and a
+/// control that tries again.
+const LETS_GO_S: f64 = 0.1;
+const COMES_BACK_S: f64 = 1.0;
 
 /// Speed below which engine drag fades out, and a car that is to stand is held by its brake, m/s.
 const WALKING_MPS: f64 = 1.0;
 
 impl Driver {
     pub(super) fn new(config: &DriverConfig, speed: Input) -> Self {
-        Self { config: config.clone(), speed, integral: 0.0, acceleration: 0.0 }
+        Self { config: config.clone(), speed, integral: 0.0, acceleration: 0.0, left: 1.0 }
     }
 
     /// From `t` on, this speed instead of the scenario's.
     pub(super) fn give(&mut self, t: f64, speed: Line) {
         self.speed.give(t, speed);
+    }
+
+    /// Takes the largest slip of a driven wheel, for a step of `h` seconds.
+    pub(super) fn feel(&mut self, slip: f64, h: f64) {
+        let Some(most) = self.config.lets_go_at_slip else { return };
+        let (target, time) = if slip > most { (0.0, LETS_GO_S) } else { (1.0, COMES_BACK_S) };
+        self.left += h / (time + h) * (target - self.left);
     }
 
     /// The torques for the step of `h` seconds that begins at `t`. Where the scenario itself presses
@@ -65,7 +79,7 @@ impl Driver {
         let engine = config.engine_brake_mps2 * fading;
         let force = self.acceleration * inertia + plant.body.resistance(vx);
         Demand {
-            drive_nm: force.max(-engine * inertia) * radius,
+            drive_nm: self.left * force.max(0.0) * radius + force.clamp(-engine * inertia, 0.0) * radius,
             brake_nm: (-force - engine * inertia).max(0.0) * radius * fading,
         }
     }

@@ -113,7 +113,9 @@ impl<'a> Conclusion<'_, 'a> {
         explanation.used = self.drives.iter().map(Used::of).collect();
         explanation.seconds = usable;
         explanation.traces = traces;
-        explanation.vehicle = Some(self.case.vehicle.clone());
+        let tire = baseline.model.vehicle.tire;
+        explanation.tires_bend_as = (tire != self.case.vehicle.tire).then_some(tire);
+        explanation.vehicle = Some(baseline.model.vehicle.clone().into_owned());
         explanation.driven = self.drives.iter().map(Driven::of).collect();
         if let Some((ordinary, decided)) = self.ordinary {
             explanation.take_ordinary(ordinary, decided);

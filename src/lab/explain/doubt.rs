@@ -22,7 +22,7 @@ pub fn of_fit(fit: &Fit<'_>, numbers: &BTreeMap<String, Estimate>) -> BTreeMap<S
     let of = |free: &Free| {
         let (name, ..) = fit.model.ordinary_number(free.place)?;
         let is_at_bound = fit.model.is_at_bound(free.place);
-        let doubt = doubt(&name, *numbers.get(&name)?, fit.model.vehicle, is_at_bound)?;
+        let doubt = doubt(&name, *numbers.get(&name)?, &fit.model.vehicle, is_at_bound)?;
         Some((name, doubt))
     };
     fit.free.iter().filter_map(of).collect()

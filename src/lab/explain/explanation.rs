@@ -7,8 +7,9 @@ use super::correction::correct;
 use super::excerpt::Excerpt;
 use super::fit::Data;
 use super::long_recording::LongSearch;
-use super::model::Model;
+use super::model::{Free, Model};
 use super::ordinary::{Bent, FittedCars, Ordinary};
+use super::other_tires::or_other_tires;
 use super::put_right::put_right;
 use super::result::{Explanation, Finding, Verdict};
 use super::select::{Selection, select};
@@ -96,15 +97,24 @@ impl<'a> Case<'a> {
                 let fitted = data.fit_watched(&plain, &free, &noise, PLAIN_ROUNDS, &told);
                 Selection::nothing(fitted, data.split.clone())
             }
-            Some(excerpt) => {
-                let search =
-                    LongSearch { data: &data, plain: (&plain, &free, &noise), suggested: &suggested };
-                search.select(excerpt, &library, progress)
-            }
-            None => {
-                let baseline = data.fit_thoroughly(&plain, &free, &noise);
-                let before = signs_and_swaps::taken(&data, &plain, &baseline, (&free, &noise), &suggested);
-                select(&data, (baseline, before), &library, progress)
+            excerpt => {
+                let search = |plain: &Model<'a>, free: &[Free], progress: &(dyn Fn(&str, f64) + Sync)| {
+                    if let Some(excerpt) = excerpt.clone() {
+                        let search =
+                            LongSearch { data: &data, plain: (plain, free, &noise), suggested: &suggested };
+                        return search.select(excerpt, &library, progress);
+                    }
+                    let baseline = data.fit_thoroughly(plain, free, &noise);
+                    let before = signs_and_swaps::taken(&data, plain, &baseline, (free, &noise), &suggested);
+                    select(&data, (baseline, before), &library, progress)
+                };
+                let own = search(&plain, &free, progress);
+                or_other_tires(
+                    &data,
+                    own,
+                    |model| model.ordinary(has),
+                    |plain, free| search(plain, free, &|_, _| ()),
+                )
             }
         };
         data.split = selection.split.clone();

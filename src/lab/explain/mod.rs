@@ -45,6 +45,7 @@ mod model;
 mod naming;
 mod next_drive;
 pub mod ordinary;
+mod other_tires;
 mod patches;
 mod play;
 mod precedence;

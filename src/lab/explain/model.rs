@@ -1,5 +1,7 @@
 //! A model of the car as a search sees it: its numbers, its effects, and which of them are free.
 
+use std::borrow::Cow;
+
 use super::tuning::TUNING;
 use identify::{Parameter, Values};
 use physics::model::effect::{Channel, Course, EffectConfig, KINDS, Kind, Series, Setting, Spec};
@@ -95,7 +97,7 @@ impl Chosen {
 #[derive(Clone, Debug)]
 pub struct Model<'a> {
     /// What does not change.
-    pub vehicle: &'a Vehicle,
+    pub vehicle: Cow<'a, Vehicle>,
     /// Are drive and brake torques known?
     pub knows_torque: bool,
     /// Ordinary numbers.
@@ -145,13 +147,18 @@ impl<'a> Model<'a> {
     /// The plain model as the vehicle's table has it.
     pub fn plain(vehicle: &'a Vehicle, knows_torque: bool) -> Self {
         Self {
-            vehicle,
+            vehicle: Cow::Borrowed(vehicle),
             knows_torque,
             values: Values::of(vehicle),
             delays: Delayed::usual(),
             bend_along: BEND_ALONG.0,
             effects: Vec::new(),
         }
+    }
+
+    /// The same with another table of the car.
+    pub fn of(&self, vehicle: Vehicle) -> Self {
+        Self { vehicle: Cow::Owned(vehicle), ..self.clone() }
     }
 
     /// The same with effects that a configuration switches on, as it has them.
@@ -170,7 +177,7 @@ impl<'a> Model<'a> {
             chosen.kind.effect(&Setting { values: &values, channel: chosen.channel, course: &chosen.course })
         });
         ExtendedCar::new(Settings {
-            vehicle: self.vehicle,
+            vehicle: &self.vehicle,
             values: &self.values,
             knows_torque: self.knows_torque,
             delays: self.delays,
@@ -200,7 +207,7 @@ impl<'a> Model<'a> {
             use Parameter::{SlipOffsetFl, SlipOffsetFr, SlipOffsetRl, SlipOffsetRr};
             matches!(p, SlipOffsetFl | SlipOffsetFr | SlipOffsetRl | SlipOffsetRr)
         };
-        let usual = Parameter::usual(self.vehicle, drive, &has);
+        let usual = Parameter::usual(&self.vehicle, drive, &has);
         let mut parameters: Vec<Parameter> = usual.into_iter().filter(|p| !is_slip_offset(p)).collect();
         if !self.knows_torque && has(Quantity::LongitudinalAcceleration) {
             parameters.push(Parameter::LongitudinalAccelerationOffset);
@@ -219,7 +226,7 @@ impl<'a> Model<'a> {
     }
 
     fn free_ordinary(&self, parameter: Parameter) -> Free {
-        let prior = parameter.prior(self.vehicle);
+        let prior = parameter.prior(&self.vehicle);
         let place = Place::Ordinary(parameter);
         if is_logarithmic(parameter) {
             let std = prior.std / prior.value;

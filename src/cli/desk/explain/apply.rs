@@ -38,6 +38,8 @@ pub fn toml(from: &Path, to: &Path, answer: &Answer<'_>, force: bool) -> Result<
     let ordinary = explanation.parameters.ordinary.as_ref().filter(|_| explanation.is_by_ordinary);
     if let Some(ordinary) = explanation.ordinary.as_ref().filter(|_| explanation.is_by_ordinary) {
         applied.bend_tires(ordinary.tire);
+    } else if let Some(tire) = explanation.tires_bend_as {
+        applied.bend_tires(tire);
     }
     for (name, estimate) in ordinary.unwrap_or(&explanation.parameters.extended) {
         if applied.has(name) && !explanation.in_doubt.contains_key(name) {

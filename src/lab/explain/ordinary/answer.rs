@@ -141,7 +141,8 @@ impl<'a> FittedCars<'a> {
     ) -> Option<Self> {
         let all = Drives::of(&bent.smooth, recordings, asked)?;
         let drives = &all.drives;
-        let plain = Model { vehicle, values: Values::of(vehicle), ..as_configured(&bent.smooth, effects) };
+        let plain =
+            Model { values: Values::of(vehicle), ..as_configured(&bent.smooth, effects).of(vehicle.clone()) };
         // The ordinary car twice, with and without what the data may refuse.
         begin_counting(drives, 3);
         let leaves = |fit: &FreeFit<'_>| does_repeat(&repeating(drives, &fit.predicted, asked.seed));
@@ -169,7 +170,7 @@ impl<'a> FittedCars<'a> {
     /// What they say.
     pub fn say(&self, asked: Asked<'_>) -> Ordinary {
         let Self { found, plain, drives: Drives { drives, references, left_out }, .. } = self;
-        let fitted = Fitted { vehicle: found.model.vehicle, drives, found, plain, simulated: None };
+        let fitted = Fitted { vehicle: &found.model.vehicle, drives, found, plain, simulated: None };
         Ordinary {
             left_out: left_out.clone(),
             begins_utc: self.begins_utc.clone(),
@@ -281,7 +282,7 @@ impl Fitted<'_> {
             begins_utc: BTreeMap::new(),
         };
         if simulated.is_none() && answer.is_the_car() {
-            answer.tires = tires::of(found, &Model::plain(plain.model.vehicle, false), drives);
+            answer.tires = tires::of(found, &Model::plain(&plain.model.vehicle, false), drives);
         }
         // A simulation may be far from the car that drove.
         if (simulated.is_some() || answer.is_the_car()) && searches(&answer) {

@@ -37,7 +37,7 @@ fn axle(found: &FreeFit<'_>, front: bool) -> Option<AxleStiffness> {
     let (std, before) = (variance.max(0.0).sqrt(), before.sqrt());
     let is_at_bound = is_at_either(found.at[own], found.free[own].bounds);
     // What the table says is of the same quantity: a plain car's.
-    let against = match Doubt::of_parameter(parameter, (value, std), found.model.vehicle, is_at_bound) {
+    let against = match Doubt::of_parameter(parameter, (value, std), &found.model.vehicle, is_at_bound) {
         Some(doubt) => Some(doubt.why),
         None => {
             (std > LEAST_TOLD * before).then(|| "the recordings add little to what was known before".into())

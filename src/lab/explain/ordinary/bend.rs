@@ -34,9 +34,9 @@ fn with_limit(vehicle: &Vehicle) -> Vehicle {
 /// is small it is seen that a brush's stiffness falls in proportion to the force, that of the magic formula with its square.
 pub struct Bent {
     /// [`with_bend`].
-    pub(super) smooth: Vehicle,
+    pub(in crate::explain) smooth: Vehicle,
     /// None where the table itself has a magic formula.
-    pub(super) brush: Option<Vehicle>,
+    pub(in crate::explain) brush: Option<Vehicle>,
 }
 
 impl Bent {

@@ -63,7 +63,7 @@ pub(super) fn numbers(found: &FreeFit<'_>, drives: &[FreeDrive]) -> Vec<Number> 
         let is_friction = Parameter::named(&name) == Some(Parameter::Friction);
         Number {
             out_of_reach: used.filter(|_| is_friction).and_then(|used| far_from_limit(value, used)),
-            doubt: doubt(&name, estimate, found.model.vehicle, is_at_bound),
+            doubt: doubt(&name, estimate, &found.model.vehicle, is_at_bound),
             name,
             recording: match free.of {
                 Scope::Recording(drive) => drives.get(drive).map(|drive| drive.name.clone()),

@@ -7,7 +7,7 @@ mod to_drive;
 
 use std::collections::BTreeMap;
 
-use physics::model::Vehicle;
+use physics::model::{TireKind, Vehicle};
 use serde::Serialize;
 
 pub use drive::{Block, Driven, Trace};
@@ -100,6 +100,9 @@ pub struct Explanation {
     pub cornering_stiffness: CorneringStiffness,
     /// Which of the extended model's ordinary numbers are at a bound or far from the vehicle's table, and so not taken over.
     pub in_doubt: BTreeMap<String, Doubt>,
+    /// How the tires bend, where that is not as the configuration has it and less is missing so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tires_bend_as: Option<TireKind>,
     /// Share of the residual variance above the noise that is still left, by channel.
     pub unexplained: ByChannel,
     /// What the ordinary car does not predict, by channel.
@@ -176,6 +179,7 @@ impl Explanation {
             parameters: Models::default(),
             cornering_stiffness: CorneringStiffness::default(),
             in_doubt: BTreeMap::new(),
+            tires_bend_as: None,
             unexplained: ByChannel::new(),
             disturbances: BTreeMap::new(),
             remaining: ByChannel::new(),

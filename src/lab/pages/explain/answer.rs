@@ -39,6 +39,9 @@ pub fn write(page: &mut Page, explanation: &Explanation) {
     for line in caveats::used(explanation) {
         page.raw(&format!("<p class=\"aside\">Used: {}</p>", escape(&stopped(&line))));
     }
+    if let Some(line) = caveats::tires(explanation) {
+        page.raw(&format!("<p class=\"aside\">Tires: {}</p>", escape(&stopped(&line))));
+    }
     if explanation.verdict == Verdict::InsufficientExcitation {
         to_drive(page, explanation);
     }

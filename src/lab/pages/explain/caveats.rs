@@ -3,6 +3,7 @@
 use super::words::{list, number, ordinary};
 use crate::explain::{Estimate, Explanation, Used};
 use identify::Doubt;
+use physics::model::TireKind;
 
 /// Which part of each recording was used, and why not the rest; nothing of those that were used whole.
 pub fn used(explanation: &Explanation) -> Vec<String> {
@@ -15,6 +16,19 @@ pub fn used(explanation: &Explanation) -> Vec<String> {
         })
     };
     explanation.used.iter().filter_map(of).collect()
+}
+
+/// Tires that bend otherwise than the configuration's.
+pub fn tires(explanation: &Explanation) -> Option<String> {
+    let kind = match explanation.tires_bend_as.filter(|_| !explanation.is_by_ordinary)? {
+        TireKind::Brush => "a brush does: their stiffness falls in proportion to the force",
+        TireKind::MagicFormula => "a magic formula does: hardly before half of the friction is used",
+        TireKind::Piecewise | TireKind::Linear => return None,
+    };
+    Some(format!(
+        "those of the recording bend as {kind}; with the configuration's more would be missing (`tire` in [vehicle], which --apply \
+         writes)"
+    ))
 }
 
 /// A number in doubt, as it is shown.

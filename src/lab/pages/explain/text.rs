@@ -31,6 +31,9 @@ fn text(explanation: &Explanation) -> String {
     for line in caveats::used(explanation) {
         wrapped(&mut text, "Used: ", &stopped(&line));
     }
+    if let Some(line) = caveats::tires(explanation) {
+        wrapped(&mut text, "Tires: ", &stopped(&line));
+    }
     for line in crate::pages::clocks::lines(&explanation.begins_utc) {
         wrapped(&mut text, "Clock: ", &line);
     }

@@ -29,7 +29,6 @@ pub fn or_other_tires<'a>(
         data.fit(&model, &free(&model), &own.baseline.noise, ROUNDS)
     };
     let best = others(&own.baseline.model.vehicle)
-        .into_iter()
         .map(fitted)
         .min_by(|a, b| a.cost().total_cmp(&b.cost()))
         .filter(|best| best.cost() < own.baseline.cost() - LEAST_EVIDENCE);
@@ -40,11 +39,11 @@ pub fn or_other_tires<'a>(
     if cost(&other) < cost(&own) - LEAST_EVIDENCE { other } else { own }
 }
 
-/// The car with the other kinds of tires that bend.
-fn others(vehicle: &Vehicle) -> Vec<Vehicle> {
-    let bent = Bent::of(vehicle);
-    let brush = bent.brush.unwrap_or_else(|| Vehicle { tire: TireKind::Brush, ..vehicle.clone() });
-    [bent.smooth, brush].into_iter().filter(|other| other.tire != vehicle.tire).collect()
+/// The car with the other kinds of tires that bend. A table that has a magic formula was told how.
+fn others(vehicle: &Vehicle) -> impl Iterator<Item = Vehicle> {
+    let Bent { smooth, brush } = Bent::of(vehicle);
+    let own = vehicle.tire;
+    brush.into_iter().chain([smooth]).filter(move |other| other.tire != own)
 }
 
 #[cfg(test)]

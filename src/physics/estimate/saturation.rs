@@ -12,12 +12,12 @@
 //! the brake torque of a wheel and the car's speed are known; [`SaturationDetector`] feeds it with the
 //! driven wheels.
 
-use super::block::BlockBuilder;
+use super::block::{Block, BlockBuilder};
 use super::config::SlopeConfig;
 use super::kinematics::{Car, Kinematics};
 use super::traction::Traction;
 use crate::estimates::Estimate;
-use crate::model::GRAVITY;
+use crate::model::{DrivenAxle, GRAVITY};
 use crate::{Quantity, Sensors, Wheel};
 
 /// Tuned with the test `sim3`: over seeds, tires and surfaces, at the limit and far from it; what lies beyond it with the test
@@ -72,7 +72,7 @@ struct Tuning {
     given: f64,
     /// … with these deviations, relative, downwards and upwards: a magic formula of shape 1.6 gives 0.6 of it, a brush all.
     given_std: [f64; 2],
-    /// A wheel spins, however long it has, with this slip or more, …
+    /// A wheel spins, however long it has, with this slip or more beyond what turning may be, …
     spins: f64,
     /// … where force/slip is below this share of a tire's slope: on the softest surface half of it is left.
     spins_softly: f64,
@@ -108,7 +108,7 @@ const TUNING: Tuning = Tuning {
     beyond: 0.15,
     given: 0.8,
     given_std: [0.16, 0.17],
-    spins: 0.03,
+    spins: 0.05,
     spins_softly: 0.07,
     inertia_std: 0.1,
     load_transfer_std: 0.5,
@@ -164,10 +164,10 @@ pub struct SlipPoint {
 
 impl SlipPoint {
     /// The force, if the wheel spins: whatever came before, so much slip for so little force is beyond any limit. `measured` is the
-    /// slip with its offset: while a wheel spins nobody learns that.
-    fn spins(&self, measured: f64, slope: f64) -> Option<AtLimit> {
+    /// slip with its offset: while a wheel spins nobody learns that. `turning` is what there may be of slip without any force.
+    fn spins(&self, measured: f64, turning: f64, slope: f64) -> Option<AtLimit> {
         let (sign, mu) = (self.mu.signum(), self.mu.abs());
-        let slip = (sign * measured).min(sign * self.slip - 2.0 * self.slip_std);
+        let slip = (sign * measured).min(sign * self.slip - 2.0 * self.slip_std) - turning;
         let spins = slip > TUNING.spins && mu > TUNING.least.1 && mu < TUNING.spins_softly * slope * slip;
         spins.then_some(AtLimit { mu, std: self.mu_std, is_beyond: true })
     }
@@ -357,7 +357,7 @@ impl SaturationDetector {
             };
             let slope = slopes[i].map_or(prior, |slope| slope.value);
             let at_limit = self.wheels[i].step(point, slope);
-            let spins = point.spins(measured.slip, prior);
+            let spins = point.spins(measured.slip, self.turning(&block), prior);
             if spins.is_some() {
                 self.since_spinning_s = 0.0;
             }
@@ -400,6 +400,13 @@ impl SaturationDetector {
         self.since_spinning_s < TUNING.after_spin_s
     }
 
+    /// Slip of a wheel that turns as fast as its neighbour: a locked axle, as race cars have one. And an angle of the steering that
+    /// belongs to something else tells another way of the front wheels.
+    fn turning(&self, block: &Block) -> f64 {
+        let track = self.car.track[usize::from(self.car.driven_axle == DrivenAxle::Rear)];
+        track * (block.yaw_rate / block.speed).abs() + 1.0 - block.road_angle.cos()
+    }
+
     fn with_peak(before: Option<(LimitFriction, f64)>, found: LimitFriction) -> (LimitFriction, f64) {
         match before {
             // What was seen at the limit itself says more.
@@ -436,7 +443,8 @@ impl SaturationDetector {
                 None => seen,
             });
         }
-        if let Some(friction) = all {
+        // One wheel whose slip grows a little for nothing may have any reason; one that spins has one.
+        if let Some(friction) = all.filter(|friction| count == driven || friction.is_beyond) {
             self.friction = Some(LimitFriction { is_one_sided: count < driven, ..friction });
         }
     }
@@ -452,21 +460,29 @@ mod tests {
 
     #[test]
     fn a_wheel_that_spins_is_beyond_its_limit_whatever_came_before() {
-        let spins = |slip: f64, mu: f64| point(slip, mu, 0.001).spins(slip, 90.0);
+        let spins = |slip: f64, mu: f64| point(slip, mu, 0.001).spins(slip, 0.0, 90.0);
         let found = spins(0.3, 0.2).unwrap();
         assert!(found.is_beyond && found.mu == 0.2, "{found:?}");
         // Backwards, too.
         assert!(spins(-0.3, -0.2).is_some());
         // Loose snow gives way, and carries more the more it slips.
-        assert_eq!(spins(0.025, 0.2), None);
-        assert_eq!(spins(0.04, 0.3), None);
+        assert_eq!(spins(0.045, 0.2), None);
+        assert_eq!(spins(0.055, 0.4), None);
     }
 
     #[test]
     fn a_smaller_tire_does_not_spin() {
         // Its offset is known, or not yet; or what was learned of it was learned while it spun.
-        assert_eq!(point(0.0, 0.05, 0.002).spins(0.05, 90.0), None);
-        assert_eq!(point(0.05, 0.05, 0.02).spins(0.05, 90.0), None);
-        assert_eq!(point(0.3, 0.05, 0.002).spins(0.0, 90.0), None);
+        assert_eq!(point(0.0, 0.05, 0.002).spins(0.07, 0.0, 90.0), None);
+        assert_eq!(point(0.07, 0.05, 0.02).spins(0.07, 0.0, 90.0), None);
+        assert_eq!(point(0.3, 0.05, 0.002).spins(0.0, 0.0, 90.0), None);
+    }
+
+    #[test]
+    fn an_axle_that_is_locked_does_not_spin_in_a_tight_curve() {
+        let wheel = point(0.09, 0.05, 0.002);
+        assert!(wheel.spins(0.09, 0.0, 90.0).is_some());
+        // Its track is 1.6 m, the radius of the curve 20 m.
+        assert_eq!(wheel.spins(0.09, 0.08, 90.0), None);
     }
 }

@@ -77,7 +77,8 @@ fn a_mapping_is_published_with_its_interval_and_never_as_certain() {
     let friction = monitor.step(&sample(0.0, 0.0), Some(0.0), evidence);
     assert_eq!((friction.source, friction.valid), (MuSource::SlopeMap, false));
     assert_eq!((friction.max, friction.low, friction.high), (Some(0.5), Some(0.35), Some(0.65)));
-    let limit = Some(LimitFriction { mu: 0.8, std: [0.02; 2], is_beyond: false, age_s: 0.0 });
+    let limit =
+        Some(LimitFriction { mu: 0.8, std: [0.02; 2], is_beyond: false, is_one_sided: false, age_s: 0.0 });
     let measured = Evidence { limit, ..evidence };
     assert_eq!(monitor.step(&sample(0.0, 0.0), Some(0.0), measured).source, MuSource::Limit);
     // Using more than it allows refutes it.

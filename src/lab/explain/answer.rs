@@ -113,9 +113,7 @@ impl<'a> Conclusion<'_, 'a> {
         explanation.used = self.drives.iter().map(Used::of).collect();
         explanation.seconds = usable;
         explanation.traces = traces;
-        let tire = baseline.model.vehicle.tire;
-        explanation.tires_bend_as = (tire != self.case.vehicle.tire).then_some(tire);
-        explanation.vehicle = Some(baseline.model.vehicle.clone().into_owned());
+        explanation.vehicle = Some(self.case.vehicle.clone());
         explanation.driven = self.drives.iter().map(Driven::of).collect();
         if let Some((ordinary, decided)) = self.ordinary {
             explanation.take_ordinary(ordinary, decided);
@@ -135,6 +133,9 @@ impl<'a> Conclusion<'_, 'a> {
             if self.case.references == 0 {
                 against_the_earliest(&mut explanation.findings);
             }
+        } else {
+            let tire = baseline.model.vehicle.tire;
+            explanation.tires_bend_as = (tire != self.case.vehicle.tire).then_some(tire);
         }
         leave_banks_open(&mut explanation.findings, self.case.chain);
         explanation.take_chain(self.case.chain);

@@ -91,31 +91,23 @@ impl<'a> Case<'a> {
         let suggested = signs_and_swaps::suggested(self.chain);
         let library = |model: &Model<'_>, onsets: &[f64]| library(self.library, model, has, onsets);
         let excerpt = Excerpt::of(&data);
-        let selection = match excerpt.clone() {
-            _ if is_decided => {
-                let told = |round| progress(stage, (round + 1) as f64 / (PLAIN_ROUNDS + 1) as f64);
-                let fitted = data.fit_watched(&plain, &free, &noise, PLAIN_ROUNDS, &told);
-                Selection::nothing(fitted, data.split.clone())
+        let search = |plain: &Model<'a>, free: &[Free], progress: &(dyn Fn(&str, f64) + Sync)| {
+            if let Some(excerpt) = excerpt.clone() {
+                let search = LongSearch { data: &data, plain: (plain, free, &noise), suggested: &suggested };
+                return search.select(excerpt, &library, progress);
             }
-            excerpt => {
-                let search = |plain: &Model<'a>, free: &[Free], progress: &(dyn Fn(&str, f64) + Sync)| {
-                    if let Some(excerpt) = excerpt.clone() {
-                        let search =
-                            LongSearch { data: &data, plain: (plain, free, &noise), suggested: &suggested };
-                        return search.select(excerpt, &library, progress);
-                    }
-                    let baseline = data.fit_thoroughly(plain, free, &noise);
-                    let before = signs_and_swaps::taken(&data, plain, &baseline, (free, &noise), &suggested);
-                    select(&data, (baseline, before), &library, progress)
-                };
-                let own = search(&plain, &free, progress);
-                or_other_tires(
-                    &data,
-                    own,
-                    |model| model.ordinary(has),
-                    |plain, free| search(plain, free, &|_, _| ()),
-                )
-            }
+            let baseline = data.fit_thoroughly(plain, free, &noise);
+            let before = signs_and_swaps::taken(&data, plain, &baseline, (free, &noise), &suggested);
+            select(&data, (baseline, before), &library, progress)
+        };
+        let selection = if is_decided {
+            let told = |round| progress(stage, (round + 1) as f64 / (PLAIN_ROUNDS + 1) as f64);
+            let fitted = data.fit_watched(&plain, &free, &noise, PLAIN_ROUNDS, &told);
+            Selection::nothing(fitted, data.split.clone())
+        } else {
+            let own = search(&plain, &free, progress);
+            let again = |plain: &Model<'a>, free: &[Free]| search(plain, free, &|_, _| ());
+            or_other_tires(&data, own, |model| model.ordinary(has), again)
         };
         data.split = selection.split.clone();
         if !is_decided {

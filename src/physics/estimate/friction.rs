@@ -318,27 +318,27 @@ impl FrictionMonitor {
 
     /// A wheel is at its limit, and nobody knows of the others.
     fn learn_one_sided(&mut self, mu: f64, std: [f64; 2], source: MuSource) {
-        let (known_low, known_high) = self.belief.interval();
+        let before = self.belief.interval();
         let is_another = self.belief.learn_one_sided(mu, std);
-        let (low, high) = self.belief.interval();
-        let says_more = high - low < known_high - known_low;
-        let measured = Measured { mu: self.belief.mean(), source, age_s: 0.0, is_sure: false };
-        self.take(measured, is_another || says_more);
+        self.take_mean(source, false, is_another, before);
     }
 
     /// Tires that bend, or do not, at the force in use.
     fn learn_curve(&mut self, likelihood: &Likelihood) {
-        let (known_low, known_high) = self.belief.interval();
+        let before = self.belief.interval();
         let alone = Belief::of(likelihood);
         let is_another = self.belief.learn_belief(&alone);
-        if alone.interval().1 > MOST_TOLD {
-            return;
+        if alone.interval().1 <= MOST_TOLD {
+            self.take_mean(MuSource::Joint, true, is_another, before);
         }
+    }
+
+    /// Takes the mean of what is believed now for a measurement, after evidence that has no value of its own; `before`: the interval
+    /// without it.
+    fn take_mean(&mut self, source: MuSource, is_sure: bool, is_another: bool, before: (f64, f64)) {
         let (low, high) = self.belief.interval();
-        let says_more = high - low < known_high - known_low;
-        let measured =
-            Measured { mu: self.belief.mean(), source: MuSource::Joint, age_s: 0.0, is_sure: true };
-        self.take(measured, is_another || says_more);
+        let says_more = high - low < before.1 - before.0;
+        self.take(Measured { mu: self.belief.mean(), source, age_s: 0.0, is_sure }, is_another || says_more);
     }
 
     /// Do yaw rate and curvature of the path disagree? Then the wheels pull in different directions.

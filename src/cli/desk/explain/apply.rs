@@ -36,9 +36,8 @@ pub fn toml(from: &Path, to: &Path, answer: &Answer<'_>, force: bool) -> Result<
     ));
     answer_lines(explanation).iter().chain(&explanation.certain).for_each(|line| applied.say(line));
     let ordinary = explanation.parameters.ordinary.as_ref().filter(|_| explanation.is_by_ordinary);
-    if let Some(ordinary) = explanation.ordinary.as_ref().filter(|_| explanation.is_by_ordinary) {
-        applied.bend_tires(ordinary.tire);
-    } else if let Some(tire) = explanation.tires_bend_as {
+    let of_ordinary = explanation.ordinary.as_ref().filter(|_| explanation.is_by_ordinary);
+    if let Some(tire) = of_ordinary.map(|ordinary| ordinary.tire).or(explanation.tires_bend_as) {
         applied.bend_tires(tire);
     }
     for (name, estimate) in ordinary.unwrap_or(&explanation.parameters.extended) {

@@ -20,7 +20,7 @@ pub fn used(explanation: &Explanation) -> Vec<String> {
 
 /// Tires that bend otherwise than the configuration's.
 pub fn tires(explanation: &Explanation) -> Option<String> {
-    let kind = match explanation.tires_bend_as.filter(|_| !explanation.is_by_ordinary)? {
+    let kind = match explanation.tires_bend_as? {
         TireKind::Brush => "a brush does: their stiffness falls in proportion to the force",
         TireKind::MagicFormula => "a magic formula does: hardly before half of the friction is used",
         TireKind::Piecewise | TireKind::Linear => return None,

@@ -82,10 +82,10 @@ impl Commands {
     pub(super) fn at(&mut self, t: f64, h: f64, known: &Known<'_>) -> Controls {
         let vx = known.state.velocity.vx;
         let pedal = self.pressed(t) > 0.0;
-        let driven = Wheel::ALL.into_iter().filter(|wheel| self.drives(*wheel));
-        let slip = driven.map(|wheel| known.response.slip[wheel as usize]).fold(0.0, f64::max);
         if let Some(driver) = &mut self.driver {
-            driver.feel(slip, h);
+            let wheels = self.shares.drive.iter().zip(known.response.slip);
+            let driven = wheels.filter(|(share, _)| **share != 0.0).map(|(_, slip)| slip);
+            driver.feel(driven.fold(0.0, f64::max), h);
             self.demand = driver.step(t, h, vx, pedal, known.plant);
         }
         let mut controls = self.again(t);

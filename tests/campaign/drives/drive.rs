@@ -24,6 +24,8 @@ pub struct Drive {
     pub seed: u64,
     pub scenario: Scenario,
     pub config: Config,
+    /// With which power of the load each tire's stiffness / load falls.
+    pub load_sensitivity: f64,
     /// Car, manner, surfaces and troubles, in words.
     pub about: String,
 }
@@ -129,16 +131,13 @@ impl Drive {
         text += &inputs.text(lets_go);
         text += "[vehicle]\n";
         text += &toml::to_string(&truly(&sheet, &mut dice)).unwrap();
+        let [fl, fr, rl, rr] = [(); 4].map(|()| 0.005 * dice.normal());
+        let load_sensitivity = dice.between(0.3, 0.7);
         write!(
             text,
-            "[radius_difference]\nfl = {}\nfr = {}\nrl = {}\nrr = {}\n{roads}[abs]\n{effects}[[effect]]\n\
-             kind = \"load_transfer\"\ncg_height_m = {}\nload_sensitivity = {}\n{}",
-            0.005 * dice.normal(),
-            0.005 * dice.normal(),
-            0.005 * dice.normal(),
-            0.005 * dice.normal(),
+            "[radius_difference]\nfl = {fl}\nfr = {fr}\nrl = {rl}\nrr = {rr}\n{roads}[abs]\n{effects}[[effect]]\n\
+             kind = \"load_transfer\"\ncg_height_m = {}\nload_sensitivity = {load_sensitivity}\n{}",
             sheet.cg_height_m.value,
-            dice.between(0.3, 0.7),
             &SENSORS[SENSORS.find("[sensors.wheel_speed]").unwrap()..]
         )
         .unwrap();
@@ -153,7 +152,7 @@ impl Drive {
         }
         let mut config = Config::parse(SERVICE, Path::new("demo.toml")).unwrap();
         config.vehicle = sheet;
-        Drive { seed, scenario, config, about }
+        Drive { seed, scenario, config, load_sensitivity, about }
     }
 
     /// Drives it: every sample and estimate, beside what was true.

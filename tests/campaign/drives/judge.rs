@@ -6,6 +6,7 @@ use gripd::Estimates;
 use gripd::estimates::MuSource;
 use gripd::model::Truth;
 
+use super::cornering::{self, Cornering};
 use super::drive::Drive;
 
 /// After a change of surface an interval may be of the one before for so long, s of driving that uses
@@ -19,17 +20,17 @@ const NOTICED_S: f64 = 0.5;
 /// An interval that excludes the truth by more than this is a lie.
 const MOST_OFF: f64 = 0.1;
 
-/// Lateral acceleration that excites the cornering stiffness, m/s².
-const EXCITING: f64 = 3.0;
-
 /// Rows over which one surface goes over into the next: a tenth of a second, and a little.
 pub const TRANSITION: usize = 12;
 
 /// Edges of the use of friction by which samples are sorted.
 const EDGES: [f64; 4] = [0.2, 0.5, 0.8, 0.95];
 
+/// Classes of use: those below and above each edge.
+pub const CLASSES: usize = EDGES.len() + 1;
+
 /// A friction is bounded from above below this: nearly every road gives less.
-const BOUNDED: f64 = 1.15;
+pub const BOUNDED: f64 = 1.15;
 
 /// Samples of one range of use.
 #[derive(Clone, Copy, Debug, Default)]
@@ -61,15 +62,14 @@ struct Lie {
 #[derive(Clone, Debug, Default)]
 pub struct Judgement {
     drives: u64,
-    by_use: [Use; EDGES.len() + 1],
+    by_use: [Use; CLASSES],
     by_source: [(u64, u64); 7],
     /// Drives whose interval excluded the truth by more than [`MOST_OFF`] after the grace.
     lies: Vec<Lie>,
     /// Drops to less than half of the friction, and in how many seconds of noticeable driving the interval held it.
     drops: Vec<f64>,
     drops_unnoticed: u64,
-    /// Cornering stiffness where valid: values, and those within 7 %; all, and those while [`EXCITING`].
-    cornering: [[u64; 2]; 2],
+    cornering: Cornering,
     /// Sideslip up to 6 m/s²: count and sum of squares, rad²; all, and those that are valid.
     sideslip: [(u64, f64); 2],
 }
@@ -77,6 +77,17 @@ pub struct Judgement {
 /// Is there anything to judge? Creeping and standing cars are not estimated.
 pub fn counts(truth: &Truth) -> bool {
     truth.speed >= 4.0 && truth.mu_max.is_finite()
+}
+
+/// To which class of use a sample belongs.
+pub fn class(truth: &Truth) -> usize {
+    let used = truth.mu_used / truth.mu_max;
+    EDGES.iter().take_while(|edge| used >= **edge).count()
+}
+
+/// The name of a class of use.
+pub fn class_name(class: usize) -> String {
+    format!("{:.0} % …", if class == 0 { 0.0 } else { 100.0 * EDGES[class - 1] })
 }
 
 /// Percent of all.
@@ -105,6 +116,7 @@ pub fn judge(drive: &Drive) -> Judgement {
     let (mut drops, mut noticeable_s) = (false, f64::INFINITY);
     let mut waiting: Option<f64> = None;
     let mut worst: Option<Lie> = None;
+    let mut cornering = cornering::Watch::default();
     for (place, (truth, estimates)) in rows.iter().enumerate() {
         if !counts(truth) {
             continue;
@@ -131,7 +143,8 @@ pub fn judge(drive: &Drive) -> Judgement {
             sum.drops.push(waited);
             waiting = None;
         }
-        sum.add(truth, estimates, used, off);
+        sum.add(truth, estimates, off);
+        cornering.step(truth, estimates);
         if noticeable_s > GRACE_S && off > worst.as_ref().map_or(MOST_OFF, |worst| worst.off) {
             let friction = &estimates.friction;
             worst = Some(Lie {
@@ -147,13 +160,14 @@ pub fn judge(drive: &Drive) -> Judgement {
     }
     sum.drops_unnoticed += u64::from(waiting.is_some_and(|waited| waited > GRACE_S));
     sum.lies.extend(worst);
+    sum.cornering = cornering.finish();
     sum
 }
 
 impl Judgement {
-    fn add(&mut self, truth: &Truth, estimates: &Estimates, used: f64, off: f64) {
+    fn add(&mut self, truth: &Truth, estimates: &Estimates, off: f64) {
         let friction = &estimates.friction;
-        let row = &mut self.by_use[EDGES.iter().take_while(|edge| used >= **edge).count()];
+        let row = &mut self.by_use[class(truth)];
         row.samples += 1;
         row.covered += u64::from(off == 0.0);
         if let Some(high) = friction.high.filter(|high| *high < BOUNDED) {
@@ -168,19 +182,6 @@ impl Judgement {
         let (all, covered) = &mut self.by_source[friction.source as usize];
         *all += 1;
         *covered += u64::from(off == 0.0);
-        if estimates.cornering_valid {
-            let axles = [truth.cornering_front, truth.cornering_rear];
-            let is_exciting = truth.lateral_acceleration.abs() >= EXCITING;
-            for (stiffness, truth) in estimates.cornering.iter().zip(axles) {
-                let Some(stiffness) = stiffness else { continue };
-                let is_near = u64::from((stiffness.value / truth - 1.0).abs() <= 0.07);
-                let counted = if is_exciting { 2 } else { 1 };
-                for [all, near] in &mut self.cornering[..counted] {
-                    *all += 1;
-                    *near += is_near;
-                }
-            }
-        }
         if let Some(sideslip) = estimates.motion.sideslip.filter(|_| truth.lateral_acceleration.abs() < 6.0) {
             let counted = if estimates.motion.valid { 2 } else { 1 };
             for (count, squares) in &mut self.sideslip[..counted] {
@@ -208,9 +209,7 @@ impl Judgement {
         self.lies.extend(other.lies);
         self.drops.extend(other.drops);
         self.drops_unnoticed += other.drops_unnoticed;
-        for (mine, other) in self.cornering.iter_mut().zip(other.cornering) {
-            *mine = [mine[0] + other[0], mine[1] + other[1]];
-        }
+        self.cornering = self.cornering.and(other.cornering);
         for (mine, other) in self.sideslip.iter_mut().zip(other.sideslip) {
             *mine = (mine.0 + other.0, mine.1 + other.1);
         }
@@ -230,8 +229,8 @@ impl Judgement {
     pub fn rows(&self) -> Vec<String> {
         let row = |(i, row): (usize, &Use)| {
             format!(
-                "{:.0} % … | {} | {:.2} % | {:.1} % | {:.2} | {:.2} % | {}",
-                if i == 0 { 0.0 } else { 100.0 * EDGES[i - 1] },
+                "{} | {} | {:.2} % | {:.1} % | {:.2} | {:.2} % | {}",
+                class_name(i),
                 row.samples,
                 share(row.covered, row.samples),
                 share(row.bounded, row.samples),
@@ -247,15 +246,19 @@ impl Judgement {
     pub fn of_drives(&self) -> String {
         let all = self.drops.len() as u64 + self.drops_unnoticed;
         let noticed = |within_s: f64| share(self.noticed(within_s), all);
-        let [near, near_excited] = self.cornering.map(|[values, near]| share(near, values));
         let [_, sideslip] = self.sideslip.map(rms);
         format!(
-            "{} | {} | {all} | {:.0} % | {:.0} % | {near:.1} % | {near_excited:.1} % | {sideslip:.3}°",
+            "{} | {} | {all} | {:.0} % | {:.0} % | {sideslip:.3}°",
             self.drives,
             self.lies.len(),
             noticed(NOTICED_S),
             noticed(GRACE_S)
         )
+    }
+
+    /// Of the cornering stiffness, a row of a table.
+    pub fn of_stiffness(&self) -> String {
+        self.cornering.row()
     }
 
     /// Falls that were noticed within so many seconds.
@@ -265,7 +268,7 @@ impl Judgement {
 
     /// Samples beyond the last edge of use.
     pub fn at_the_limit(&self) -> u64 {
-        self.by_use[EDGES.len()].samples
+        self.by_use[CLASSES - 1].samples
     }
 }
 
@@ -315,12 +318,7 @@ impl fmt::Display for Judgement {
             drops.last().copied().unwrap_or(0.0),
             self.drops_unnoticed
         )?;
-        let [all, excited] = self.cornering.map(|[values, near]| (values, share(near, values)));
-        writeln!(
-            f,
-            "cornering stiffness where valid: {} values, {:.1} % within 7 %; beyond {EXCITING} m/s² {} values, {:.1} %",
-            all.0, all.1, excited.0, excited.1
-        )?;
+        writeln!(f, "| {} |\n| {} |", Cornering::HEADER, self.cornering.row())?;
         let [all, valid] = self.sideslip;
         write!(
             f,

@@ -1,10 +1,10 @@
 //! What could be known at best: an observer beside the service to whom nearly everything is told.
 //!
 //! It is given the true slips, slip angles and wheel loads, the force of each axle but for a small white error, what
-//! share of the road's friction each wheel has, how stiffness goes with load, when another road begins, and the equations of the plant's tires: the
-//! magic formula, both forces on the friction ellipse (thesis 4.10 and 4.15). Left to find out are the friction, the
-//! shape and the curvature of the tires, and their three stiffnesses, from what the data sheet says of them. No sensor
-//! gives as much, so what it cannot bound nobody can.
+//! share of the road's friction each wheel has, how stiffness goes with load, when another road begins, and the equations
+//! of the plant's tires: the magic formula, both forces on the friction ellipse (thesis 4.10 and 4.15). Left to find out
+//! are the friction, the shape and the curvature of the tires, and their three stiffnesses, from what the data sheet says
+//! of them. No sensor gives as much, so what it cannot bound nobody can.
 //!
 //! A grid of frictions, shapes and curvatures, each with an extended Kalman filter on the logarithms of the stiffnesses.
 

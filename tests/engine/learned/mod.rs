@@ -180,7 +180,7 @@ fn the_worse_the_data_sheet_the_more_was_learned() {
         &[
             ("slope_valid", 0.95),
             ("cornering_valid", 0.9),
-            ("cornering_front 0 s", 0.65),
+            ("cornering_front 0 s", 0.75),
             ("cornering_rear 0 s", 0.6),
             ("slip_offset_fl 0 s", 0.5),
             ("sideslip 5 s", 0.5),

@@ -1,5 +1,6 @@
 //! An axle's measurement update, and what its innovations show.
 
+use super::another_road::likelihood;
 use super::config::CorneringConfig;
 use super::doubt::{Axle, Doubt};
 use super::equation::Equation;
@@ -52,6 +53,8 @@ pub struct Outcome {
     pub surprise: Option<Doubt>,
     /// The stiffness jumped.
     pub surface_changed: bool,
+    /// The equation's variance as it counted, and what it says for the state, ln; nothing while the axle slides.
+    pub weight: Option<(f64, f64)>,
 }
 
 /// What an earlier drive learned is not true of this one.
@@ -61,7 +64,7 @@ pub struct OtherCar;
 impl AxleMonitor {
     /// An innovation with an NIS beyond this counts less than it would. Statistical: three deviations, one
     /// healthy window in 370.
-    const OUTLIER_NIS: f64 = 9.0;
+    pub const OUTLIER_NIS: f64 = 9.0;
     /// Gate: a window surprises with an NIS beyond this. Statistical: four deviations, one
     /// healthy window in 16,000.
     const GATE_NIS: f64 = 16.0;
@@ -122,8 +125,10 @@ impl AxleMonitor {
             self.noise.learn(&expected, promised);
         }
         let settled = state.std(axle) < TUNING.settled * state.mean[axle];
-        let doubted = (expected.nis() / Self::OUTLIER_NIS).max(1.0) / (1.0 - sliding);
-        state.update(&h, residual, variance * redundancy * doubted);
+        let counted = variance * redundancy / (1.0 - sliding);
+        let weight = is_rolling.then(|| (counted, likelihood(&state.innovation(&h, residual, counted))));
+        let doubted = (expected.nis() / Self::OUTLIER_NIS).max(1.0);
+        state.update(&h, residual, counted * doubted);
         // Steered fast to and fro, sensors a few milliseconds apart disagree in ways that look like softness.
         let steady = now.acceleration.abs() > now.acceleration_spread;
         let surprise = (expected.nis() > Self::GATE_NIS).then(|| Doubt::Surprise {
@@ -134,7 +139,7 @@ impl AxleMonitor {
         let evidence = expected.normalized() * force.signum() / redundancy.sqrt();
         let surface_changed =
             tells_changes && self.cusum.step(evidence.clamp(-TUNING.alarm_clip, TUNING.alarm_clip)).is_some();
-        Ok(Outcome { surprise, surface_changed })
+        Ok(Outcome { surprise, surface_changed, weight })
     }
 
     /// Its innovations are larger than expected, or the noise that explains them is no sensor's.

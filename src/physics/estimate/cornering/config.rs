@@ -49,7 +49,7 @@ impl Default for CorneringConfig {
     /// hundred windows. The rest is tuned with the tests `campaign`, `long_drives` and `real_cars`.
     fn default() -> Self {
         Self {
-            stiffness_walk: 0.02,
+            stiffness_walk: 0.012,
             acceleration_noise: 0.02,
             slip_angle_noise: 7e-4,
             steering_offset_std: 0.01,

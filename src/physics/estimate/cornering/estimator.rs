@@ -1,6 +1,7 @@
 //! The filter: samples in, motion, stiffnesses and offsets out.
 
-use super::axle::{AxleMonitor, OtherCar};
+use super::another_road::AnotherRoad;
+use super::axle::{AxleMonitor, OtherCar, Outcome};
 use super::config::CorneringConfig;
 use super::doubt::{Axle, Doubt, Surprises};
 use super::equation::Equation;
@@ -28,6 +29,8 @@ struct Tuning {
     unknown: f64,
     /// Relative uncertainty that a compliance has again after a change of surface.
     change_std: f64,
+    /// … and after one that only later turned out to have happened.
+    moved_std: f64,
     /// The bus sends less often than it is sampled: so many samples of a sensor at rest count as one.
     repeated: f64,
     /// Wheel speeds have no sign. After driving slowly it shows within this time, s, whether the car rolls backwards.
@@ -45,6 +48,7 @@ const TUNING: Tuning = Tuning {
     compliance_limits: (1.0 / 80.0, 1.0),
     unknown: 0.25,
     change_std: 0.4,
+    moved_std: 0.15,
     repeated: 4.0,
     forward_shows_s: 3.0,
     blind_s: 2.0,
@@ -59,6 +63,8 @@ pub struct CorneringEstimator {
     /// Noise by the data sheets.
     promised: SensorNoise,
     pub(super) state: State,
+    /// The state if the road has changed.
+    another: AnotherRoad,
     axles: [AxleMonitor; 2],
     window: Window,
     yaw_acceleration: YawAcceleration,
@@ -96,8 +102,10 @@ impl CorneringEstimator {
 
     fn at_start(model: Model, single_brake: SingleBrake, minimum_speed: f64) -> Self {
         let axle = AxleMonitor::new(&model.config);
+        let state = prior(&model.car, &model.config);
         Self {
-            state: prior(&model.car, &model.config),
+            state,
+            another: AnotherRoad::unlikely(&state),
             axles: [axle.clone(), axle],
             window: Window::new(TUNING.window_s),
             yaw_acceleration: YawAcceleration::default(),
@@ -124,6 +132,7 @@ impl CorneringEstimator {
     /// Starts from what an earlier drive learned, less sure of it. Before the first sample only.
     pub fn restore(&mut self, learned: &Learned) {
         self.state = lasting::restored(learned, &self.model);
+        self.another = AnotherRoad::unlikely(&self.state);
         self.settled = learned.cornering;
         self.taken = Some(lasting::Taken::new(&self.state));
         self.trial = Some(Trial::new(prior(&self.model.car, &self.model.config), lasting::TRIAL));
@@ -199,14 +208,12 @@ impl CorneringEstimator {
     /// All that is known of tires and sensors at the moment, by earlier drives, too. What is hardly known of a tire is
     /// left to the data sheet; all is, where the accelerometer is not `believed`.
     pub fn known(&self, believed: bool) -> Known {
-        let fresh;
-        let state = if believed {
-            &self.state
-        } else {
-            fresh = prior(&self.model.car, &self.model.config);
-            &fresh
+        let fresh = (!believed).then(|| prior(&self.model.car, &self.model.config));
+        let estimate = |i: usize| {
+            let known = || self.another.beside(&self.state, i);
+            let (value, std) = fresh.as_ref().map_or_else(known, |fresh| (fresh.mean[i], fresh.std(i)));
+            Estimate { value, std, age_s: self.age_s }
         };
-        let estimate = |i: usize| Estimate { value: state.mean[i], std: state.std(i), age_s: self.age_s };
         Known {
             stiffness: [FRONT, REAR].map(|i| {
                 let Estimate { value, std, age_s } = estimate(i);
@@ -221,8 +228,8 @@ impl CorneringEstimator {
     /// Normalized cornering stiffness front and rear, 1/rad.
     pub fn stiffness(&self) -> [Option<Estimate>; 2] {
         [FRONT, REAR].map(|i| {
-            let compliance = self.state.mean[i];
-            let relative = self.state.std(i) / compliance;
+            let (compliance, std) = self.another.beside(&self.state, i);
+            let relative = std / compliance;
             let systematic = self.model.systematic_std[i - FRONT];
             let relative = (relative * relative + systematic * systematic).sqrt();
             (self.informed && relative < TUNING.unknown).then(|| Estimate {
@@ -287,8 +294,10 @@ impl CorneringEstimator {
     pub fn doubt_ends(&mut self) {
         self.open(TUNING.change_std);
         let prior = prior(&self.model.car, &self.model.config);
-        for i in [ANGLE_OFFSET, AY_OFFSET, YAW_OFFSET] {
-            self.state.inflate(i, prior.covariance[(i, i)]);
+        for state in self.states() {
+            for i in [ANGLE_OFFSET, AY_OFFSET, YAW_OFFSET] {
+                state.inflate(i, prior.covariance[(i, i)]);
+            }
         }
     }
 
@@ -298,6 +307,7 @@ impl CorneringEstimator {
             let std = relative_std * self.state.mean[i];
             self.state.inflate(i, std * std);
         }
+        self.another = AnotherRoad::unlikely(&self.state);
         self.axles.iter_mut().for_each(AxleMonitor::forget_evidence);
     }
 
@@ -305,7 +315,9 @@ impl CorneringEstimator {
     fn watch_standstill(&mut self, now: &Kinematics) {
         if let Some((yaw_rate, samples)) = self.standstill.step(now) {
             let variance = TUNING.repeated * self.model.noise.yaw_rate.powi(2) / samples;
-            self.state.update_component(YAW_OFFSET, yaw_rate - self.state.mean[YAW_OFFSET], variance);
+            for state in self.states() {
+                state.update_component(YAW_OFFSET, yaw_rate - state.mean[YAW_OFFSET], variance);
+            }
         }
     }
 
@@ -313,21 +325,34 @@ impl CorneringEstimator {
     fn stop(&mut self, elapsed_s: f64) {
         self.window = Window::new(TUNING.window_s);
         self.single_brake.stop();
-        if std::mem::take(&mut self.running) {
-            self.state.forget(VY, 0.0, UNKNOWN_VY);
+        let is_over = std::mem::take(&mut self.running);
+        let Self { model, state, another, .. } = self;
+        for state in [state, &mut another.state] {
+            if is_over {
+                state.forget(VY, 0.0, UNKNOWN_VY);
+            }
+            model.walk(state, elapsed_s, model.config.stiffness_walk);
         }
-        self.model.walk(&mut self.state, elapsed_s);
+    }
+
+    /// By both hypotheses.
+    fn states(&mut self) -> [&mut State; 2] {
+        [&mut self.state, &mut self.another.state]
     }
 
     /// From the last window's middle to this one's, then both axles' equations.
     fn update(&mut self, now: &Means, belief: &Belief) -> bool {
         if self.running {
             let is_sliding = self.axles.iter().any(AxleMonitor::is_sliding);
-            self.model.predict(&mut self.state, now, is_sliding);
+            self.model.predict(&mut self.state, now, is_sliding, self.model.config.stiffness_walk);
+            self.model.predict(&mut self.another.state, now, is_sliding, AnotherRoad::WALK);
+            self.another.wait(now.path.time);
         } else {
             let r = now.yaw_rate - self.state.mean[YAW_OFFSET];
             let vy = self.model.car.steady_lateral_velocity(now.speed, r, now.acceleration);
-            self.state.forget(VY, vy, UNKNOWN_VY);
+            for state in self.states() {
+                state.forget(VY, vy, UNKNOWN_VY);
+            }
         }
         self.is_braked = self.single_brake.end(now.speed, now.path.time);
         if self.is_braked && self.driving_s > TUNING.forward_shows_s {
@@ -346,11 +371,13 @@ impl CorneringEstimator {
             Some(None) => self.taken = None,
             _ => {}
         }
-        for i in [FRONT, REAR] {
-            let (low, high) = TUNING.compliance_limits;
-            self.state.mean[i] = self.state.mean[i].clamp(low, high);
+        let (low, high) = TUNING.compliance_limits;
+        for state in self.states() {
+            for i in [FRONT, REAR] {
+                state.mean[i] = state.mean[i].clamp(low, high);
+            }
         }
-        if !self.state.is_sound() {
+        if !(self.state.is_sound() && self.another.state.is_sound()) {
             self.start_again();
         }
         if now.acceleration.abs() > AxleMonitor::INFORMATIVE {
@@ -366,14 +393,27 @@ impl CorneringEstimator {
 
     /// Both axles' measurement updates; returns whether a stiffness jumped.
     fn measure(&mut self, now: &Means, belief: &Belief) -> Result<bool, OtherCar> {
-        let front = Equation::new(FRONT, now, &self.state, &self.model, belief);
         let (mut changed, mut surprised) = (false, false);
-        let [front_axle, rear_axle] = &mut self.axles;
-        let at_front = front_axle.update(&front, now, &mut self.state, &mut self.trial, belief)?;
-        // By the state that the front axle has corrected.
-        let rear = Equation::new(REAR, now, &self.state, &self.model, belief);
-        let at_rear = rear_axle.update(&rear, now, &mut self.state, &mut self.trial, belief)?;
-        for outcome in [at_front, at_rear] {
+        let Self { model, state, another, axles, trial, .. } = self;
+        // What speaks for another road.
+        let mut more = 0.0;
+        let mut outcomes = [Outcome::default(); 2];
+        for ((axle, monitor), outcome) in [FRONT, REAR].into_iter().zip(axles).zip(&mut outcomes) {
+            // The rear one's by the state that the front axle has corrected.
+            let equation = Equation::new(axle, now, state, model, belief);
+            *outcome = monitor.update(&equation, now, state, trial, belief)?;
+            if let Some((variance, same)) = outcome.weight {
+                let equation = Equation::new(axle, now, &another.state, model, belief);
+                more += another.update(&equation, variance) - same;
+            }
+        }
+        if another.weigh(more) {
+            *state = another.state;
+            for i in [FRONT, REAR] {
+                state.inflate(i, (TUNING.moved_std * state.mean[i]).powi(2));
+            }
+        }
+        for outcome in outcomes {
             changed |= outcome.surface_changed;
             if let Some(surprise) = outcome.surprise {
                 self.surprises.by(surprise);

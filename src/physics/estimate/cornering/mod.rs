@@ -24,8 +24,10 @@
 //!
 //! Further states are the offsets of steering, accelerometer and gyro, the scales of speed and
 //! steering angle, and the road's bank, which turns v_y but is no tire force. Noise is learned from the
-//! innovations; a CUSUM detector per axle notices a change of surface.
+//! innovations; a CUSUM detector per axle notices a change of surface, and one that is not noticed is a hypothesis
+//! beside ([`another_road`]).
 
+mod another_road;
 mod apart;
 mod axle;
 mod bend;

@@ -1,7 +1,8 @@
 //! Tires of another kind than the table's: no table of a car knows how its tires bend before their limit.
 //!
 //! A curve that bends elsewhere is imitated by what softens tires, or pushes. So where something was named the search is repeated
-//! with tires of another kind, if these explain the recordings better from the start. Who needs less for the same is right.
+//! with tires of another kind, if these explain the recordings better from the start, and as well with all that was found. Who
+//! needs less for the same is right.
 
 use physics::model::{TireKind, Vehicle};
 
@@ -33,6 +34,14 @@ pub fn or_other_tires<'a>(
         .min_by(|a, b| a.cost().total_cmp(&b.cost()))
         .filter(|best| best.cost() < own.baseline.cost() - LEAST_EVIDENCE);
     let Some(best) = best else { return own };
+    // Those that were imitated leave nothing out beside what imitated them.
+    let with_all = own.extended.model.of(best.model.vehicle.clone().into_owned());
+    let data_of_own = Data { split: own.split.clone(), ..data.clone() };
+    let beside = data_of_own.fit(&with_all, &own.extended.free, &own.extended.noise, ROUNDS);
+    tracing::debug!(own = own.extended.cost(), beside = beside.cost(), "with tires of another kind");
+    if beside.cost() > own.extended.cost() + LEAST_EVIDENCE {
+        return own;
+    }
     let other = search(&best.model, &best.free);
     let cost = |of: &Selection<'_>| of.extended.cost() + LEAST_EVIDENCE * of.chosen.len() as f64;
     tracing::debug!(tire = ?best.model.vehicle.tire, own = cost(&own), other = cost(&other), "tires of another kind");

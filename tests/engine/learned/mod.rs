@@ -212,7 +212,8 @@ fn compare(name: &str, car: &Path, at_most: &[(&str, f64)]) {
         };
         for name in ["slope_valid", "cornering_valid"] {
             let [fresh, later] = both.each_ref().map(|csv| until(csv, name));
-            assert!(later <= fresh, "seed {seed}: {name} after {later} s, fresh {fresh} s");
+            // Which window of 0.4 s is the first is chance.
+            assert!(later < fresh + 0.5, "seed {seed}: {name} after {later} s, fresh {fresh} s");
             add(name.into(), [fresh, later]);
         }
         for (name, from, to) in ERRORS {

@@ -331,7 +331,7 @@ impl CorneringEstimator {
             if is_over {
                 state.forget(VY, 0.0, UNKNOWN_VY);
             }
-            model.walk(state, elapsed_s, model.config.stiffness_walk);
+            model.walk(state, elapsed_s, model.ordinary_walk());
         }
     }
 
@@ -344,7 +344,7 @@ impl CorneringEstimator {
     fn update(&mut self, now: &Means, belief: &Belief) -> bool {
         if self.running {
             let is_sliding = self.axles.iter().any(AxleMonitor::is_sliding);
-            self.model.predict(&mut self.state, now, is_sliding, self.model.config.stiffness_walk);
+            self.model.predict(&mut self.state, now, is_sliding, self.model.ordinary_walk());
             self.model.predict(&mut self.another.state, now, is_sliding, AnotherRoad::WALK);
             self.another.wait(now.path.time);
         } else {

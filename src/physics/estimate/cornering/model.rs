@@ -58,6 +58,15 @@ pub struct SensorNoise {
     pub road_angle: f64,
 }
 
+/// How the stiffnesses walk.
+#[derive(Clone, Copy, Debug)]
+pub struct Walk {
+    /// Relative, 1/√s.
+    pub relative: f64,
+    /// Correlation of both axles'.
+    pub together: f64,
+}
+
 impl Model {
     /// For this car and these sensors.
     pub fn new(car: &Car, sensors: &Sensors, config: &CorneringConfig) -> Self {
@@ -74,9 +83,8 @@ impl Model {
         }
     }
 
-    /// v̇_y = a_y − v_x r from window to window, with the sensors' errors and the bank taken off; the stiffnesses walk,
-    /// relative, 1/√s.
-    pub fn predict(&self, state: &mut State, now: &Means, is_sliding: bool, stiffness_walk: f64) {
+    /// v̇_y = a_y − v_x r from window to window, with the sensors' errors and the bank taken off; the stiffnesses walk.
+    pub fn predict(&self, state: &mut State, now: &Means, is_sliding: bool, stiffness_walk: Walk) {
         let path = now.path;
         let turned = path.turned - state.mean[YAW_OFFSET] * path.distance;
         state.mean[VY] += along(state, &path);
@@ -95,11 +103,16 @@ impl Model {
         self.walk(state, path.time, stiffness_walk);
     }
 
+    /// How the stiffnesses walk on the same road.
+    pub fn ordinary_walk(&self) -> Walk {
+        Walk { relative: self.config.stiffness_walk, together: TUNING.walks_together }
+    }
+
     /// Random walks of what changes on its own, and the bank, which comes and goes.
-    pub fn walk(&self, state: &mut State, elapsed_s: f64, stiffness_walk: f64) {
+    pub fn walk(&self, state: &mut State, elapsed_s: f64, stiffness_walk: Walk) {
         let config = &self.config;
-        let walk = [FRONT, REAR].map(|i| stiffness_walk * state.mean[i]);
-        let common = TUNING.walks_together * walk[0] * walk[1] * elapsed_s;
+        let walk = [FRONT, REAR].map(|i| stiffness_walk.relative * state.mean[i]);
+        let common = stiffness_walk.together * walk[0] * walk[1] * elapsed_s;
         state.covariance[(FRONT, REAR)] += common;
         state.covariance[(REAR, FRONT)] += common;
         for (i, walk) in [FRONT, REAR].into_iter().zip(walk) {

@@ -82,7 +82,7 @@ impl Ideal {
                     hypotheses.push(Hypothesis {
                         friction: LOWEST_FRICTION * step.powi(number as i32),
                         tire: Tire::MagicFormula(MagicFormula { shape, curvature }),
-                        stiffness: sheet.clone(),
+                        stiffness: sheet,
                         likelihood: 0.0,
                     });
                 }
@@ -100,7 +100,7 @@ impl Ideal {
         };
         let kept: Vec<f64> = (0..kinds).map(of_kind).collect();
         for (place, hypothesis) in self.hypotheses.iter_mut().enumerate() {
-            hypothesis.stiffness = self.sheet.clone();
+            hypothesis.stiffness = self.sheet;
             // A kind of tire that was given up may have been so for the stiffness.
             hypothesis.likelihood = kept[place % kinds].max(-HOPELESS);
         }
@@ -155,13 +155,13 @@ impl Ideal {
 
 impl Hypothesis {
     fn look(&mut self, truth: &Truth, softer: [f64; 4], noise: [[f64; 2]; 2]) {
-        for axle in 0..2 {
+        for (axle, noise) in noise.into_iter().enumerate() {
             let wheels = [2 * axle, 2 * axle + 1];
             let load: f64 = wheels.iter().map(|wheel| truth.fz[*wheel]).sum();
             for across in [false, true] {
                 let forces = if across { &truth.fy } else { &truth.fx };
                 let force = wheels.iter().map(|wheel| forces[*wheel]).sum::<f64>() / load;
-                let seen = force + FORCE_STD * noise[axle][usize::from(across)];
+                let seen = force + FORCE_STD * noise[usize::from(across)];
                 let expected = self.force(truth, softer, axle, across, [0.0; 3]);
                 let mut slope = SVector::<f64, 3>::zeros();
                 for of in [0, 1 + axle] {

@@ -59,7 +59,7 @@ pub struct Cornering {
 #[derive(Default)]
 pub struct Watch {
     sum: Cornering,
-    /// Both axles' true stiffness, added, of the last samples.
+    /// Both axles' true stiffness, added, of all samples so far.
     before: Vec<f64>,
     is_changing: bool,
     /// Seconds of driving in curves since a change that is not followed yet.

@@ -22,6 +22,9 @@ const FRICTIONS: usize = 56;
 const SHAPES: [f64; 6] = [1.28, 1.34, 1.40, 1.45, 1.51, 1.57];
 const CURVATURES: [f64; 4] = [-0.83, -0.48, -0.13, 0.23];
 
+/// Kinds of tires.
+const KINDS: usize = SHAPES.len() * CURVATURES.len();
+
 /// Of an axle's force / load: a sensor's share, and a share of the force that covers the steps of the grid.
 const FORCE_STD: f64 = 0.01;
 const STEP_STD: f64 = 0.04;
@@ -93,22 +96,20 @@ impl Ideal {
 
     /// Another road begins. The tires stay what they are.
     pub fn change(&mut self) {
-        let kinds = SHAPES.len() * CURVATURES.len();
         let of_kind = |kind: usize| {
             let best = self.of_kind(kind).fold(f64::NEG_INFINITY, f64::max);
             best + self.of_kind(kind).map(|one| (one - best).exp()).sum::<f64>().ln()
         };
-        let kept: Vec<f64> = (0..kinds).map(of_kind).collect();
+        let kept: Vec<f64> = (0..KINDS).map(of_kind).collect();
         for (place, hypothesis) in self.hypotheses.iter_mut().enumerate() {
             hypothesis.stiffness = self.sheet;
             // A kind of tire that was given up may have been so for the stiffness.
-            hypothesis.likelihood = kept[place % kinds].max(-HOPELESS);
+            hypothesis.likelihood = kept[place % KINDS].max(-HOPELESS);
         }
     }
 
     fn of_kind(&self, kind: usize) -> impl Iterator<Item = f64> {
-        let kinds = SHAPES.len() * CURVATURES.len();
-        self.hypotheses.iter().skip(kind).step_by(kinds).map(|hypothesis| hypothesis.likelihood)
+        self.hypotheses.iter().skip(kind).step_by(KINDS).map(|hypothesis| hypothesis.likelihood)
     }
 
     /// Looks at one instant; `noise` is standard normal, for the forces along and across, front and rear.
@@ -127,16 +128,15 @@ impl Ideal {
 
     /// The 95 % interval of the friction that the car has at this instant.
     pub fn interval(&self, truth: &Truth) -> [f64; 2] {
-        let kinds = SHAPES.len() * CURVATURES.len();
         let weights: Vec<f64> = self
             .hypotheses
-            .chunks(kinds)
+            .chunks(KINDS)
             .map(|of_friction| of_friction.iter().map(|one| one.likelihood.exp()).sum())
             .collect();
         let all: f64 = weights.iter().sum();
         // Each friction stands for the half step on both its sides.
         let half = (HIGHEST_FRICTION / LOWEST_FRICTION).powf(0.5 / (FRICTIONS - 1) as f64);
-        let friction = |place: usize| self.hypotheses[place * kinds].friction;
+        let friction = |place: usize| self.hypotheses[place * KINDS].friction;
         let first = |mut places: Box<dyn Iterator<Item = usize>>| {
             let mut sum = 0.0;
             places

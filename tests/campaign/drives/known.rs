@@ -62,6 +62,9 @@ pub fn of(drive: &Drive) -> Known {
 }
 
 impl Known {
+    pub const HEADER: &str = "use of friction | bounded by an ideal observer | its interval holds the truth | bounded \
+                              by gripd | of what the ideal observer bounds, gripd does";
+
     pub fn and(mut self, other: Self) -> Self {
         for (mine, other) in self.0.iter_mut().zip(other.0) {
             mine.samples += other.samples;
@@ -108,11 +111,7 @@ impl Known {
 
 impl fmt::Display for Known {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "| use | ideal: bounded | its interval holds the truth | service: bounded | of the ideal's |"
-        )?;
-        writeln!(f, "|---|---|---|---|---|")?;
+        writeln!(f, "| {} |\n|---|---|---|---|---|", Self::HEADER)?;
         self.rows().iter().try_for_each(|row| writeln!(f, "| {row} |"))
     }
 }

@@ -59,12 +59,15 @@ fn what_could_be_known_at_best_is_more_than_what_is() {
 mod by_hand {
     use super::*;
 
+    fn section<'a>(name: &'a str, header: &'a str) -> Section<'a> {
+        Section { name, seed: "seeds 7001 to 7210", tolerance: 0.03, header }
+    }
+
     #[test]
     #[ignore = "by hand: two minutes, 210 drives"]
     fn more_drives_by_the_use_of_friction() {
         let judgement = campaign(7001, 210);
         println!("{judgement}");
-        let section = |name, header| Section { name, seed: "seeds 7001 to 7210", tolerance: 0.03, header };
         let by_use = "use of friction | samples | truth in the interval | bounded, below 1.15 | mean width | valid | \
                       valid and off by more than 0.1";
         section("campaign", by_use).check(&judgement.rows());
@@ -83,10 +86,7 @@ mod by_hand {
             .map(|seed| known::of(&Drive::draw(seed)))
             .reduce(Default::default, known::Known::and);
         println!("{known}");
-        let header = "use of friction | bounded by an ideal observer | its interval holds the truth | bounded by gripd | \
-                      of what the ideal observer bounds, gripd does";
-        Section { name: "campaign_ideal", seed: "seeds 7001 to 7210", tolerance: 0.03, header }
-            .check(&known.rows());
+        section("campaign_ideal", known::Known::HEADER).check(&known.rows());
     }
 
     #[test]

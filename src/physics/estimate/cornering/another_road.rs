@@ -55,8 +55,7 @@ impl AnotherRoad {
     pub fn update(&mut self, equation: &Equation, variance: f64) -> f64 {
         let Equation { h, residual, .. } = equation;
         let expected = self.state.innovation(h, *residual, variance);
-        let doubted = (expected.nis() / AxleMonitor::OUTLIER_NIS).max(1.0);
-        self.state.update(h, *residual, variance * doubted);
+        self.state.update(h, *residual, variance * AxleMonitor::doubted(&expected));
         likelihood(&expected)
     }
 

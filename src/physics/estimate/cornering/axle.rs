@@ -9,7 +9,7 @@ use super::state::{FRONT, STATES, State};
 use super::window::Means;
 use crate::estimate::belief::Belief;
 use crate::estimate::learned::Trial;
-use crate::filter::{Cusum, LearnedNoise};
+use crate::filter::{Cusum, Innovation, LearnedNoise};
 use crate::model::GRAVITY;
 
 /// Tuned: sliding with the tests `campaign` and `long_drives`, changes with `real_cars`, noise with no test on
@@ -64,7 +64,7 @@ pub struct OtherCar;
 impl AxleMonitor {
     /// An innovation with an NIS beyond this counts less than it would. Statistical: three deviations, one
     /// healthy window in 370.
-    pub const OUTLIER_NIS: f64 = 9.0;
+    const OUTLIER_NIS: f64 = 9.0;
     /// Gate: a window surprises with an NIS beyond this. Statistical: four deviations, one
     /// healthy window in 16,000.
     const GATE_NIS: f64 = 16.0;
@@ -127,8 +127,7 @@ impl AxleMonitor {
         let settled = state.std(axle) < TUNING.settled * state.mean[axle];
         let counted = variance * redundancy / (1.0 - sliding);
         let weight = is_rolling.then(|| (counted, likelihood(&state.innovation(&h, residual, counted))));
-        let doubted = (expected.nis() / Self::OUTLIER_NIS).max(1.0);
-        state.update(&h, residual, counted * doubted);
+        state.update(&h, residual, counted * Self::doubted(&expected));
         // Steered fast to and fro, sensors a few milliseconds apart disagree in ways that look like softness.
         let steady = now.acceleration.abs() > now.acceleration_spread;
         let surprise = (expected.nis() > Self::GATE_NIS).then(|| Doubt::Surprise {
@@ -140,6 +139,11 @@ impl AxleMonitor {
         let surface_changed =
             tells_changes && self.cusum.step(evidence.clamp(-TUNING.alarm_clip, TUNING.alarm_clip)).is_some();
         Ok(Outcome { surprise, surface_changed, weight })
+    }
+
+    /// By how much the variance of an equation grows that was expected like this.
+    pub fn doubted(expected: &Innovation) -> f64 {
+        (expected.nis() / Self::OUTLIER_NIS).max(1.0)
     }
 
     /// Its innovations are larger than expected, or the noise that explains them is no sensor's.

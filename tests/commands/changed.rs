@@ -23,12 +23,8 @@ fn plain_demo(seconds: f64) -> String {
 
 /// Curves and braking of the demo's car for half a minute, with these seeds.
 fn drives(names: &[(&str, &str)]) -> TempDir {
-    drives_of(&plain_demo(30.0), names)
-}
-
-fn drives_of(scenario: &str, names: &[(&str, &str)]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("scenario.toml"), scenario).unwrap();
+    std::fs::write(folder.path().join("scenario.toml"), plain_demo(30.0)).unwrap();
     for (name, seed) in names {
         run(folder.path(), &["-q", "simulate", "scenario.toml", "-o", name, "--seed", seed]);
     }
@@ -53,8 +49,7 @@ fn explained(folder: &Path, arguments: &[&str]) -> Value {
 #[test]
 #[ignore = "long: two cars fitted, twice"]
 fn a_changed_wheel_is_named_beside_a_healthy_drive() {
-    // Not on plain tires: there the ordinary car decides, which says "unchanged" beside what `check` is certain of.
-    let folder = drives_of(&demo(30.0), &[("healthy.log", "5"), ("new.log", "6")]);
+    let folder = drives(&[("healthy.log", "5"), ("new.log", "6")]);
     let config = project("config/demo.toml");
     let wheel = "kind = 'tire_radius', relative_difference_rl = -0.02";
     let conceal =

@@ -1,7 +1,7 @@
 //! What has changed: what a recording has that healthy drives of the same car have not.
 
 use super::case::{Answer, Case};
-use super::chain::AuditFinding;
+use super::chain::{AuditFinding, ChainReport};
 use super::finding::{leave_drift_to_audit, measured_wrong, told_apart};
 use super::history::History;
 use super::model::Model;
@@ -32,11 +32,11 @@ impl<'a> Case<'a> {
         let used: Vec<String> = ordinary.sideslip.iter().map(|(name, _)| name.clone()).collect();
         let drives = (self.recordings, self.references);
         let history = ordinary.beyond.history.as_ref().map(|found| History::of(drives, &used, found));
-        let drifted = self.drifted();
+        let measured = self.measured_since(&ordinary.beyond.findings);
         let verdict = match () {
             () if !ordinary.is_the_car() => Verdict::UnknownPhysics,
             () if history.as_ref().is_some_and(|history| !history.tells()) => Verdict::InsufficientExcitation,
-            () if ordinary.beyond.findings.is_empty() && drifted.is_empty() => Verdict::Unchanged,
+            () if ordinary.beyond.findings.is_empty() && measured.is_empty() => Verdict::Unchanged,
             () => Verdict::MissingPhysics,
         };
         let mut explanation = Explanation::empty(verdict);
@@ -47,7 +47,7 @@ impl<'a> Case<'a> {
         explanation.history = history;
         explanation.take_ordinary(&ordinary, Some(verdict));
         leave_drift_to_audit(&mut explanation.findings, self.chain);
-        explanation.findings.splice(0..0, drifted);
+        explanation.findings.splice(0..0, measured);
         // The car that drove last.
         for finding in explanation.findings.iter().filter(|finding| finding.reference_value.is_some()) {
             for (name, estimate) in &finding.parameters {
@@ -67,17 +67,44 @@ impl<'a> Case<'a> {
         Answer { explanation, model }
     }
 
-    /// A zero of the yaw rate that moves in the drives beside the references, if it does in none of these. Of drives in time
-    /// order only numbers are told.
-    fn drifted(&self) -> Vec<Finding> {
+    /// What the audit is certain of in the drives beside the references, and has not seen in these although it could have;
+    /// what was found already is left out. Offsets and delays are each drive's own. Of drives in time order only numbers are
+    /// told.
+    fn measured_since(&self, known: &[Finding]) -> Vec<Finding> {
         let (references, others) = self.chain.split_at(self.references.min(self.chain.len()));
-        if self.in_order || references.iter().any(|report| report.drift.is_some()) {
+        if self.in_order {
             return Vec::new();
         }
-        let wrong = measured_wrong(&self.recordings[self.references..], others, &[]);
-        wrong.into_iter().filter(|finding| finding.effect == AuditFinding::DRIFT).collect()
+        let since = |audited: &AuditFinding| references.iter().all(|report| is_new_since(report, audited));
+        let own = |report: &ChainReport| {
+            let findings = report.findings.iter().filter(|audited| since(audited)).cloned().collect();
+            ChainReport { findings, ..report.clone() }
+        };
+        let others: Vec<_> = others.iter().map(own).collect();
+        measured_wrong(&self.recordings[self.references..], &others, known)
     }
 }
+
+/// Is this not in a healthy drive, whose audit could have seen it?
+fn is_new_since(healthy: &ChainReport, audited: &AuditFinding) -> bool {
+    let could_be_seen = match audited.effect {
+        "sensor_bias" | "sensor_delay" => false,
+        AuditFinding::DRIFT => true,
+        "tire_radius" => healthy.radii.is_some(),
+        _ => healthy.compared,
+    };
+    let is_there = |other: &AuditFinding| {
+        let size = |finding: &AuditFinding| finding.value.zip(finding.std);
+        let is_another_size = size(other).zip(size(audited)).is_some_and(|((was, was_std), (is, is_std))| {
+            (is - was).abs() > ANOTHER_SIZE * was_std.hypot(is_std)
+        });
+        (other.effect, &other.channel) == (audited.effect, &audited.channel) && !is_another_size
+    };
+    could_be_seen && !healthy.findings.iter().any(is_there)
+}
+
+/// So many standard deviations apart are two sizes. Statistical: once in 16,000.
+const ANOTHER_SIZE: f64 = 4.0;
 
 const TOO_LITTLE: &str = "of the references and of the drives beside them at least one each must have steering, yaw rate, \
                           a speed and 12 s of driving above 4 m/s";
@@ -91,6 +118,7 @@ const ANOTHER_CAR: &str = "nothing was compared: one car with sensors of each dr
 #[cfg(test)]
 mod tests {
     use super::super::bench::{case, recorded_as};
+    use super::super::chain::Confidence;
     use super::*;
     use physics::model::Scenario;
     use physics::model::effect::named;
@@ -103,6 +131,30 @@ mod tests {
         let recordings = [healthy, recording];
         let case = Case { references: 1, ..case(&vehicle, &recordings) };
         case.explain(&|_, _| {}).explanation
+    }
+
+    /// GIVEN what the audit says of a drive WHEN a healthy one's says the same, or could not have seen it THEN it is not new.
+    #[test]
+    fn what_a_healthy_drive_has_or_could_not_show_is_not_new() {
+        let audited = |effect, value| AuditFinding {
+            effect,
+            channel: "wheel_speed_rl".into(),
+            value: Some(value),
+            std: Some(1e-4),
+            t: 9.0,
+            evidence: String::new(),
+            confidence: Confidence::Certain,
+            repair: String::new(),
+            or: Vec::new(),
+        };
+        let healthy = |radii, findings| ChainReport { radii, compared: true, findings, ..Default::default() };
+        let told = Some([1e-4; 2]);
+        let small = audited("tire_radius", -0.02);
+        assert!(is_new_since(&healthy(told, vec![]), &small));
+        assert!(!is_new_since(&healthy(None, vec![]), &small), "the healthy drive did not tell radii");
+        assert!(!is_new_since(&healthy(told, vec![audited("tire_radius", -0.0203)]), &small));
+        assert!(is_new_since(&healthy(told, vec![audited("tire_radius", -0.01)]), &small));
+        assert!(!is_new_since(&healthy(told, vec![]), &audited("sensor_delay", 0.1)), "of each drive's own");
     }
 
     fn main_number(finding: &Finding, name: &str, truth: f64) {

@@ -143,19 +143,21 @@ impl<'a> FittedCars<'a> {
         let drives = &all.drives;
         let plain =
             Model { values: Values::of(vehicle), ..as_configured(&bent.smooth, effects).of(vehicle.clone()) };
-        // The ordinary car twice, with and without what the data may refuse.
-        begin_counting(drives, 3);
+        begin_counting(drives, 2);
+        // The ordinary car once more, without what the data may refuse.
+        count_more(drives, 1);
         let leaves = |fit: &FreeFit<'_>| does_repeat(&repeating(drives, &fit.predicted, asked.seed));
-        let fitted =
-            |vehicle: &'a Vehicle| fit_car(&as_configured(vehicle, effects), vehicle, drives, leaves);
+        let fitted = |vehicle: &'a Vehicle, other: Option<&FreeFit<'_>>| {
+            fit_car(&as_configured(vehicle, effects), vehicle, drives, other, leaves)
+        };
         let ((found, repeats), plain) = rayon::join(
-            || fitted(&bent.smooth),
+            || fitted(&bent.smooth, None),
             || fit(&plain, on_time(free(&plain, vehicle, drives)), drives),
         );
         let found = match &bent.brush {
             Some(brush) if repeats => {
                 count_more(drives, 2);
-                let (other, repeats) = fitted(brush);
+                let (other, repeats) = fitted(brush, Some(&found));
                 // What repeats is the tires' bend where another one leaves nothing of it; else it may be a shadow of what does.
                 let least = if repeats { SURELY_BENT } else { REFUSED };
                 if is_refused(&found, &other, least, drives) { other } else { found }
@@ -370,7 +372,7 @@ pub fn could_tell(
 ) -> Option<(Powers, Vec<Option<Powers>>)> {
     let own = with_bend(vehicle);
     let Drives { drives, references, .. } = Drives::of(&own, recordings, asked)?;
-    let found = fit_ordinary(&as_configured(&own, effects), &own, &drives);
+    let found = fit_ordinary(&as_configured(&own, effects), &own, &drives, None);
     let fits = fits(&drives, &found.predicted);
     if fits.holdout.get(Quantity::YawRate.name()).is_none_or(|fit| *fit < LEAST_FIT) {
         return None;

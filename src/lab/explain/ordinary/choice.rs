@@ -1,6 +1,6 @@
 //! Which of the physics that every car has is taken: what the data do not refuse.
 
-use super::fit::{FreeFit, count_more, fit};
+use super::fit::{FreeFit, count_more, fit, fit_from};
 use super::inputs::FreeDrive;
 use super::numbers::{free, with_downforce, with_load_sensitivity, with_ordinary};
 use super::problem::{Problem, Scale};
@@ -21,11 +21,21 @@ const FAST_MPS: f64 = 30.0;
 
 /// Fits the model with the physics that every car has, and without what of that the data refuse.
 ///
-/// Every error counts in full for the refusal: a run that spins where the car did not is no outlier.
-pub fn fit_ordinary<'a>(model: &Model<'a>, vehicle: &Vehicle, drives: &[FreeDrive]) -> FreeFit<'a> {
+/// Every error counts in full for the refusal: a run that spins where the car did not is no outlier. The search begins where that
+/// of `other` tires has ended, if there was one.
+pub fn fit_ordinary<'a>(
+    model: &Model<'a>,
+    vehicle: &Vehicle,
+    drives: &[FreeDrive],
+    other: Option<&FreeFit<'_>>,
+) -> FreeFit<'a> {
     let [usual, simpler] = with_ordinary(model);
-    let fitted = |model: &Model<'a>| fit(model, free(model, vehicle, drives), drives);
-    let (usual, simpler) = rayon::join(|| fitted(&usual), || fitted(&simpler));
+    let free = |model: &Model<'a>| free(model, vehicle, drives);
+    let usual = match other {
+        Some(other) => fit_from(&usual, free(&usual), drives, other),
+        None => fit(&usual, free(&usual), drives),
+    };
+    let simpler = fit_from(&simpler, free(&simpler), drives, &usual);
     if is_refused(&usual, &simpler, REFUSED, drives) { simpler } else { usual }
 }
 
@@ -36,25 +46,26 @@ pub fn fit_car<'a>(
     model: &Model<'a>,
     vehicle: &Vehicle,
     drives: &[FreeDrive],
+    other: Option<&FreeFit<'_>>,
     leaves: impl Fn(&FreeFit<'_>) -> bool,
 ) -> (FreeFit<'a>, bool) {
-    let asked = |model: Model<'a>| {
+    let asked = |model: Model<'a>, found: &FreeFit<'_>| {
         count_more(drives, 1);
-        fit(&model, free(&model, vehicle, drives), drives)
+        fit_from(&model, free(&model, vehicle, drives), drives, found)
     };
     let is_better =
         |found: &FreeFit<'_>, other: &FreeFit<'_>| is_refused(found, other, LEAST_EVIDENCE, drives);
-    let mut found = fit_ordinary(model, vehicle, drives);
+    let mut found = fit_ordinary(model, vehicle, drives, other);
     let mut repeats = leaves(&found);
     if repeats && drives.iter().filter_map(FreeDrive::used_friction).any(|used| used > HARD) {
-        let loaded = asked(with_load_sensitivity(model));
+        let loaded = asked(with_load_sensitivity(model), &found);
         if is_better(&found, &loaded) {
             repeats = leaves(&loaded);
             found = loaded;
         }
     }
     if repeats && drives.iter().filter_map(FreeDrive::fastest).any(|fastest| fastest >= FAST_MPS) {
-        let pressed = asked(with_downforce(model));
+        let pressed = asked(with_downforce(model), &found);
         if is_race_cars(&pressed) && is_better(&found, &pressed) {
             repeats = leaves(&pressed);
             found = pressed;

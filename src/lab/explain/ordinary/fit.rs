@@ -86,6 +86,25 @@ pub fn fit<'a>(model: &Model<'a>, free: Vec<Free>, drives: &[FreeDrive]) -> Free
     FreeFit { starts, ..problem.refined(best, first) }
 }
 
+/// The same from where another model of the car has ended: what both have is nearly known, and the other's starts serve for both.
+pub fn fit_from<'a>(
+    model: &Model<'a>,
+    free: Vec<Free>,
+    drives: &[FreeDrive],
+    other: &FreeFit<'_>,
+) -> FreeFit<'a> {
+    let carried = |coordinates: &[f64]| -> Vec<f64> {
+        let there = |own: &Free| {
+            let mut all = other.free.iter().zip(coordinates);
+            all.find(|(free, _)| own.is_same(model, free, &other.model)).map(|(_, coordinate)| *coordinate)
+        };
+        free.iter().map(|own| there(own).unwrap_or(own.prior.0).clamp(own.bounds.0, own.bounds.1)).collect()
+    };
+    let problem = Problem { model, free: &free, drives };
+    let starts = other.starts.iter().map(|(from, to, cost)| (carried(from), carried(to), *cost));
+    FreeFit { starts: starts.collect(), ..problem.refined(carried(&other.at), problem.first_scale()) }
+}
+
 fn points(drives: &[FreeDrive]) -> usize {
     drives.iter().map(FreeDrive::points).sum()
 }
@@ -106,9 +125,9 @@ pub fn begin_counting(drives: &[FreeDrive], fits: usize) {
     }
 }
 
-/// So many more follow than were foreseen.
+/// So many more follow that begin where another one has ended.
 pub fn count_more(drives: &[FreeDrive], fits: usize) {
-    expect(drives, fits * counts(drives));
+    expect(drives, fits * ROUNDS * counted(STEPS[1]) * points(drives));
 }
 
 /// So many searches follow from where a fit has ended.

@@ -35,6 +35,15 @@ impl Number {
             _ => None,
         }
     }
+
+    /// Which channel it is added to after the run, yaw rate or lateral acceleration: the run need not be made again for it.
+    pub fn offsets(self) -> Option<usize> {
+        match self {
+            Self::Of(Place::Ordinary(Parameter::YawRateOffset)) => Some(0),
+            Self::Of(Place::Ordinary(Parameter::LateralAccelerationOffset)) => Some(1),
+            _ => None,
+        }
+    }
 }
 
 /// Which recordings a number is of.
@@ -342,6 +351,21 @@ impl Free {
     pub fn alone(&self) -> Self {
         let of = if self.of == Scope::Car { Scope::Car } else { Scope::Recording(0) };
         Self { of, ..*self }
+    }
+
+    /// Is it the same number of the same recordings as another model's?
+    pub fn is_same(&self, model: &Model<'_>, other: &Self, others: &Model<'_>) -> bool {
+        let of_effect = |model: &Model<'_>, number: Number| match number {
+            Number::Of(Place::Effect(effect, place)) => {
+                let chosen = &model.effects[effect];
+                Some((chosen.kind.name, chosen.channel, place))
+            }
+            _ => None,
+        };
+        let own = of_effect(model, self.number);
+        let is_same =
+            own == of_effect(others, other.number) && (own.is_some() || self.number == other.number);
+        self.of == other.of && is_same
     }
 
     /// The same held at a value, which it cannot leave.

@@ -142,6 +142,11 @@ impl Problem<'_, '_> {
         let moved = |(drive, place): (usize, usize)| {
             let mut there = at.to_vec();
             let free = &self.free[place];
+            if let Some(channel) = free.number.offsets() {
+                let slope: [f64; 2] = std::array::from_fn(|other| f64::from(u8::from(other == channel)));
+                let slope = slope.map(|slope| free.of.share(drive) * slope);
+                return (drive, place, vec![slope; self.drives[drive].points().div_ceil(EVERY)]);
+            }
             // Inwards from an upper bound.
             let step = if at[place] + free.step > free.bounds.1 { -free.step } else { free.step };
             there[place] += step;

@@ -114,7 +114,7 @@ impl<'a> Base<'a> {
         };
         let drive = |most_s| FreeDrive::new(asked.recording, own, Held::Nothing, most_s).map_err(no_run);
         let drives = [drive(FITTED_S)?];
-        let found = fit_ordinary(&as_configured(own, asked.configured), own, &drives);
+        let found = fit_ordinary(&as_configured(own, asked.configured), own, &drives, None);
         let (model, sensing) = placed(&found.model, &found.free, &found.at, 0);
         let whole = drive(f64::INFINITY)?;
         let without = courses(&whole, &model.car(), sensing);

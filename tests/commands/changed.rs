@@ -165,6 +165,7 @@ fn a_law_is_found_confirmed_and_applied() {
     assert_eq!((&first["effect"], &first["kind"]), (&"law".into(), &"law".into()), "{first}");
     assert_eq!(first["place"], "front slip angle");
     assert!(first["expression"].as_str().unwrap().ends_with("*a_x"), "{first}");
+    assert_eq!(first["terms"][0]["unit"], "rad/(m/s²)", "{first}");
     let coefficient = first["terms"][0]["coefficient"]["value"].as_f64().unwrap();
     assert!((coefficient / 0.001 - 1.0).abs() < 0.2, "{first}");
     let confirmed = &answer["confirm"][0];

@@ -106,7 +106,10 @@ impl<'a> Case<'a> {
             Selection::nothing(fitted, data.split.clone())
         } else {
             let own = search(&plain, &free, progress);
-            let again = |plain: &Model<'a>, free: &[Free]| search(plain, free, &|_, _| ());
+            let again = |plain: &Model<'a>, free: &[Free]| {
+                progress(work::AGAIN, 0.0);
+                search(plain, free, &|_, _| ())
+            };
             or_other_tires(&data, own, |model| model.ordinary(has), again)
         };
         data.split = selection.split.clone();

@@ -15,7 +15,7 @@ fn demo(seconds: f64) -> String {
 
 /// The same on tires that bend as the demo's table has it: where they do not everything is searched twice, which takes twice the
 /// time (`other_tires` tries that).
-fn plain_demo(seconds: f64) -> String {
+pub fn plain_demo(seconds: f64) -> String {
     let demo = demo(seconds);
     assert_eq!(demo.matches("tire = \"brush\"").count(), 1);
     demo.replace("tire = \"brush\"", "tire = \"piecewise\"")

@@ -8,6 +8,8 @@ use gripd::can::recording::Reader;
 use gripd::time::Clock;
 use testing::program::{gripd, project};
 
+use super::changed::plain_demo;
+
 /// A command in this folder.
 fn run(folder: &Path, arguments: &[&str]) -> Output {
     gripd().current_dir(folder).args(arguments).output().unwrap()
@@ -28,9 +30,8 @@ fn a_part_is_all_that_is_taken() {
     let scratch = tempfile::tempdir().unwrap();
     let folder = scratch.path();
     let demo = std::fs::read_to_string(project("config/scenarios/demo.toml")).unwrap();
-    // On the tires that the configuration has: else `explain` searches twice.
-    let demo = demo.replace("duration_s = 120.0", "duration_s = 20.0").replace("\"brush\"", "\"piecewise\"");
-    std::fs::write(folder.join("scenario.toml"), demo).unwrap();
+    std::fs::write(folder.join("scenario.toml"), demo.replace("duration_s = 120.0", "duration_s = 20.0"))
+        .unwrap();
     assert!(run(folder, &["-q", "simulate", "scenario.toml", "-o", "drive.log"]).status.success());
     let [start, end] = ends(&folder.join("drive.log"));
     let part = ["convert", "drive.log", "-o", "part.log", "--from", "4", "--to", "9.5"];
@@ -62,9 +63,8 @@ fn of_a_part_that_tells_nothing_nothing_is_made() {
     let scratch = tempfile::tempdir().unwrap();
     let folder = scratch.path();
     let demo = std::fs::read_to_string(project("config/scenarios/demo.toml")).unwrap();
-    // On the tires that the configuration has: else `explain` searches twice.
-    let demo = demo.replace("duration_s = 120.0", "duration_s = 20.0").replace("\"brush\"", "\"piecewise\"");
-    std::fs::write(folder.join("scenario.toml"), demo).unwrap();
+    std::fs::write(folder.join("scenario.toml"), demo.replace("duration_s = 120.0", "duration_s = 20.0"))
+        .unwrap();
     assert!(run(folder, &["-q", "simulate", "scenario.toml", "-o", "drive.log"]).status.success());
     let config = project("config/demo.toml");
     let config = config.to_str().unwrap();
@@ -90,10 +90,7 @@ fn of_a_part_that_tells_nothing_nothing_is_made() {
 fn either_clock_tells_a_part_and_a_moment() {
     let scratch = tempfile::tempdir().unwrap();
     let folder = scratch.path();
-    let demo = std::fs::read_to_string(project("config/scenarios/demo.toml")).unwrap();
-    // On the tires that the configuration has: else `explain` searches twice.
-    let demo = demo.replace("duration_s = 120.0", "duration_s = 20.0").replace("\"brush\"", "\"piecewise\"");
-    std::fs::write(folder.join("scenario.toml"), demo).unwrap();
+    std::fs::write(folder.join("scenario.toml"), plain_demo(20.0)).unwrap();
     assert!(run(folder, &["-q", "simulate", "scenario.toml", "-o", "undated.log"]).status.success());
     let undated = std::fs::read_to_string(folder.join("undated.log")).unwrap();
     let dated = |line: &str| {

@@ -123,7 +123,8 @@ impl<'a> Conclusion<'_, 'a> {
         }
         if explanation.is_by_ordinary {
             leave_drift_to_audit(&mut explanation.findings, self.case.chain);
-            let wrong = measured_wrong(self.case.recordings, self.case.chain, &explanation.findings);
+            let wrong =
+                measured_wrong(self.case.recordings, self.case.chain, &explanation.findings, |_| true);
             let says_nothing =
                 matches!(explanation.verdict, Verdict::Adequate | Verdict::InsufficientExcitation);
             if !wrong.is_empty() && says_nothing {

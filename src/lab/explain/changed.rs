@@ -32,7 +32,9 @@ impl<'a> Case<'a> {
         let used: Vec<String> = ordinary.sideslip.iter().map(|(name, _)| name.clone()).collect();
         let drives = (self.recordings, self.references);
         let history = ordinary.beyond.history.as_ref().map(|found| History::of(drives, &used, found));
-        let measured = self.measured_since(&ordinary.beyond.findings);
+        let mut found = ordinary.beyond.findings.clone();
+        leave_drift_to_audit(&mut found, self.chain);
+        let measured = self.measured_since(&found);
         let verdict = match () {
             () if !ordinary.is_the_car() => Verdict::UnknownPhysics,
             () if history.as_ref().is_some_and(|history| !history.tells()) => Verdict::InsufficientExcitation,
@@ -75,13 +77,8 @@ impl<'a> Case<'a> {
         if self.in_order {
             return Vec::new();
         }
-        let since = |audited: &AuditFinding| references.iter().all(|report| is_new_since(report, audited));
-        let own = |report: &ChainReport| {
-            let findings = report.findings.iter().filter(|audited| since(audited)).cloned().collect();
-            ChainReport { findings, ..report.clone() }
-        };
-        let others: Vec<_> = others.iter().map(own).collect();
-        measured_wrong(&self.recordings[self.references..], &others, known)
+        let is_new = |audited: &AuditFinding| references.iter().all(|report| is_new_since(report, audited));
+        measured_wrong(&self.recordings[self.references..], others, known, is_new)
     }
 }
 
@@ -89,7 +86,8 @@ impl<'a> Case<'a> {
 fn is_new_since(healthy: &ChainReport, audited: &AuditFinding) -> bool {
     let could_be_seen = match audited.effect {
         "sensor_bias" | "sensor_delay" => false,
-        AuditFinding::DRIFT => true,
+        // A zero that moves moves otherwise in each drive.
+        AuditFinding::DRIFT => healthy.drift.is_none(),
         "tire_radius" => healthy.radii.is_some(),
         _ => healthy.compared,
     };

@@ -76,12 +76,17 @@ pub fn told_apart(findings: &[Finding]) -> Vec<ToDrive> {
     open.map(|finding| finding.to_tell_apart.clone().into()).collect()
 }
 
-/// What the audit of the measurement is certain of, as findings; what is there already is left out.
-pub fn measured_wrong(recordings: &[Recording], chain: &[ChainReport], known: &[Finding]) -> Vec<Finding> {
+/// What the audit of the measurement is certain of, as findings, of what `counts`; what is there already is left out.
+pub fn measured_wrong(
+    recordings: &[Recording],
+    chain: &[ChainReport],
+    known: &[Finding],
+    counts: impl Fn(&AuditFinding) -> bool,
+) -> Vec<Finding> {
     let mut all: Vec<Finding> = Vec::new();
     for (recording, report) in recordings.iter().zip(chain) {
         let certain = report.findings.iter().filter(|audited| audited.confidence == Confidence::Certain);
-        for audited in certain {
+        for audited in certain.filter(|audited| counts(audited)) {
             if !known.iter().chain(&all).any(|finding| says(finding, audited)) {
                 all.push(wrong(recording, report, audited));
             }

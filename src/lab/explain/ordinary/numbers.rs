@@ -353,19 +353,16 @@ impl Free {
         Self { of, ..*self }
     }
 
-    /// Is it the same number of the same recordings as another model's?
+    /// Is it the same number of the same recordings as another model's? An effect may stand at another place there.
     pub fn is_same(&self, model: &Model<'_>, other: &Self, others: &Model<'_>) -> bool {
-        let of_effect = |model: &Model<'_>, number: Number| match number {
+        let identity = |free: &Self, model: &Model<'_>| match free.number {
             Number::Of(Place::Effect(effect, place)) => {
                 let chosen = &model.effects[effect];
-                Some((chosen.kind.name, chosen.channel, place))
+                (free.of, Some((chosen.kind.name, chosen.channel, place)), None)
             }
-            _ => None,
+            number => (free.of, None, Some(number)),
         };
-        let own = of_effect(model, self.number);
-        let is_same =
-            own == of_effect(others, other.number) && (own.is_some() || self.number == other.number);
-        self.of == other.of && is_same
+        identity(self, model) == identity(other, others)
     }
 
     /// The same held at a value, which it cannot leave.

@@ -140,13 +140,13 @@ impl Problem<'_, '_> {
             .filter(|(drive, place)| self.free[*place].of.has(*drive))
             .collect();
         let moved = |(drive, place): (usize, usize)| {
-            let mut there = at.to_vec();
             let free = &self.free[place];
             if let Some(channel) = free.number.offsets() {
-                let slope: [f64; 2] = std::array::from_fn(|other| f64::from(u8::from(other == channel)));
-                let slope = slope.map(|slope| free.of.share(drive) * slope);
+                let mut slope = [0.0; 2];
+                slope[channel] = free.of.share(drive);
                 return (drive, place, vec![slope; self.drives[drive].points().div_ceil(EVERY)]);
             }
+            let mut there = at.to_vec();
             // Inwards from an upper bound.
             let step = if at[place] + free.step > free.bounds.1 { -free.step } else { free.step };
             there[place] += step;

@@ -14,6 +14,7 @@ pub mod fault;
 pub mod frames;
 pub mod golden;
 pub mod heard;
+pub mod hostile;
 pub mod package;
 pub mod program;
 pub mod results;

@@ -52,6 +52,7 @@ mod precedence;
 mod proof;
 mod put_right;
 mod result;
+mod search;
 mod select;
 mod sensitivity;
 mod shape;

@@ -8,6 +8,7 @@ use tempfile::TempDir;
 use testing::program::{gripd, project};
 
 use super::*;
+use crate::changed::plain;
 
 /// Demo drives on one road, whose driver steers more than the demo's.
 struct Garage(TempDir);
@@ -18,7 +19,7 @@ const STEERING: &str = "[[steering_wheel_angle]]\nkind = \"sine\"\namplitude = 0
 impl Garage {
     fn new(seconds: u32, effect: &str) -> Self {
         let garage = Self(TempDir::new().unwrap());
-        let demo = fs::read_to_string(project("config/scenarios/demo.toml")).unwrap();
+        let demo = plain(&fs::read_to_string(project("config/scenarios/demo.toml")).unwrap());
         let (before, rest) = demo.split_once("[[road]]\nfrom_s = 45.0").unwrap();
         let (_, chain) = rest.split_once("# The ordinary measuring chain").unwrap();
         let scenario = format!("{before}[abs]\n\n{STEERING}{effect}\n#{chain}")

@@ -8,12 +8,13 @@
 //!
 //! runs each target a thousand times as long. An input that fails is written to a file that the message names,
 //! TARGET-SEED-RUN; GRIPD_FUZZ_FROM=RUN goes there at once, and the file, put into `corpus/TARGET`, is run first from
-//! then on.
+//! then on. What must hold of the inputs is `testing::hostile`'s; `tests/fuzz/run.sh` asks it of inputs that coverage guides to.
 
 mod candump;
 mod config;
 mod dbc;
 mod engine;
+mod files;
 mod filters;
 mod mutate;
 mod recordings;

@@ -1,9 +1,10 @@
 """Packs what [package.metadata.deb] of Cargo.toml names, where there is no cargo-deb. Called by deb.sh.
 
-deb.py [VARIANT]: a variant's keys replace those of the whole package, as cargo-deb has it."""
+deb.py MAINTAINER [VARIANT]: a variant's keys replace those of the whole package, as cargo-deb has it."""
 
 import glob
 import gzip
+import hashlib
 import pathlib
 import re
 import shutil
@@ -17,7 +18,8 @@ package = {
     for key, value in manifest["package"].items()
 }
 deb = package["metadata"]["deb"]
-for variant in sys.argv[1:]:
+maintainer, *variants = sys.argv[1:]
+for variant in variants:
     deb = deb | deb["variants"][variant]
 name = deb.get("name", package["name"])
 arch = subprocess.run(["dpkg", "--print-architecture"], check=True, capture_output=True, text=True).stdout.strip()
@@ -27,12 +29,12 @@ shutil.rmtree(root, ignore_errors=True)
 
 
 def put(source: pathlib.Path, target: str, mode: int) -> None:
-    """One asset; manual pages are compressed, as the distribution wants them."""
+    """One asset; manual pages and the changelog are compressed, as the distribution wants them."""
     place = root / target
     if target.endswith("/"):
         place /= source.name
     place.parent.mkdir(parents=True, exist_ok=True)
-    if "usr/share/man/" in str(place):
+    if "usr/share/man/" in str(place) or place.name == "changelog.Debian":
         place = place.with_name(place.name + ".gz")
         place.write_bytes(gzip.compress(source.read_bytes(), mtime=0))
     else:
@@ -45,6 +47,7 @@ for pattern, target, mode in deb["assets"]:
     assert sources, f"nothing is {pattern}"
     for source in sources:
         put(pathlib.Path(source), target, int(mode, 8))
+put(pathlib.Path(deb["changelog"]), f"usr/share/doc/{name}/changelog.Debian", 0o644)
 licence = pathlib.Path(deb["license-file"][0]).read_text()
 copyright = root / "usr/share/doc" / name / "copyright"
 copyright.parent.mkdir(parents=True, exist_ok=True)
@@ -79,7 +82,7 @@ description = "\n".join(f" {line.strip() or '.'}" for line in deb["extended-desc
 Package: {name}
 Version: {version}
 Architecture: {arch}
-Maintainer: {deb["maintainer"]}
+Maintainer: {maintainer}
 Section: {deb["section"]}
 Priority: {deb["priority"]}
 {needed}{relations}Installed-Size: {size}
@@ -87,6 +90,9 @@ Description: {package["description"]}
 {description}
 """)
 (control / "conffiles").write_text("".join(f"{name}\n" for name in deb["conf-files"]))
+packed = sorted(file for file in root.rglob("*") if file.is_file() and control not in file.parents)
+sums = (f"{hashlib.md5(file.read_bytes()).hexdigest()}  {file.relative_to(root)}\n" for file in packed)
+(control / "md5sums").write_text("".join(sums))
 for script in sorted(pathlib.Path(deb["maintainer-scripts"]).iterdir()):
     shutil.copyfile(script, control / script.name)
     (control / script.name).chmod(0o755)

@@ -6,12 +6,12 @@ use std::env;
 use std::sync::OnceLock;
 
 use libfuzzer_sys::fuzz_target;
-use testing::hostile::READERS;
+use testing::hostile::{READERS, Reader};
 
 /// Which of the readers: libFuzzer has the command line.
 const READER: &str = "GRIPD_FUZZ_READER";
 
-fn reader() -> fn(&[u8]) {
+fn reader() -> Reader {
     let name = env::var(READER).unwrap_or_default();
     let of_name = READERS.iter().find(|(of, _)| *of == name);
     let names = READERS.map(|(name, _)| name).join(", ");
@@ -19,6 +19,6 @@ fn reader() -> fn(&[u8]) {
 }
 
 fuzz_target!(|data: &[u8]| {
-    static ASKED: OnceLock<fn(&[u8])> = OnceLock::new();
+    static ASKED: OnceLock<Reader> = OnceLock::new();
     ASKED.get_or_init(reader)(data);
 });

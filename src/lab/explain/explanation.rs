@@ -6,13 +6,13 @@ use super::conclusion::Conclusion;
 use super::correction::correct;
 use super::excerpt::Excerpt;
 use super::fit::Data;
-use super::model::Model;
+use super::long_recording::LongSearch;
+use super::model::{Free, Model};
 use super::ordinary::{Bent, FittedCars, Ordinary};
-use super::other_tires::with_best_tires;
+use super::other_tires::or_other_tires;
 use super::put_right::put_right;
 use super::result::{Explanation, Finding, Verdict};
-use super::search::Search;
-use super::select::Selection;
+use super::select::{Selection, select};
 use super::signs_and_swaps;
 use super::split::{Part, Split};
 use super::used::Used;
@@ -87,17 +87,30 @@ impl<'a> Case<'a> {
             _ => work::PLAIN,
         };
         progress(stage, 0.0);
+        let free = plain.ordinary(has);
         let suggested = signs_and_swaps::suggested(self.chain);
+        let library = |model: &Model<'_>, onsets: &[f64]| library(self.library, model, has, onsets);
         let excerpt = Excerpt::of(&data);
+        let search = |plain: &Model<'a>, free: &[Free], progress: &(dyn Fn(&str, f64) + Sync)| {
+            if let Some(excerpt) = excerpt.clone() {
+                let search = LongSearch { data: &data, plain: (plain, free, &noise), suggested: &suggested };
+                return search.select(excerpt, &library, progress);
+            }
+            let baseline = data.fit_thoroughly(plain, free, &noise);
+            let before = signs_and_swaps::taken(&data, plain, &baseline, (free, &noise), &suggested);
+            select(&data, (baseline, before), &library, progress)
+        };
         let selection = if is_decided {
             let told = |round| progress(stage, (round + 1) as f64 / (PLAIN_ROUNDS + 1) as f64);
-            let fitted = data.fit_watched(&plain, &plain.ordinary(has), &noise, PLAIN_ROUNDS, &told);
-            Selection::begun(fitted, Vec::new(), data.split.clone())
+            let fitted = data.fit_watched(&plain, &free, &noise, PLAIN_ROUNDS, &told);
+            Selection::nothing(fitted, data.split.clone())
         } else {
-            let library = |model: &Model<'_>, onsets: &[f64]| library(self.library, model, has, onsets);
-            let (data, excerpt) = (&data, excerpt.clone());
-            let search = Search { data, excerpt, noise: &noise, suggested: &suggested, has: &has, library };
-            with_best_tires(&search, &plain, progress)
+            let own = search(&plain, &free, progress);
+            let again = |plain: &Model<'a>, free: &[Free]| {
+                progress(work::AGAIN, 0.0);
+                search(plain, free, &|_, _| ())
+            };
+            or_other_tires(&data, own, |model| model.ordinary(has), again)
         };
         data.split = selection.split.clone();
         if !is_decided {

@@ -65,8 +65,7 @@ impl<'a> LongSearch<'_, '_, 'a> {
         let baseline = part.fit_thoroughly(&first.model, free, &first.noise);
         let before = signs_and_swaps::taken(&part, plain, &baseline, (free, noise), self.suggested);
         tracing::debug!(share = part.share, "an excerpt is searched");
-        let begun = Selection::begun(baseline, before, part.split.clone());
-        let mut selection = select(&part, begun, library, usize::MAX, progress);
+        let mut selection = select(&part, (baseline, before), library, progress);
         let mut times = 0;
         loop {
             progress(work::EVERYTHING, 0.0);
@@ -86,8 +85,7 @@ impl<'a> LongSearch<'_, '_, 'a> {
             let before = kept.map(|taken| Refitted { fit: again(&taken.fit), ..taken }).collect();
             tracing::debug!(share = part.share, "a larger excerpt is searched");
             let rounds = selection.rounds;
-            let begun = Selection::begun(baseline, before, part.split.clone());
-            selection = select(&part, begun, library, usize::MAX, progress);
+            selection = select(&part, (baseline, before), library, progress);
             // What was tried beside the ones that were kept.
             for (round, tried) in selection.rounds.iter_mut().zip(rounds) {
                 if round.scanned.is_empty() {

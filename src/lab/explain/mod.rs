@@ -52,7 +52,6 @@ mod precedence;
 mod proof;
 mod put_right;
 mod result;
-mod search;
 mod select;
 mod sensitivity;
 mod shape;

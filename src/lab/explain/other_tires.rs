@@ -1,90 +1,50 @@
 //! Tires of another kind than the table's: no table of a car knows how its tires bend before their limit.
 //!
-//! A curve that bends elsewhere is imitated by what softens tires, or pushes. So where something was named the search is made
+//! A curve that bends elsewhere is imitated by what softens tires, or pushes. So where something was named the search is repeated
 //! with tires of another kind, if these explain the recordings better from the start, and as well with all that was found. Who
-//! needs less for the same is right. What is found first tells mostly already which tires these are: the other search is spared.
+//! needs less for the same is right.
 
-use physics::Quantity;
 use physics::model::{TireKind, Vehicle};
 
-use super::candidates::Candidate;
-use super::fit::{Data, Fit};
-use super::model::Model;
+use super::fit::Data;
+use super::model::{Free, Model};
 use super::ordinary::Bent;
-use super::search::Search;
 use super::select::{LEAST_EVIDENCE, Selection};
-use super::work;
 
-/// Rounds of fitting other tires, from where the first ones' ended. Numerical: Gauss–Newton steps.
+/// Rounds of fitting other tires, from where the table's ended. Numerical: Gauss–Newton steps.
 const ROUNDS: usize = 8;
 
-/// The selection with the plain model's tires, or that with others.
-pub fn with_best_tires<'a, H, L>(
-    search: &Search<'_, '_, H, L>,
-    plain: &Model<'a>,
-    progress: &(dyn Fn(&str, f64) + Sync),
-) -> Selection<'a>
-where
-    H: Fn(Quantity) -> bool + Copy,
-    L: Fn(&Model<'_>, &[f64]) -> Vec<Candidate>,
-{
+/// The selection with the table's tires, or that with others. `search` searches again from a plain model.
+pub fn or_other_tires<'a>(
+    data: &Data<'_>,
+    own: Selection<'a>,
+    free: impl Fn(&Model<'a>) -> Vec<Free>,
+    search: impl Fn(&Model<'a>, &[Free]) -> Selection<'a>,
+) -> Selection<'a> {
     // Tires without a limit get one, with a bend, as a finding.
-    if plain.vehicle.tire == TireKind::Linear {
-        return search.select(plain, progress);
-    }
-    let begun = search.begin(plain, progress);
-    let anew = |with: &Fit<'a>| {
-        progress(work::AGAIN, 0.0);
-        search.select(&begun.baseline.model.of(tires_of(with)), &|_, _| ())
-    };
-    if !begun.chosen.is_empty()
-        && let Some(better) = search.in_part(|part| better(&begun.looked_at(part), &begun.extended))
-    {
-        let other = anew(&better);
-        if !is_as_good(search.data, &other, tires_of(&begun.baseline)) {
-            return other;
-        }
-        return simpler(search.go_on(begun, plain, progress), other);
-    }
-    let own = search.go_on(begun.clone(), plain, progress);
-    if own.chosen.is_empty() {
+    if own.chosen.is_empty() || own.baseline.model.vehicle.tire == TireKind::Linear {
         return own;
     }
-    match better(&own.looked_at(search.data), &own.baseline) {
-        // Those that were imitated leave nothing out beside what imitated them.
-        Some(better) if is_as_good(search.data, &own, tires_of(&better)) => simpler(own, anew(&better)),
-        _ => own,
+    let fitted = |vehicle: Vehicle| {
+        let model = own.baseline.model.of(vehicle);
+        data.fit(&model, &free(&model), &own.baseline.noise, ROUNDS)
+    };
+    let best = others(&own.baseline.model.vehicle)
+        .map(fitted)
+        .min_by(|a, b| a.cost().total_cmp(&b.cost()))
+        .filter(|best| best.cost() < own.baseline.cost() - LEAST_EVIDENCE);
+    let Some(best) = best else { return own };
+    // Those that were imitated leave nothing out beside what imitated them.
+    let with_all = own.extended.model.of(best.model.vehicle.clone().into_owned());
+    let data_of_own = Data { split: own.split.clone(), ..data.clone() };
+    let beside = data_of_own.fit(&with_all, &own.extended.free, &own.extended.noise, ROUNDS);
+    tracing::debug!(own = own.extended.cost(), beside = beside.cost(), "with tires of another kind");
+    if beside.cost() > own.extended.cost() + LEAST_EVIDENCE {
+        return own;
     }
-}
-
-fn tires_of(fit: &Fit<'_>) -> Vehicle {
-    fit.model.vehicle.clone().into_owned()
-}
-
-/// A fit with the kind of tires that explains the recordings best, where these are others.
-fn better<'a>(data: &Data<'_>, own: &Fit<'a>) -> Option<Fit<'a>> {
-    let fitted = |vehicle: Vehicle| data.fit(&own.model.of(vehicle), &own.free, &own.noise, ROUNDS);
-    let best = others(&own.model.vehicle).map(fitted).min_by(|a, b| a.cost().total_cmp(&b.cost()))?;
-    tracing::debug!(tire = ?best.model.vehicle.tire, own = own.cost(), best = best.cost(), "tires of another kind");
-    (best.cost() < own.cost() - data.share * LEAST_EVIDENCE).then_some(best)
-}
-
-/// Does a car with these tires explain the recordings as well, with all that was found?
-fn is_as_good(data: &Data<'_>, found: &Selection<'_>, tires: Vehicle) -> bool {
-    let of = &found.extended;
-    let beside = found.looked_at(data).fit(&of.model.of(tires), &of.free, &of.noise, ROUNDS);
-    tracing::debug!(
-        found = of.cost(),
-        beside = beside.cost(),
-        "all that was found with tires of another kind"
-    );
-    beside.cost() <= of.cost() + LEAST_EVIDENCE
-}
-
-/// That with other tires, where it needs less for the same.
-fn simpler<'a>(own: Selection<'a>, other: Selection<'a>) -> Selection<'a> {
+    let other = search(&best.model, &best.free);
     let cost = |of: &Selection<'_>| of.extended.cost() + LEAST_EVIDENCE * of.chosen.len() as f64;
-    tracing::debug!(own = cost(&own), other = cost(&other), "the simpler one of two kinds of tires");
+    tracing::debug!(tire = ?best.model.vehicle.tire, own = cost(&own), other = cost(&other), "tires of another kind");
     if cost(&other) < cost(&own) - LEAST_EVIDENCE { other } else { own }
 }
 

@@ -98,39 +98,35 @@ impl<'a> Selection<'a> {
         of_names.into_iter().map(|(_, evidence)| evidence).collect()
     }
 
-    /// Data split as they were at last.
-    pub fn looked_at<'d>(&self, data: &Data<'d>) -> Data<'d> {
-        Data { split: self.split.clone(), ..data.clone() }
-    }
-
-    /// Of a plain model and what was taken before any search.
-    pub fn begun(baseline: Fit<'a>, before: Vec<Refitted<'a>>, split: Split) -> Self {
-        let extended = before.last().map_or_else(|| baseline.clone(), |taken| taken.fit.clone());
-        let rounds = before.iter().map(Round::without_rivals).collect();
-        Self { baseline, extended, chosen: before, rounds, split }
+    /// Of a plain model beside which nothing was searched.
+    pub fn nothing(baseline: Fit<'a>, split: Split) -> Self {
+        Self { extended: baseline.clone(), baseline, chosen: Vec::new(), rounds: Vec::new(), split }
     }
 }
 
-/// Chooses beside what was chosen before, in so many rounds at most. `library` has the candidates for a model, of something that
-/// could have begun at certain moments, s; `progress` is told the stage and how far it is.
+/// Chooses, beginning with what was taken before. `library` has the candidates for a model, of something that could
+/// have begun at certain moments, s; `progress` is told the stage and how far it is.
 pub fn select<'a>(
     data: &Data<'_>,
-    before: Selection<'a>,
+    (mut baseline, before): (Fit<'a>, Vec<Refitted<'a>>),
     library: &impl Fn(&Model<'_>, &[f64]) -> Vec<Candidate>,
-    most_rounds: usize,
     progress: &(dyn Fn(&str, f64) + Sync),
 ) -> Selection<'a> {
-    let Selection { mut baseline, mut extended, mut chosen, mut rounds, split } = before;
-    let mut data = Data { split, ..data.clone() };
+    let mut data = data.clone();
+    let mut extended = baseline.clone();
+    let mut chosen: Vec<Refitted<'a>> = Vec::new();
+    let mut rounds = Vec::new();
     let longest = data.drives.iter().map(GriddedDrive::seconds).fold(0.0, f64::max);
     let onsets = if data.share < 1.0 { onsets_within(data.drives) } else { onsets(longest) };
+    for taken in before {
+        extended = taken.fit.clone();
+        rounds.push(Round::without_rivals(&taken));
+        chosen.push(taken);
+    }
     let mut was_at_end = false;
     // What every car has leaves room for what is unusual.
     let is_unusual = |taken: &&Refitted<'a>| !taken.candidate.kind.search.every_car_has;
-    for _ in 0..most_rounds {
-        if chosen.iter().filter(is_unusual).count() >= TUNING.selection.most_findings {
-            break;
-        }
+    while chosen.iter().filter(is_unusual).count() < TUNING.selection.most_findings {
         progress(if chosen.is_empty() { work::NAMING } else { work::MORE }, 0.0);
         let is_new = |candidate: &Candidate| {
             let same = |other: &Refitted<'_>| {

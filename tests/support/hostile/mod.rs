@@ -12,8 +12,11 @@ use gripd::fmu::foreign::Description;
 use gripd::model::Scenario;
 use gripd::tire_file::{AtLoad, TireFile};
 
-/// All of it, by name.
-pub const READERS: [(&str, fn(&[u8])); 7] = [
+/// Reads these bytes, and panics where something of that does not hold.
+pub type Reader = fn(&[u8]);
+
+/// All of them, by name.
+pub const READERS: [(&str, Reader); 7] = [
     ("recording", recording::check),
     ("dbc", dbc::check),
     ("config", config::check),

@@ -68,6 +68,7 @@ mod tests {
     /// GIVEN four drives, each on rear tires of another stiffness WHEN one car is fitted to all THEN its stiffness is known no better
     /// than the mean of four that differ so much, and it is known better where the tires were the same.
     #[test]
+    #[ignore = "long: eight drives fitted"]
     fn what_differs_from_drive_to_drive_is_not_known_well() {
         let stiffness = |of_drives: [f64; 4]| {
             let drive = |(seed, stiffness): (u64, f64)| {

@@ -17,15 +17,19 @@ case $reader in
     recording) cp tests/formats/fuzz/corpus/recordings/* tests/formats/fuzz/corpus/candump/* "$seeds" ;;
     dbc) cp tests/formats/fuzz/corpus/dbc/* dbc/*.dbc "$seeds" ;;
     config) cp tests/formats/fuzz/corpus/toml/* config/*.toml "$seeds" ;;
+    # The checksum in the first line is made anew.
+    state) for file in tests/data/state/*; do tail -n +2 "$file" > "$seeds/$(basename "$file")"; done ;;
     scenario) cp config/scenarios/*.toml "$seeds" ;;
     tires | fmu) cp tests/formats/fuzz/corpus/"$reader"/* "$seeds" ;;
 esac
 
 # Counters at every edge, and what is compared with what.
-flags="-Cpasses=sancov-module -Ccodegen-units=1"
+flags="-Cpasses=sancov-module"
 for option in level=4 inline-8bit-counters pc-table trace-compares; do
     flags="$flags -Cllvm-args=-sanitizer-coverage-$option"
 done
+# In the versions that gripd is built of.
+cp Cargo.lock tests/fuzz/
 # A target of its own: build scripts and macros are not counted.
 RUSTFLAGS="$flags" cargo build --release --manifest-path tests/fuzz/Cargo.toml --target "$(rustc -vV | sed -n 's/host: //p')" \
     --target-dir "$fuzz/build"

@@ -50,7 +50,7 @@ maintainer=$(sed -n 's/^maintainer = "\(.*\)"/\1/p' Cargo.toml)
 cat > "$made/changelog" <<END
 $name ($version) unstable; urgency=medium
 
-  * See CHANGELOG.md.
+  * See changelog.gz.
 
  -- $maintainer  $(date -u -R -d "@$SOURCE_DATE_EPOCH")
 END

@@ -54,6 +54,9 @@ $name ($version) unstable; urgency=medium
 
  -- $maintainer  $(date -u -R -d "@$SOURCE_DATE_EPOCH")
 END
+cp systemd/lintian-overrides "$made/lintian-overrides"
+[ -z "$variant" ] || printf '%s\n' '# Only the tools can write manual pages; the guide has one for gateways.' no-manual-page \
+    >> "$made/lintian-overrides"
 
 if [ -z "${DEBEMAIL:-}" ] && cargo deb --version >/dev/null 2>&1; then
     exec cargo deb --no-build --no-strip ${variant:+--variant=$variant} --output target/debian/

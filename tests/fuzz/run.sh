@@ -15,8 +15,8 @@ seeds=$fuzz/seeds/$reader
 mkdir -p "$kept" "$seeds"
 case $reader in
     recording) cp tests/formats/fuzz/corpus/recordings/* tests/formats/fuzz/corpus/candump/* "$seeds" ;;
-    dbc) cp tests/formats/fuzz/corpus/dbc/* dbc/*.dbc "$seeds" ;;
-    config) cp tests/formats/fuzz/corpus/toml/* config/*.toml "$seeds" ;;
+    dbc) cp tests/formats/fuzz/corpus/dbc/* dbc/gripd.dbc dbc/rav4.dbc "$seeds" ;;
+    config) cp tests/formats/fuzz/corpus/toml/* config/rav4.toml config/vw_mqb.toml "$seeds" ;;
     # The checksum in the first line is made anew.
     state) for file in tests/data/state/*; do tail -n +2 "$file" > "$seeds/$(basename "$file")"; done ;;
     scenario) cp config/scenarios/*.toml "$seeds" ;;

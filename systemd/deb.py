@@ -29,12 +29,12 @@ shutil.rmtree(root, ignore_errors=True)
 
 
 def put(source: pathlib.Path, target: str, mode: int) -> None:
-    """One asset; manual pages and changelogs are compressed, as the distribution wants them."""
+    """One asset; manual pages and the changelog are compressed, as the distribution wants them."""
     place = root / target
     if target.endswith("/"):
         place /= source.name
     place.parent.mkdir(parents=True, exist_ok=True)
-    if "usr/share/man/" in str(place) or place.name in ("changelog", "changelog.Debian"):
+    if "usr/share/man/" in str(place) or place.name == "changelog.Debian":
         place = place.with_name(place.name + ".gz")
         place.write_bytes(gzip.compress(source.read_bytes(), mtime=0))
     else:
@@ -47,7 +47,7 @@ for pattern, target, mode in deb["assets"]:
     assert sources, f"nothing is {pattern}"
     for source in sources:
         put(pathlib.Path(source), target, int(mode, 8))
-put(pathlib.Path(deb["changelog"]), f"usr/share/doc/{name}/changelog.Debian", 0o644)
+put(pathlib.Path(deb["changelog"]), f"usr/share/doc/{name}/", 0o644)
 licence = pathlib.Path(deb["license-file"][0]).read_text()
 copyright = root / "usr/share/doc" / name / "copyright"
 copyright.parent.mkdir(parents=True, exist_ok=True)

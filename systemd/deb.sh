@@ -6,9 +6,9 @@
 # service and no tools. With cargo-deb where that is installed (`cargo install cargo-deb`), else with dpkg-deb and the
 # Python of tests/setup.sh. PROGRAM is the gripd to pack; without it, target/release/gripd is built.
 #
-# Two builds of a commit by the same compiler are the same to the byte, in whatever folders: all times are the commit's (or
-# SOURCE_DATE_EPOCH), and no path of this machine is in the program. Who answers for the package is told by DEBFULLNAME and DEBEMAIL, as
-# Debian's own tools have it; without them it is the maintainer of Cargo.toml, who has no address.
+# Two builds of a commit by the same compiler, packed with dpkg-deb, are the same to the byte, in whatever folders: all times
+# are the commit's (or SOURCE_DATE_EPOCH), and no path of this machine is in the program. Who answers for the package is told
+# by DEBFULLNAME and DEBEMAIL, as Debian's own tools have it; without them it is the maintainer of Cargo.toml, who has no address.
 set -eu
 cd "$(dirname "$0")/.."
 variant=
@@ -47,7 +47,8 @@ name=gripd${variant:+-$variant}
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -n 1)-$(sed -n 's/^revision = "\(.*\)"/\1/p' Cargo.toml)
 maintainer=$(sed -n 's/^maintainer = "\(.*\)"/\1/p' Cargo.toml)
 [ -z "${DEBEMAIL:-}" ] || maintainer="${DEBFULLNAME:-$DEBEMAIL} <$DEBEMAIL>"
-cat > "$made/changelog" <<END
+gzip -9n < CHANGELOG.md > "$made/changelog.gz"
+cat > "$made/changelog.Debian" <<END
 $name ($version) unstable; urgency=medium
 
   * See changelog.gz.

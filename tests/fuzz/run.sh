@@ -34,6 +34,5 @@ cp Cargo.lock tests/fuzz/
 RUSTFLAGS="$flags" cargo build --release --manifest-path tests/fuzz/Cargo.toml --target "$(rustc -vV | sed -n 's/host: //p')" \
     --target-dir "$fuzz/build"
 cd "$fuzz"
-# Errors are told by the way; only what ends the process counts.
 GRIPD_FUZZ_READER=$reader exec build/*/release/gripd-fuzz "$kept" "$seeds" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 \
     -artifact_prefix="$fuzz/$reader-" -print_final_stats=1

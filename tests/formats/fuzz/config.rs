@@ -1,7 +1,7 @@
 //! Configurations: refused with the place named, or good for an engine that works.
 
 use super::mutate::Mutator;
-use super::run::{corpus, fuzz, known};
+use super::run::{contents, fuzz, known};
 use testing::hostile::config::check;
 
 const WORDS: [&str; 24] = [
@@ -34,7 +34,6 @@ const WORDS: [&str; 24] = [
 #[test]
 fn configurations() {
     known("toml", check);
-    let seeds: Vec<Vec<u8>> = corpus("toml").into_iter().map(|(_, text)| text).collect();
-    let mutator = Mutator { seeds: &seeds, words: &WORDS, longest: 20_000 };
+    let mutator = Mutator { seeds: &contents("toml"), words: &WORDS, longest: 20_000 };
     fuzz("toml", 400, |dice| mutator.make(dice), |toml| check(toml));
 }

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use gripd::dbc::Database;
 
 use super::mutate::Mutator;
-use super::run::{corpus, fuzz, known};
+use super::run::{contents, fuzz, known};
 use testing::dice::Dice;
 use testing::hostile::dbc::{check, decode_one};
 
@@ -39,8 +39,7 @@ const WORDS: [&str; 24] = [
 #[test]
 fn files() {
     known("dbc", check);
-    let seeds: Vec<Vec<u8>> = corpus("dbc").into_iter().map(|(_, text)| text).collect();
-    let mutator = Mutator { seeds: &seeds, words: &WORDS, longest: 8000 };
+    let mutator = Mutator { seeds: &contents("dbc"), words: &WORDS, longest: 8000 };
     fuzz("dbc", 400, |dice| mutator.make(dice), |text| check(text));
 }
 
@@ -48,7 +47,7 @@ fn files() {
 fn payloads() {
     static DATABASES: OnceLock<Vec<Database>> = OnceLock::new();
     let databases = DATABASES.get_or_init(|| {
-        corpus("dbc").iter().filter_map(|(_, text)| Database::parse(text, "corpus").ok()).collect()
+        contents("dbc").iter().filter_map(|text| Database::parse(text, "corpus").ok()).collect()
     });
     fuzz("payloads", 20_000, Dice::draw, |seed| {
         let mut dice = Dice::new("payloads", *seed, 0);

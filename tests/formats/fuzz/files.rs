@@ -4,16 +4,12 @@ use testing::hostile::{fmu, scenario, tires};
 use testing::program::project;
 
 use super::mutate::Mutator;
-use super::run::{corpus, fuzz, known};
+use super::run::{contents, fuzz, known};
 
 /// Mutations of these files.
 fn run(name: &str, seeds: &[Vec<u8>], words: &[&str], check: fn(&[u8])) {
     let mutator = Mutator { seeds, words, longest: 30_000 };
     fuzz(name, 2000, |dice| mutator.make(dice), |bytes| check(bytes));
-}
-
-fn contents(name: &str) -> Vec<Vec<u8>> {
-    corpus(name).into_iter().map(|(_, bytes)| bytes).collect()
 }
 
 #[test]

@@ -88,6 +88,11 @@ pub fn corpus(name: &str) -> Vec<(String, Vec<u8>)> {
     files.into_iter().map(read).collect()
 }
 
+/// What is in the files of `corpus/NAME`.
+pub fn contents(name: &str) -> Vec<Vec<u8>> {
+    corpus(name).into_iter().map(|(_, content)| content).collect()
+}
+
 /// Runs the corpus as it is.
 pub fn known(name: &str, mut check: impl FnMut(&[u8])) {
     for (file, content) in corpus(name) {

@@ -21,6 +21,6 @@ mod trajectory;
 mod work;
 
 pub use algebra::FILTERED;
-pub use car::{ExtendedCar, Settings};
+pub use car::{ExtendedCar, Settings, Torque};
 pub use drive::{GriddedDrive, Recording, Why};
 pub use work::Work;

@@ -265,7 +265,7 @@ impl Trajectory {
 
 #[cfg(test)]
 mod tests {
-    use super::super::car::Settings;
+    use super::super::car::{Settings, Torque};
     use super::super::delay::Delays;
     use super::super::drive::Recording;
     use super::*;
@@ -281,7 +281,7 @@ mod tests {
         let car = ExtendedCar::new(Settings {
             vehicle: &scenario.vehicle,
             values: &Values::of(&scenario.vehicle),
-            knows_torque: true,
+            torque: Torque::Recorded,
             bend_along: 1.0,
             delays: Delays::default(),
             effects: Vec::new(),

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use super::case::Answer;
 use super::conclusion::Conclusion;
 use super::course::give_means_to_zeros;
+use super::disturbed::undisturbed;
 use super::doubt;
 use super::finding::{finding, leave_banks_open, leave_drift_to_audit, measured_wrong, ranking, told_apart};
 use super::fit::Fit;
@@ -141,12 +142,12 @@ impl<'a> Conclusion<'_, 'a> {
         leave_banks_open(&mut explanation.findings, self.case.chain);
         explanation.take_chain(self.case.chain);
         explanation.to_drive = self.to_drive(&explanation.findings);
-        let keeps = usize::from(!extended.model.knows_torque);
+        let keeps = extended.model.own_courses();
         let model = self.drives.first().map_or_else(
             || extended.model.clone(),
             |drive| proof::with_courses(drive, &extended.model, extended, keeps, Default::default()),
         );
-        Answer { explanation, model }
+        Answer { explanation, model: undisturbed(&model) }
     }
 
     /// What has a name; each is located by how much better it predicts than what was there before it.

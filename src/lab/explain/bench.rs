@@ -10,7 +10,7 @@ use super::split::{Part, Split};
 use physics::model::effect::{KINDS, Kind};
 use physics::model::{Scenario, Uncertain, Vehicle};
 use predict::noise::Noise;
-use predict::{GriddedDrive, Recording};
+use predict::{GriddedDrive, Recording, Torque};
 
 /// Steering, driving and braking, for forty-five seconds.
 const DRIVE: &str = include_str!("../../../tests/data/steered.toml");
@@ -62,7 +62,7 @@ pub fn training(drives: &[GriddedDrive]) -> Data<'_> {
 
 /// The plain model, fitted.
 pub fn fitted<'a>(data: &Data<'_>, vehicle: &'a Vehicle) -> Fit<'a> {
-    let plain = Model::plain(vehicle, true);
+    let plain = Model::plain(vehicle, Torque::Recorded);
     data.fit(&plain, &plain.ordinary(|_| true), &data.own_noise, 6)
 }
 

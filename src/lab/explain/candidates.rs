@@ -139,6 +139,9 @@ pub fn library(
                 stretches: Vec::new(),
             };
             if let Some(course) = kind.disturbance(channel) {
+                if !model.has_room() {
+                    continue;
+                }
                 let live = Live {
                     size: course.size,
                     length_s: course.length_s,
@@ -215,7 +218,7 @@ fn makes_sense(kind: &Kind, channel: Option<Channel>, model: &Model<'_>) -> bool
     let has_what_it_needs = match kind.search.needs {
         Needs::Nothing => true,
         Needs::LinearTire => model.vehicle.tire == TireKind::Linear,
-        Needs::KnownTorque => model.knows_torque,
+        Needs::KnownTorque => model.torque.is_known(),
     };
     // Without a number there is nothing to search: the audit of the measurement chain looks for those.
     !kind.is_all_or_nothing() && !is_left_out && has_what_it_needs

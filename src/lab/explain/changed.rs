@@ -9,6 +9,7 @@ use super::ordinary::Ordinary;
 use super::put_right::without_drifts;
 use super::result::{Explanation, Finding, Verdict};
 use super::work;
+use predict::Torque;
 
 impl<'a> Case<'a> {
     /// Explains what the recordings have that their references have not. The car's numbers are common to all, and each
@@ -21,7 +22,7 @@ impl<'a> Case<'a> {
         };
         let recordings = without_drifts(self.recordings, self.chain);
         let ordinary = Ordinary::of(self.vehicle, self.effects, &recordings, self.asked(&searches));
-        let model = Model::plain(self.vehicle, false).with_configured(self.effects);
+        let model = Model::plain(self.vehicle, Torque::Unknown).with_configured(self.effects);
         let Some(ordinary) = ordinary else {
             let mut explanation = Explanation::empty(Verdict::InsufficientExcitation);
             let why = if self.in_order { TOO_FEW } else { TOO_LITTLE };

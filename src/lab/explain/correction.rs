@@ -5,7 +5,9 @@
 
 use super::fit::{Data, Fit};
 use super::model::Chosen;
-use physics::model::effect::{Acting, Course, Effect, Kind, Now, SearchHints, Setting};
+use physics::Quantity;
+use physics::model::effect::{Acting, Course, Effect, Felt, Kind, Now, Readings, SearchHints, Setting};
+use predict::Torque;
 use predict::noise::Live;
 
 /// An unknown force or moment.
@@ -60,6 +62,37 @@ static MOMENT: Kind = kind("unknown_yaw_moment", "yaw moment balance", |setting|
     Box::new(Unknown { course: setting.course.clone(), of: Of::Moment })
 });
 
+/// The same as disturbances: nothing tells them when a car runs freely.
+static PUSHED: Kind = kind("disturbing_force", "lateral force balance", ACROSS.make);
+static TURNED: Kind = kind("disturbing_moment", "yaw moment balance", MOMENT.make);
+
+/// Noise of a sensor that goes on for a while.
+static COLOURED: Kind = kind("coloured_noise", "a sensor", |setting| {
+    Box::new(Coloured { course: setting.course.clone(), quantity: setting.quantity() })
+});
+
+/// Disturbances across and about the vertical, and of a sensor.
+pub static DISTURBANCES: [&Kind; 3] = [&PUSHED, &TURNED, &COLOURED];
+
+/// Is it one?
+pub fn is_disturbance(kind: &Kind) -> bool {
+    DISTURBANCES.into_iter().any(|own| std::ptr::eq(own, kind))
+}
+
+#[derive(Clone, Debug)]
+struct Coloured {
+    course: Course,
+    quantity: Option<Quantity>,
+}
+
+impl Effect for Coloured {
+    fn sense(&self, now: &Now<'_>, _felt: &Felt, _states: &[f64], readings: &mut Readings) {
+        if let Some(quantity) = self.quantity {
+            readings[quantity as usize] += self.course.at(now);
+        }
+    }
+}
+
 /// First sizes, N and N m, and length, s. Numerical: where the search begins.
 const FORCE_N: f64 = 150.0;
 const MOMENT_NM: f64 = 150.0;
@@ -69,10 +102,10 @@ const LENGTH_S: f64 = 0.7;
 pub fn correct<'a>(data: &Data<'_>, baseline: &Fit<'a>, rounds: usize) -> Fit<'a> {
     let mut model = baseline.model.clone();
     let mut noise = baseline.noise.clone();
-    let kinds: &[(&'static Kind, f64)] = if model.knows_torque {
-        &[(&ACROSS, FORCE_N), (&MOMENT, MOMENT_NM), (&ALONG, FORCE_N)]
-    } else {
-        &[(&ACROSS, FORCE_N), (&MOMENT, MOMENT_NM)]
+    let kinds: &[(&'static Kind, f64)] = match model.torque {
+        Torque::Recorded => &[(&ACROSS, FORCE_N), (&MOMENT, MOMENT_NM), (&ALONG, FORCE_N)],
+        Torque::Unknown => &[(&ACROSS, FORCE_N), (&MOMENT, MOMENT_NM)],
+        Torque::Roughly => return baseline.clone(),
     };
     for (kind, size) in kinds {
         model.effects.push(Chosen::usual(kind, None, Course::Live(noise.live.len())));

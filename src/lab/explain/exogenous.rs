@@ -17,10 +17,20 @@ const EVERY: usize = points(0.1);
 /// The speed changes by differences over so many to each side.
 const NEAR: usize = points(0.1);
 
+/// What a course is of. What answers it is no witness of what it follows from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CourseOf {
+    /// The road: the driver answers a grade with torque.
+    Road,
+    /// The force along the car: its speed changes by that.
+    Along,
+    /// A sensor, or anything else.
+    Other,
+}
+
 /// Share of a course's variance that follows from the driver's inputs and the speed, beyond what would by chance
-/// of a course of its correlation length, s: 0 none, 1 all. Of the road the drive torque is no witness: the
-/// driver answers a grade with it.
-pub fn follows_motion(drive: &GriddedDrive, course: &Smoothed, length_s: f64, is_of_the_road: bool) -> f64 {
+/// of a course of its correlation length, s: 0 none, 1 all.
+pub fn follows_motion(drive: &GriddedDrive, course: &Smoothed, length_s: f64, of: CourseOf) -> f64 {
     let compared: Vec<(usize, f64)> = course
         .t
         .iter()
@@ -32,14 +42,15 @@ pub fn follows_motion(drive: &GriddedDrive, course: &Smoothed, length_s: f64, is
         return 0.0;
     }
     let strongest = drive.inputs.iter().map(|input| input.drive_torque.abs()).fold(1e-9, f64::max);
-    let torque = |k: usize| if is_of_the_road { 0.0 } else { drive.inputs[k].drive_torque / strongest };
+    let torque = |k: usize| if of == CourseOf::Road { 0.0 } else { drive.inputs[k].drive_torque / strongest };
+    let changes = f64::from(u8::from(of != CourseOf::Along));
     let played = PLAYS.map(|width| play(drive, width));
     let demand = |k: usize| drive.inputs[k].steering_wheel * drive.speed[k] * drive.speed[k] * 0.0025;
     let row = |k: usize| {
         let input = &drive.inputs[k];
         let speed = drive.speed[k];
         let steering = input.steering_wheel;
-        let faster = (drive.speed[k + NEAR] - drive.speed[k - NEAR]) / (2.0 * NEAR as f64 * STEP_S);
+        let faster = changes * (drive.speed[k + NEAR] - drive.speed[k - NEAR]) / (2.0 * NEAR as f64 * STEP_S);
         let mut row = [0.0; REGRESSORS];
         let motion = [
             1.0,
@@ -150,11 +161,30 @@ mod tests {
             Smoothed { value: points.map(value).collect(), std: vec![0.01; t.len()], t }
         };
         let weave = |k: usize| drive.inputs[k].steering_wheel.signum() * drive.speed[k];
-        assert!(follows_motion(&drive, &course(&weave), 1.0, true) > 0.5);
+        assert!(follows_motion(&drive, &course(&weave), 1.0, CourseOf::Road) > 0.5);
         for phase in 0..6 {
             let slow = |k: usize| (0.21 * k as f64 * STEP_S + f64::from(phase)).sin();
-            let share = follows_motion(&drive, &course(&slow), 15.0, true);
+            let share = follows_motion(&drive, &course(&slow), 15.0, CourseOf::Road);
             assert!(share < 0.35, "{phase}: {share}");
         }
+    }
+
+    /// GIVEN what is missing of a torque that ends at a limit, and a force that comes and goes on its own THEN the first follows from
+    /// what the driver does, though both change the speed.
+    #[test]
+    fn a_torque_that_ends_at_a_limit_follows_and_a_force_of_its_own_does_not() {
+        let (vehicle, recording) = recorded("");
+        let drive = GriddedDrive::new(&recording, &vehicle);
+        let course = |value: &dyn Fn(usize) -> f64| {
+            let points = 0..drive.inputs.len();
+            let t: Vec<f64> = points.clone().map(|k| k as f64 * STEP_S).collect();
+            Smoothed { value: points.map(value).collect(), std: vec![0.01; t.len()], t }
+        };
+        let most = drive.inputs.iter().map(|input| input.drive_torque).fold(0.0, f64::max);
+        let limited = |k: usize| -(drive.inputs[k].drive_torque - 0.5 * most).max(0.0);
+        assert!(follows_motion(&drive, &course(&limited), 1.0, CourseOf::Along) > 0.5);
+        let own = of_its_own(drive.inputs.len(), 1.0, &mut ChaCha8Rng::seed_from_u64(5));
+        let share = follows_motion(&drive, &course(&|k| own[k / EVERY]), 1.0, CourseOf::Along);
+        assert!(share < 0.35, "{share}");
     }
 }

@@ -4,6 +4,7 @@ use super::candidates::library;
 use super::case::{Answer, Case};
 use super::conclusion::Conclusion;
 use super::correction::correct;
+use super::disturbed::or_disturbed;
 use super::excerpt::Excerpt;
 use super::fit::Data;
 use super::long_recording::LongSearch;
@@ -20,7 +21,7 @@ use super::verdict::Gains;
 use super::work;
 use physics::Quantity;
 use predict::noise::{Live, Noise};
-use predict::{GriddedDrive, grid::STEP_S};
+use predict::{GriddedDrive, Torque, grid::STEP_S};
 
 /// Seconds that must be usable. Tuned, no test on record.
 const LEAST_SECONDS: f64 = 15.0;
@@ -41,10 +42,11 @@ impl<'a> Case<'a> {
         let has = |quantity: Quantity| self.recordings.iter().any(|recording| recording.has(quantity));
         let knows_torque = drives.iter().all(|drive| drive.knows_torque);
         let split = Split::new(&drives, self.held_out);
-        let noise = first_noise(&drives, knows_torque);
+        let torque = if knows_torque { Torque::Recorded } else { Torque::Unknown };
+        let noise = first_noise(&drives, torque);
         let own_noise = noise.clone();
         let mut data = Data { drives: &drives, split, part: Part::Train, own_noise, share: 1.0 };
-        let plain = Model::plain(self.vehicle, knows_torque).with_configured(self.effects);
+        let plain = Model::plain(self.vehicle, torque).with_configured(self.effects);
         let usable: f64 =
             drives.iter().flat_map(|d| &d.runs).map(|(from, to)| (to - from) as f64 * STEP_S).sum();
         if usable < LEAST_SECONDS {
@@ -110,7 +112,15 @@ impl<'a> Case<'a> {
                 progress(work::AGAIN, 0.0);
                 search(plain, free, &|_, _| ())
             };
-            or_other_tires(&data, own, |model| model.ordinary(has), again)
+            let own = or_other_tires(&data, own, |model| model.ordinary(has), again);
+            if excerpt.is_some() {
+                own
+            } else {
+                or_disturbed(&data, own, |data, before| {
+                    progress(work::DISTURBED, 0.0);
+                    select(data, before, &library, &|_, _| ())
+                })
+            }
         };
         data.split = selection.split.clone();
         if !is_decided {
@@ -183,13 +193,13 @@ impl<'a> Case<'a> {
 /// Rounds of fitting the plain model where it is only compared with. Numerical: Gauss–Newton steps.
 const PLAIN_ROUNDS: usize = 6;
 
-/// Noise to begin with; where nobody knows what drives the car, that is a course of its own.
-fn first_noise(drives: &[GriddedDrive], knows_torque: bool) -> Noise {
+/// Noise to begin with; what nobody knows of what drives the car is a course of its own.
+fn first_noise(drives: &[GriddedDrive], torque: Torque) -> Noise {
     let noise = Noise::first(drives);
-    if knows_torque {
-        return noise;
+    match torque {
+        Torque::Recorded => noise,
+        _ => noise.with(Live { size: 1.5, length_s: 1.0, least_s: 0.2, difference: 0.03 }),
     }
-    noise.with(Live { size: 1.5, length_s: 1.0, least_s: 0.2, difference: 0.03 })
 }
 
 fn too_little(usable: f64, drives: &[GriddedDrive]) -> Explanation {

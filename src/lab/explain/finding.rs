@@ -31,7 +31,7 @@ pub fn finding(
     let of_its_kind = Finding::of(candidate.kind, candidate.channel);
     place.equation.clone_from(&of_its_kind.place.equation);
     // Those that the configuration switches on come first in the model.
-    let effect = conclusion.case.effects.len() + number;
+    let effect = extended.model.effects.len() - conclusion.selection.chosen.len() + number;
     let mut parameters = own_numbers(conclusion, extended, effect);
     if let Some((at, place)) = taken.onset().zip(candidate.kind.onset()) {
         let std = onset_std(conclusion.data, extended, effect, place);

@@ -27,7 +27,8 @@ pub struct Data<'a> {
     pub part: Part,
     /// Noise of the sensors as it shows from one reading to the next.
     pub own_noise: Noise,
-    /// Which share of the recordings the drives go over: less than 1, if they are an excerpt.
+    /// Which share of the recordings the drives go over: less than 1, if they are an excerpt. So much evidence is asked for; more
+    /// than 1, where evidence counts for less.
     pub share: f64,
 }
 

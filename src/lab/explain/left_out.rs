@@ -6,7 +6,7 @@ use super::model::Model;
 use super::ordinary::{Incomparable, Ordinary, Remaining};
 use super::result::{Explanation, Verdict};
 use super::work;
-use predict::Recording;
+use predict::{Recording, Torque};
 
 impl<'a> Case<'a> {
     /// Explains what the first recording has that a simulation of the same drive has not.
@@ -38,7 +38,10 @@ impl<'a> Case<'a> {
         explanation.simulation = Some(simulated);
         explanation.take_ordinary(&ordinary, Some(verdict));
         explanation.to_drive = told_apart(&explanation.findings);
-        Ok(Answer { explanation, model: Model::plain(self.vehicle, false).with_configured(self.effects) })
+        Ok(Answer {
+            explanation,
+            model: Model::plain(self.vehicle, Torque::Unknown).with_configured(self.effects),
+        })
     }
 }
 

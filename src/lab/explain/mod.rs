@@ -27,6 +27,7 @@ mod confirm;
 mod correction;
 mod course;
 mod dates;
+mod disturbed;
 mod doubt;
 mod excerpt;
 mod exogenous;

@@ -2,13 +2,15 @@
 
 use std::borrow::Cow;
 
+use super::correction::is_disturbance;
 use super::tuning::TUNING;
 use identify::{Parameter, Values};
 use physics::model::effect::{Channel, Course, EffectConfig, KINDS, Kind, Series, Setting, Spec};
 use physics::model::{TireKind, Vehicle};
 use physics::{Quantity, Wheel};
+use predict::car::MOST_LIVE;
 use predict::delay::{Delayed, Delays};
-use predict::{ExtendedCar, Settings};
+use predict::{ExtendedCar, Settings, Torque};
 
 /// An effect with its numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,8 +100,8 @@ impl Chosen {
 pub struct Model<'a> {
     /// What does not change.
     pub vehicle: Cow<'a, Vehicle>,
-    /// Are drive and brake torques known?
-    pub knows_torque: bool,
+    /// What is known of drive and brake torques.
+    pub torque: Torque,
     /// Ordinary numbers.
     pub values: Values,
     /// How late sensors and torques are, s.
@@ -145,10 +147,10 @@ const BEND_ALONG: (f64, f64) = (0.5, 0.5);
 
 impl<'a> Model<'a> {
     /// The plain model as the vehicle's table has it.
-    pub fn plain(vehicle: &'a Vehicle, knows_torque: bool) -> Self {
+    pub fn plain(vehicle: &'a Vehicle, torque: Torque) -> Self {
         Self {
             vehicle: Cow::Borrowed(vehicle),
-            knows_torque,
+            torque,
             values: Values::of(vehicle),
             delays: Delayed::usual(),
             bend_along: BEND_ALONG.0,
@@ -168,6 +170,18 @@ impl<'a> Model<'a> {
         model
     }
 
+    /// How many courses are no effect's, but of what nobody knows: torques, disturbances. They come first.
+    pub fn own_courses(&self) -> usize {
+        let disturbances = self.effects.iter().filter(|chosen| is_disturbance(chosen.kind));
+        self.torque.courses() + disturbances.count()
+    }
+
+    /// Can a filter estimate another course?
+    pub fn has_room(&self) -> bool {
+        let courses = self.effects.iter().filter(|chosen| matches!(chosen.course, Course::Live(_)));
+        self.torque.courses() + courses.count() < MOST_LIVE
+    }
+
     /// The car it describes.
     pub fn car(&self) -> ExtendedCar {
         let mut effects: Vec<&Chosen> = self.effects.iter().collect();
@@ -179,7 +193,7 @@ impl<'a> Model<'a> {
         ExtendedCar::new(Settings {
             vehicle: &self.vehicle,
             values: &self.values,
-            knows_torque: self.knows_torque,
+            torque: self.torque,
             delays: self.delays,
             bend_along: self.bend_along,
             effects: effects.collect(),
@@ -196,7 +210,7 @@ impl<'a> Model<'a> {
     /// What is free in the plain model: all that the vehicle's table calls uncertain, and the sensors'
     /// offsets.
     pub fn ordinary(&self, has: impl Fn(Quantity) -> bool) -> Vec<Free> {
-        let drive = if self.knows_torque {
+        let drive = if self.torque.is_known() {
             identify::LongitudinalInput::Torque
         } else if Wheel::ALL.into_iter().any(|wheel| has(Quantity::wheel_speed(wheel))) {
             identify::LongitudinalInput::WheelSpeeds
@@ -209,17 +223,17 @@ impl<'a> Model<'a> {
         };
         let usual = Parameter::usual(&self.vehicle, drive, &has);
         let mut parameters: Vec<Parameter> = usual.into_iter().filter(|p| !is_slip_offset(p)).collect();
-        if !self.knows_torque && has(Quantity::LongitudinalAcceleration) {
+        if !self.torque.is_known() && has(Quantity::LongitudinalAcceleration) {
             parameters.push(Parameter::LongitudinalAccelerationOffset);
         }
         let mut free: Vec<Free> = parameters.into_iter().map(|p| self.free_ordinary(p)).collect();
         let late = Delayed::ALL.into_iter().filter(|late| has(late.quantity()));
-        free.extend(late.filter(|late| self.knows_torque || *late != Delayed::Torque).map(|late| {
+        free.extend(late.filter(|late| self.torque.is_known() || *late != Delayed::Torque).map(|late| {
             let (mean, std) = late.prior();
             Free { place: Place::Delay(late), mean, std, step: 0.001 }
         }));
         // Linear tires have a bend once an effect gives them a limit.
-        if self.knows_torque {
+        if self.torque.is_known() {
             free.push(Free { place: Place::BendAlong, mean: BEND_ALONG.0, std: BEND_ALONG.1, step: 0.05 });
         }
         free
@@ -344,7 +358,7 @@ impl<'a> Model<'a> {
         let is_plain_alike = self.values == other.values
             && self.delays == other.delays
             && bends_alike
-            && self.knows_torque == other.knows_torque;
+            && self.torque == other.torque;
         if !is_plain_alike {
             return f64::NEG_INFINITY;
         }
@@ -407,7 +421,7 @@ mod tests {
     #[test]
     fn a_linear_tire_bends_along_as_it_likes_once_it_has_a_limit() {
         let vehicle = Vehicle { tire: TireKind::Linear, ..Vehicle::thesis() };
-        let plain = Model::plain(&vehicle, true);
+        let plain = Model::plain(&vehicle, Torque::Recorded);
         let free = plain.ordinary(|_| true);
         let bend = free.iter().find(|free| free.place == Place::BendAlong).unwrap();
         // Until then nothing is different.
@@ -416,14 +430,19 @@ mod tests {
         let limited = plain.with(Chosen::usual(limit, None, Course::None));
         assert_eq!(limited.same_until(&limited.varied(bend).0), f64::NEG_INFINITY);
         // Without a torque its slips are measured.
-        assert!(Model::plain(&vehicle, false).ordinary(|_| true).iter().all(|f| f.place != Place::BendAlong));
+        assert!(
+            Model::plain(&vehicle, Torque::Unknown)
+                .ordinary(|_| true)
+                .iter()
+                .all(|f| f.place != Place::BendAlong)
+        );
     }
 
     #[test]
     fn what_begins_late_needs_no_lane_until_then() {
         let (vehicle, recording) = recorded("");
         let drives = [GriddedDrive::new(&recording, &vehicle)];
-        let plain = Model::plain(&vehicle, true);
+        let plain = Model::plain(&vehicle, Torque::Recorded);
         let kind = KINDS.iter().find(|kind| kind.name == "sensor_bias").unwrap();
         let steering = Some(Channel::One(Quantity::SteeringWheelAngle));
         let mut jump = Chosen::usual(kind, steering, Course::None);

@@ -24,7 +24,7 @@ pub type Comparisons = Vec<Vec<Comparison>>;
 /// is compared with.
 pub fn simulate(drives: &[GriddedDrive], fit: &Fit<'_>) -> Comparisons {
     let model = &fit.model;
-    let keeps = usize::from(!model.knows_torque);
+    let keeps = model.own_courses();
     let has_courses = fit.noise.live.len() > keeps;
     drives
         .par_iter()

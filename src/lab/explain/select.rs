@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 
 use super::candidates::{Candidate, onsets, onsets_within};
-use super::exogenous::follows_motion;
+use super::exogenous::{CourseOf, follows_motion};
 use super::fit::{Data, Fit, Learn};
 use super::held_out::first_confirmed;
 use super::model::Model;
@@ -375,8 +375,8 @@ pub fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> Option<f64> 
     }
     let shares = data.drives.iter().map(|drive| {
         let courses = courses(drive, model, &refitted.fit.noise, Default::default());
-        let is_of_the_road = refitted.candidate.channel.is_none();
-        courses.last().map_or(0.0, |course| follows_motion(drive, course, length, is_of_the_road))
+        let of = if refitted.candidate.channel.is_none() { CourseOf::Road } else { CourseOf::Other };
+        courses.last().map_or(0.0, |course| follows_motion(drive, course, length, of))
     });
     let shares: Vec<f64> = shares.collect();
     let share = shares.iter().sum::<f64>() / shares.len().max(1) as f64;

@@ -123,6 +123,13 @@ impl Gains {
     }
 }
 
+/// Do the equations of a model miss more than they usually do?
+pub fn misses_much(data: &Data<'_>, fit: &Fit<'_>) -> bool {
+    let seconds = data.counted(&fit.sums).map(|sums| sums.t.1 - sums.t.0).sum();
+    let gains = Gains { seconds, ..Gains::default() };
+    gains.beyond_usual(&data.missing(fit)) > TUNING.verdict.always_left_per_s * seconds
+}
+
 /// The gain, if the most restless sensor's noise were not the same everywhere: by blocks in which it errs more
 /// than in the median one.
 fn restless(data: &Data<'_>, fit: &Fit<'_>, sensors: &[Quantity]) -> f64 {

@@ -10,6 +10,7 @@ pub(super) const PLAIN: &str = "fitting the plain model";
 pub(super) const NAMING: &str = "naming";
 pub(super) const MORE: &str = "looking for more";
 pub(super) const AGAIN: &str = "the same with tires of another kind";
+pub(super) const DISTURBED: &str = "the same beside disturbances of road and engine";
 pub(super) const EVERYTHING: &str = "fitting to everything";
 pub(super) const UNKNOWN: &str = "what could be explained";
 pub(super) const BEYOND: &str = "beyond the ordinary car";
@@ -36,6 +37,7 @@ pub const STAGES: &[Stage] = &[
     stage(NAMING, 1.25, 1.5),
     stage(MORE, 1.5, 1.0),
     stage(AGAIN, 3.0, 1.7),
+    stage(DISTURBED, 3.0, 1.7),
     stage(EVERYTHING, 1.0, 0.7),
     stage(UNKNOWN, 0.1, 0.6),
     stage(BEYOND, 0.75, 0.05),

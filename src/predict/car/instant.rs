@@ -1,7 +1,7 @@
 //! Forces, accelerations and readings of one instant.
 
 use super::lookup::LookedUp;
-use super::{ExtendedCar, State};
+use super::{ExtendedCar, State, Torque};
 use physics::Quantity;
 use physics::model::body::Steer;
 use physics::model::effect::{Acting, Before, Felt, Readings, Recorded};
@@ -115,10 +115,19 @@ impl ExtendedCar {
 
     /// Torque at each wheel, N m.
     fn torques(&self, input: &Recorded, state: &State, on: &Acting) -> [f64; 4] {
-        if self.knows_torque {
+        if self.torque.is_known() {
             let (torque, pressure) = (input.drive_torque, input.brake_pressure);
             let brake = |i: usize| on.brake_gain[i] * self.brake_share[i] * pressure;
-            return std::array::from_fn(|i| self.torque_share[i] * torque - brake(i));
+            let recorded: [f64; 4] = std::array::from_fn(|i| self.torque_share[i] * torque - brake(i));
+            if self.torque == Torque::Recorded {
+                return recorded;
+            }
+            // It errs where it acts: at the brakes, or at the driven wheels.
+            let brakes: f64 = self.brake_share.iter().sum();
+            let is_braking = pressure > 0.0 && brakes > 0.0;
+            let share = if is_braking { &self.brake_share } else { &self.torque_share };
+            let each = on.body.mass * state.live[0] / share.iter().sum::<f64>();
+            return std::array::from_fn(|i| recorded[i] + each * share[i] * on.radius[i]);
         }
         let force = on.body.mass * state.live[0];
         let forces = if force > 0.0 { self.driving(force, on) } else { braking(force, on) };
@@ -179,4 +188,46 @@ fn braking(force: f64, on: &Acting) -> [f64; 4] {
     let weight: [f64; 4] = std::array::from_fn(|i| on.brake_gain[i] * on.load[i]);
     let all: f64 = weight.iter().sum();
     weight.map(|weight| force * weight / all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Before, MOST_LIVE, Settings};
+    use super::*;
+    use crate::delay::Delays;
+    use identify::Values;
+    use physics::model::Scenario;
+
+    /// GIVEN torques that are known roughly WHEN they err while the engine drives, and while the brakes are on THEN the car is faster
+    /// by that, and the wheels slip at which it acts.
+    #[test]
+    fn what_torques_err_by_acts_where_they_do() {
+        let scenario = Scenario::parse(include_str!("../../../tests/data/steered.toml")).unwrap();
+        let vehicle = scenario.vehicle;
+        let at = |torque: Torque, input: &Recorded| {
+            let car = ExtendedCar::new(Settings {
+                vehicle: &vehicle,
+                values: &Values::of(&vehicle),
+                torque,
+                bend_along: 1.0,
+                delays: Delays::default(),
+                effects: Vec::new(),
+            });
+            let mut live = [0.0; MOST_LIVE];
+            live[0] = 0.5;
+            let state = State { body: [20.0, 0.0, 0.0], live, ..State::default() };
+            car.instant(0.0, &state, input, 0.0, &Before::default(), Compute::Readings)
+        };
+        let driving = Recorded { drive_torque: 300.0, ..Recorded::default() };
+        let braking = Recorded { brake_pressure: 20.0, ..Recorded::default() };
+        for (input, rear_slips) in [(driving, false), (braking, true)] {
+            let [roughly, recorded] = [Torque::Roughly, Torque::Recorded].map(|torque| at(torque, &input));
+            // A part of the force turns the wheels.
+            let faster = roughly.rate.body[0] - recorded.rate.body[0];
+            assert!((0.45..0.5).contains(&faster), "{faster}");
+            let slips = |i: usize| roughly.slipping[i] - recorded.slipping[i] > 1e-3;
+            assert!(slips(0) && slips(1));
+            assert_eq!((slips(2), slips(3)), (rear_slips, rear_slips));
+        }
+    }
 }

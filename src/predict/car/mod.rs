@@ -30,7 +30,30 @@ pub const BODY_STATES: usize = 3;
 pub const EFFECT_STATES: usize = 3 * MOST_STATES;
 
 /// Most courses that a filter estimates while it runs.
-pub const MOST_LIVE: usize = 4;
+pub const MOST_LIVE: usize = 8;
+
+/// What is known of the torques that drive and brake the car.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Torque {
+    /// Nothing: the force along the car is a course that the filter estimates, the first of all.
+    Unknown,
+    /// What is recorded is what acts.
+    Recorded,
+    /// What is recorded acts, and what it errs by: the first course, a force for the car's mass, m/s².
+    Roughly,
+}
+
+impl Torque {
+    /// Is it recorded?
+    pub fn is_known(self) -> bool {
+        self != Self::Unknown
+    }
+
+    /// How many courses are its own.
+    pub fn courses(self) -> usize {
+        usize::from(self != Self::Recorded)
+    }
+}
 
 /// What a car is made of.
 #[derive(Debug)]
@@ -39,8 +62,8 @@ pub struct Settings<'a> {
     pub vehicle: &'a Vehicle,
     /// The numbers.
     pub values: &'a Values,
-    /// Are drive and brake torques known?
-    pub knows_torque: bool,
+    /// What is known of drive and brake torques.
+    pub torque: Torque,
     /// How much of the lateral curve's bend the longitudinal one has: 0 straight, 1 the same.
     pub bend_along: f64,
     /// How late sensors and torques are, s.
@@ -59,7 +82,7 @@ pub struct ExtendedCar {
     torque_share: [f64; 4],
     brake_share: [f64; 4],
     driven: [bool; 4],
-    knows_torque: bool,
+    torque: Torque,
     bend_along: f64,
     torque_delay: f64,
     slip_delay_per_mps: f64,
@@ -73,7 +96,7 @@ pub struct ExtendedCar {
 impl ExtendedCar {
     /// From its numbers and effects.
     pub fn new(settings: Settings<'_>) -> Self {
-        let Settings { vehicle, values, knows_torque, bend_along, delays, effects } = settings;
+        let Settings { vehicle, values, torque, bend_along, delays, effects } = settings;
         let get = |parameter| values.get(parameter);
         let plant = plant(vehicle, |parameter| match (parameter, vehicle.tire) {
             // There is no limit to what such a tire transmits.
@@ -124,7 +147,7 @@ impl ExtendedCar {
                 }))
             }),
             driven,
-            knows_torque,
+            torque,
             bend_along,
             torque_delay: delays[Delayed::Torque as usize],
             steering_offset: get(Parameter::SteeringOffset),
@@ -152,7 +175,7 @@ impl ExtendedCar {
 
     /// Are drive and brake torques known?
     pub fn knows_torque(&self) -> bool {
-        self.knows_torque
+        self.torque.is_known()
     }
 
     /// The inputs that act at a time of a drive, s. A torque takes time to become a force: that of its frame,

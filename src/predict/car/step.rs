@@ -226,7 +226,7 @@ impl State {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Settings;
+    use super::super::{Settings, Torque};
     use super::*;
     use crate::delay::Delays;
     use identify::Values;
@@ -238,7 +238,7 @@ mod tests {
         ExtendedCar::new(Settings {
             vehicle: &vehicle,
             values: &Values::of(&vehicle),
-            knows_torque: false,
+            torque: Torque::Unknown,
             bend_along: 1.0,
             delays: Delays::default(),
             effects,

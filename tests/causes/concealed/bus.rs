@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::dice::Dice;
-use super::hidden::Hidden;
+use super::hidden::{CHANNELS, Hidden};
 use super::physics::{Moment, STEP};
 use super::sensors::{Chain, NOISE};
 
@@ -41,19 +41,39 @@ CM_ SG_ 464 DRIVE_TORQUE "total wheel torque of the driven axle, brakes not incl
 CM_ SG_ 416 WS_FL "ISO axes: x forward, y left, yaw positive to the left";
 "#;
 
+/// How often frames come, and how.
+#[derive(Clone, Debug)]
+pub struct Timing {
+    /// Of the wheels', the inertial unit's, the steering's and the drive's frames, s.
+    pub period: [f64; 4],
+    /// Frames are stamped together, so far apart, s; 0: each when it comes.
+    pub batch: f64,
+    /// Steps of each channel's readings, where coarser than the bus has them.
+    pub coarse: [f64; CHANNELS],
+}
+
+impl Default for Timing {
+    fn default() -> Self {
+        Self { period: [0.020, 0.010, 0.010, 0.020], batch: 0.0, coarse: [0.0; CHANNELS] }
+    }
+}
+
 /// Seconds since 1970 of the start of every log.
 const EPOCH: f64 = 1_770_000_000.0;
 
 /// The log of a drive.
 pub fn candump(moments: &[Moment], seconds: f64, hidden: &Hidden, chain: &Chain, dice: &mut Dice) -> String {
     let skew = 1.0 + dice.between(-1e-4, 1e-4);
-    // (identifier, period)
-    let frames = [(0x1A0u32, 0.020), (0x1B0, 0.010), (0x1C0, 0.010), (0x1D0, 0.020)];
+    let Timing { period, batch, coarse } = &chain.timing;
+    let frames = [0x1A0u32, 0x1B0, 0x1C0, 0x1D0].into_iter().zip(*period);
     let mut sent: Vec<(f64, u32, [u8; 8], usize)> = Vec::new();
     for (id, period) in frames {
         let phase = dice.between(0.0, period);
         let read = |channel: usize, t: f64, scale: f64, noise: &mut Dice| -> i64 {
-            let value = chain.shows(moments, STEP, hidden, channel, t) + NOISE[channel] * noise.normal();
+            let shown = chain.shows(moments, STEP, hidden, channel, t) + chain.colour[channel].at(t);
+            let value = shown + NOISE[channel] * noise.normal();
+            let step = coarse[channel];
+            let value = if step > 0.0 { (value / step).round() * step } else { value };
             (value / scale).round() as i64
         };
         let mut counter = 0u8;
@@ -92,7 +112,8 @@ pub fn candump(moments: &[Moment], seconds: f64, hidden: &Hidden, chain: &Chain,
                 }
             };
             counter = (counter + 1) % 16;
-            let stamp = EPOCH + t * skew + dice.between(0.0, 0.0003);
+            let stamp = t * skew + dice.between(0.0, 0.0003);
+            let stamp = EPOCH + if *batch > 0.0 { (stamp / batch).ceil() * batch } else { stamp };
             sent.push((stamp, id, data, length));
         }
     }

@@ -228,7 +228,8 @@ pub fn drive(plan: &Plan, car: &Car, hidden: &Hidden) -> Vec<Moment> {
         force += (wanted - force) * STEP / 0.15;
         slow_force += (force - slow_force) * STEP / 0.15;
         let engine_braking = -0.04 * car.mass * G;
-        let torque = slow_force.max(engine_braking) * car.radius;
+        let pedal = hidden.road.as_ref().map_or(1.0, |road| road.pedal.at(t));
+        let torque = pedal * slow_force.max(engine_braking) * car.radius;
         let braking = (engine_braking - slow_force - 0.1 * car.mass).max(0.0);
         let pressure = braking * car.radius / (2.0 * (car.brake_per_bar[0] + car.brake_per_bar[1]));
         let moment = simulator.advance(&Input { steering, torque, pressure });

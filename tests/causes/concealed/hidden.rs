@@ -1,6 +1,8 @@
 //! Everything that can be hidden in a recording: physics the plain model leaves out, and faults of sensors.
 //! A field at its default changes nothing.
 
+use super::road::Road;
+
 /// Channels of a recording: wheel speeds FL FR RL RR, yaw rate, lateral and longitudinal acceleration, steering wheel
 /// angle, drive torque, brake pressure.
 pub const CHANNELS: usize = 10;
@@ -68,6 +70,8 @@ impl SensorFault {
 
 #[derive(Clone, Debug, Default)]
 pub struct Hidden {
+    /// What disturbs every drive, and is not to be found.
+    pub road: Option<Road>,
     // Body and tires.
     pub load_transfer: Option<LoadTransfer>,
     /// Roll angle per lateral acceleration seen by the accelerometer as gravity, rad/(m/s²).

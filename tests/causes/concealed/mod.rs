@@ -18,6 +18,7 @@
 //!     CONCEALED_ONLY     causes, separated by commas               CONCEALED_LENGTH   s (drawn from 90 to 120)
 //!     CONCEALED_LOOK     0 leaves out how visible each cause is    CONCEALED_JOBS     (2)
 //!     CONCEALED_PROGRAM  another gripd                             CONCEALED_SECONDS  that an answer may take (1200)
+//!     CONCEALED_REAL     1: noise and roads as cars have them      CONCEALED_TOGETHER causes at once, dealt in turn (2,3)
 
 mod alternatives;
 mod bus;
@@ -31,11 +32,13 @@ mod physics;
 mod program;
 mod recipe;
 mod recording;
+mod road;
 mod sample;
 mod score;
 mod scoring;
 mod sensors;
 mod set;
+mod several;
 mod share;
 mod table;
 mod tire;
@@ -81,7 +84,8 @@ mod by_hand {
         let answers = PathBuf::from(setting("CONCEALED_ANSWERS", answers.display().to_string()));
         Program::found().answer(&set, &answers);
         let scores = score::all(&set.truths(), &answers);
-        let parts = table::parts(&scores);
+        let mut parts = table::parts(&scores);
+        parts.extend(several::parts(&scores));
         let page = part::markdown(&parts);
         std::fs::write(answers.join("table.md"), &page).unwrap();
         let values = serde_json::to_string_pretty(&table::json(&parts, &scores)).unwrap();

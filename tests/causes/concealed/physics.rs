@@ -268,7 +268,8 @@ impl<'a> Simulator<'a> {
         let loads = self.loads(mass, a, b);
         let static_load = car.static_load();
         let driven = if car.front_driven { 0 } else { 2 };
-        let torque = hidden.torque_limit.map_or(input.torque, |limit| input.torque.min(limit));
+        let given = 1.0 + hidden.road.as_ref().map_or(0.0, |road| road.engine.at(t));
+        let torque = given * hidden.torque_limit.map_or(input.torque, |limit| input.torque.min(limit));
         let difference = x[OMEGA + driven] - x[OMEGA + driven + 1];
         let locked = hidden.lock * (difference / 0.4).tanh();
 
@@ -327,6 +328,12 @@ impl<'a> Simulator<'a> {
         yaw_moment += wind * hidden.wind_at;
         if hidden.shimmy != 0.0 {
             yaw_moment += hidden.shimmy * self.memory.shimmy[0];
+        }
+        if let Some(road) = &hidden.road {
+            let (front, rear) = (road.side.at(t), road.side.at(t - (a + b) / u.max(1.0)));
+            body[0] += road.along.at(t);
+            body[1] += front + rear;
+            yaw_moment += a * front - b * rear;
         }
         let mut slosh = 0.0;
         if hidden.slosh > 0.0 {

@@ -85,9 +85,9 @@ fn channel(name: &str) -> usize {
     }
 }
 
-/// Makes `cause` at `factor` times its ordinary strength, for a drive and a car.
-pub fn make(cause: &Cause, factor: f64, plan: &Plan, car: &Car, dice: &mut Dice) -> Made {
-    let mut h = Hidden::default();
+/// Makes `cause` at `factor` times its ordinary strength, for a drive and a car, beside what is hidden already.
+pub fn make((cause, factor): (&Cause, f64), plan: &Plan, car: &Car, beside: Hidden, dice: &mut Dice) -> Made {
+    let mut h = beside;
     let mut parameters = Value::Null;
     let mut intervals: Vec<(f64, f64)> = Vec::new();
     let mut accept: Vec<String> =

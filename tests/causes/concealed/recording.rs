@@ -10,8 +10,10 @@ use super::car::{CURVATURE, Car, SHAPE};
 use super::cause::{Cause, Sort, Tires};
 use super::dice::Dice;
 use super::drive::{self, Plan};
+use super::hidden::Hidden;
 use super::physics::Moment;
 use super::recipe::{self, Made};
+use super::road::{self, Road};
 use super::sensors::Chain;
 use super::visible::{self, DETECTABLE, Visibility};
 
@@ -19,6 +21,10 @@ use super::visible::{self, DETECTABLE, Visibility};
 #[derive(Clone, Copy)]
 pub struct Order {
     pub cause: &'static Cause,
+    /// What acts at the same time.
+    pub beside: [Option<&'static Cause>; 2],
+    /// Noise and road as cars have them, which is nothing to be found.
+    pub is_real: bool,
     /// Times its ordinary strength.
     pub factor: f64,
     pub seed: u64,
@@ -28,6 +34,33 @@ pub struct Order {
 }
 
 impl Order {
+    /// A cause at its ordinary strength.
+    pub fn of(cause: &'static Cause, seed: u64) -> Self {
+        Self { cause, beside: [None; 2], is_real: false, factor: 1.0, seed, number: 1, seconds: None }
+    }
+
+    /// All that act.
+    pub fn causes(&self) -> impl Iterator<Item = &'static Cause> + use<> {
+        std::iter::once(self.cause).chain(self.beside.into_iter().flatten())
+    }
+
+    fn is_several(&self) -> bool {
+        self.causes().count() > 1
+    }
+
+    /// Kinds of drive that show all of them.
+    fn drives(&self) -> Vec<drive::Kind> {
+        let shown = |kind: &&drive::Kind| self.causes().all(|cause| cause.drives.contains(kind));
+        self.cause.drives.iter().filter(shown).copied().collect()
+    }
+
+    /// Could they be in one car on one drive?
+    pub fn is_possible(&self) -> bool {
+        let of = |tires: Tires| self.causes().any(|cause| cause.tires == tires);
+        let fit = !of(Tires::Linear) || !of(Tires::Magic);
+        fit && !self.drives().is_empty()
+    }
+
     /// What tells one order of a set from another.
     pub fn made(&self) -> Value {
         let mut made = json!({
@@ -35,6 +68,12 @@ impl Order {
         });
         if let Some(seconds) = self.seconds {
             made["seconds"] = json!(seconds);
+        }
+        if self.is_real {
+            made["real"] = json!(true);
+        }
+        if self.is_several() {
+            made["beside"] = self.beside.iter().flatten().map(|cause| cause.key).collect();
         }
         made
     }
@@ -44,7 +83,10 @@ pub struct Recording {
     pub order: Order,
     pub car: Car,
     pub plan: Plan,
+    /// The first cause; all that is hidden stands there.
     pub made: Made,
+    /// The others.
+    pub beside: Vec<Made>,
     pub chain: Chain,
     pub moments: Vec<Moment>,
     /// The user's car file and the log.
@@ -60,33 +102,45 @@ impl Recording {
         let mut dice = Dice::new(order.seed, order.number);
         let magic_wanted = dice.chance(0.35);
         for _ in 0..40 {
-            let kind = *dice.pick(order.cause.drives);
-            let magic = match order.cause.tires {
-                Tires::Linear => false,
-                Tires::Magic => true,
-                Tires::Either => kind == drive::Kind::Hard || magic_wanted,
-            };
+            let kind = *dice.pick(&order.drives());
+            let of = |tires: Tires| order.causes().any(|cause| cause.tires == tires);
+            let magic = !of(Tires::Linear) && (of(Tires::Magic) || kind == drive::Kind::Hard || magic_wanted);
             let car = Car::random(&mut dice, magic);
             let drawn = dice.between(9.0, 12.0).round() * 10.0;
             let seconds = order.seconds.unwrap_or(drawn);
             let grip = if kind == drive::Kind::Hard { car.friction.unwrap_or(0.9) } else { 1.0 };
             let plan = Plan::random(kind, seconds, 0.78 * 9.81 * grip, &mut dice);
-            let made = recipe::make(order.cause, order.factor, &plan, &car, &mut dice);
-            let chain = Chain::random(&mut dice);
+            let mut real = order.is_real.then(|| Dice::new(!order.seed, order.number));
+            let road = real.as_mut().map(|dice| Road::random(seconds, dice));
+            let mut hide =
+                |cause, hidden| recipe::make((cause, order.factor), &plan, &car, hidden, &mut dice);
+            let mut made = hide(order.cause, Hidden { road, ..Hidden::default() });
+            let mut beside: Vec<Made> = Vec::new();
+            for cause in order.beside.into_iter().flatten() {
+                let next = hide(cause, made.hidden);
+                made.hidden = next.hidden.clone();
+                beside.push(next);
+            }
+            let mut chain = Chain::random(&mut dice);
             let moments = drive::drive(&plan, &car, &made.hidden);
             if !drive::plausible(&moments) {
                 continue;
             }
+            if let Some(dice) = &mut real {
+                chain.colour = road::colour(&moments, seconds, dice);
+                chain.timing = road::timing(dice);
+            }
             let toml = car.user_toml(&mut dice);
             let log = bus::candump(&moments, seconds, &made.hidden, &chain, &mut dice);
-            return Some(Recording { order, car, plan, made, chain, moments, toml, log, visibility: None });
+            let visibility = None;
+            return Some(Recording { order, car, plan, made, beside, chain, moments, toml, log, visibility });
         }
         None
     }
 
     /// Finds out how visible its cause is.
     pub fn look(&mut self) {
-        if self.order.cause.sort != Sort::Control {
+        if self.order.cause.sort != Sort::Control && !self.order.is_several() {
             let compare = matches!(self.order.cause.sort, Sort::Library | Sort::Unknown)
                 && !matches!(self.order.cause.effect(), "sensor_sign" | "channel_swap");
             self.visibility = Some(visible::visibility(
@@ -146,10 +200,20 @@ impl Recording {
         let intervals: Vec<[f64; 2]> =
             self.intervals().iter().map(|&(a, b)| [round(a, 100.0), round(b, 100.0)]).collect();
         let (car, offset) = (&self.car, &self.chain.offset);
+        let causes: Vec<&str> = self.order.causes().map(|cause| cause.key).collect();
+        let all = std::iter::once(&self.made).chain(&self.beside).zip(&causes);
+        let one = |(made, cause): (&Made, &&str)| {
+            json!({
+                "cause": cause, "accept": made.accept, "fair": made.fair, "intervals": made.intervals,
+                "true_effect": made.parameters,
+            })
+        };
+        let each: Vec<Value> = all.filter(|_| self.order.is_several()).map(one).collect();
         json!({
-            "kind": sort.name(),
+            "kind": if self.order.is_several() { "several" } else { sort.name() },
             "expected": expected,
-            "cause": if nothing { Value::Null } else { json!(self.order.cause.key) },
+            "cause": if nothing { Value::Null } else { json!(causes.join(" + ")) },
+            "causes": each,
             "accept": self.made.accept,
             "fair": self.fair(),
             "intervals": intervals,

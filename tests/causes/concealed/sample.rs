@@ -12,8 +12,7 @@ use super::score::{Score, score};
 /// A minute's drive, answered and scored.
 fn answered(cause: &str, number: u64) -> (Score, Value) {
     let cause = Cause::find(cause);
-    let recording =
-        Recording::make(Order { cause, factor: 1.0, seed: 6, number, seconds: Some(60.0) }).unwrap();
+    let recording = Recording::make(Order { number, seconds: Some(60.0), ..Order::of(cause, 6) }).unwrap();
     let name = format!("sample-{}", cause.key);
     let run = Program::found().explain(&name, &recording.log_gz(), &recording.toml, bus::DBC);
     let answer = run.answer.unwrap();

@@ -65,6 +65,18 @@ pub struct Score {
     pub stated: Vec<Stated>,
     pub moved: Vec<Moved>,
     pub seconds: Option<f64>,
+    /// Of each of several causes: is it among the findings?
+    pub found: Vec<bool>,
+    /// Every finding: how probable it is said to be, whether it is right, whether every car has it.
+    pub said_of: Vec<Said>,
+}
+
+/// One finding.
+#[derive(Clone, Copy, Debug)]
+pub struct Said {
+    pub probability: f64,
+    pub is_right: bool,
+    pub is_ordinary: bool,
 }
 
 impl Score {
@@ -251,6 +263,17 @@ pub fn score(name: &str, truth: &Value, answer: Option<&Value>, seconds: Option<
     };
     let improvement = answer["improvement_ci95"].as_object().filter(|channels| !channels.is_empty());
     let right = findings.iter().find(|f| accept.contains(&key(f).as_str()));
+    let of_causes: Vec<Vec<&str>> = match list(&truth["causes"]) {
+        [] => vec![fair.clone()],
+        several => several.iter().map(|one| [names(&one["accept"]), names(&one["fair"])].concat()).collect(),
+    };
+    let is_right = |finding: &&&Value| of_causes.iter().any(|of| of.contains(&key(finding).as_str()));
+    let said_of = findings.iter().map(|finding| Said {
+        probability: finding["probability"].as_f64().unwrap_or(f64::NAN),
+        is_right: is_right(&finding),
+        is_ordinary: finding["kind"] == "ordinary",
+    });
+    let is_found = |of: &Vec<&str>| findings.iter().any(|finding| of.contains(&key(finding).as_str()));
     let outside =
         kind == "unknown" || CAUSES.iter().any(|c| c.sort == Sort::Unknown && truth["cause"] == c.key);
     Score {
@@ -263,6 +286,8 @@ pub fn score(name: &str, truth: &Value, answer: Option<&Value>, seconds: Option<
         named: first.is_some_and(|f| accept.contains(&f)),
         class: first.is_some_and(|f| fair.contains(&f)),
         in_three: said && order.iter().take(3).any(|f| fair.contains(&f.as_str())),
+        found: of_causes.iter().map(is_found).collect(),
+        said_of: said_of.collect(),
         whole_recording: truth["whole_recording"].as_bool().unwrap_or(false),
         overlap,
         fit: held_out(&answer["fit"]),
@@ -304,6 +329,7 @@ pub fn totals(scores: &[Score]) -> BTreeMap<String, (f64, usize)> {
                 add("outside the library: wrongly named".into(), truth(s.said() && !s.named));
                 add("outside the library: missed".into(), truth(s.missed()));
             }
+            "several" => {}
             _ => add("nothing to find: false alarm".into(), truth(s.false_alarm())),
         }
         if let Some(share) = s.overlap {

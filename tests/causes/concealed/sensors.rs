@@ -1,9 +1,11 @@
 //! The measurement chain: what of the truth reaches the bus, and when.
 
+use super::bus::Timing;
 use super::car::G;
 use super::dice::Dice;
 use super::hidden::{CHANNELS, Hidden};
 use super::physics::Moment;
+use super::road::Course;
 
 /// White noise of each channel, SI: wheels, yaw rate, accelerations, steering, drive torque, brake pressure.
 pub const NOISE: [f64; CHANNELS] = [0.05, 0.05, 0.05, 0.05, 0.003_141_6, 0.07, 0.07, 0.000_872_7, 8.0, 0.0];
@@ -19,6 +21,9 @@ pub struct Chain {
     pub offset: [f64; CHANNELS],
     /// Angle errors of the teeth of each wheel, rad; empty for ideal wheels.
     pub teeth: [Vec<f64>; 4],
+    /// What each channel shows beside the drive and its white noise.
+    pub colour: [Course; CHANNELS],
+    pub timing: Timing,
 }
 
 impl Chain {
@@ -34,7 +39,7 @@ impl Chain {
         let teeth = std::array::from_fn(|_| {
             (0..TEETH).map(|_| dice.between(0.0004, 0.0012) * pitch * dice.normal()).collect()
         });
-        Chain { offset, teeth }
+        Chain { offset, teeth, ..Chain::default() }
     }
 
     fn tooth_error(&self, wheel: usize, angle: f64) -> f64 {

@@ -13,6 +13,14 @@ use super::dice::Dice;
 use super::recording::{Order, Recording};
 use testing::setting::setting;
 
+/// What is made of the same parts of a car.
+const CLASHES: [[&str; 2]; 4] = [
+    ["friction_change", "friction_split"],
+    ["tire_saturation", "friction_change"],
+    ["tire_saturation", "friction_split"],
+    ["body_roll", "roll_steer"],
+];
+
 /// What a set is to consist of.
 pub struct Wish {
     pub seed: u64,
@@ -24,6 +32,10 @@ pub struct Wish {
     pub only: Option<Vec<String>>,
     /// Length of every drive; drawn from 90 to 120 s where `None`.
     pub seconds: Option<f64>,
+    /// Noise and roads as cars have them.
+    pub is_real: bool,
+    /// How many causes act at once, dealt in turn; one each if there are none.
+    pub together: Vec<usize>,
 }
 
 impl Wish {
@@ -44,11 +56,20 @@ impl Wish {
                 .collect(),
             only: list("CONCEALED_ONLY"),
             seconds: std::env::var("CONCEALED_LENGTH").is_ok().then(|| setting("CONCEALED_LENGTH", 0.0)),
+            is_real: setting("CONCEALED_REAL", 0) != 0,
+            together: list("CONCEALED_TOGETHER")
+                .unwrap_or_default()
+                .iter()
+                .map(|n| n.parse().unwrap())
+                .collect(),
         }
     }
 
     /// The orders, in an order that does not tell the causes.
     pub fn orders(&self) -> Vec<Order> {
+        if !self.together.is_empty() {
+            return self.orders_together();
+        }
         let mut dice = Dice::new(self.seed, 0);
         let mut asked: Vec<(&'static Cause, f64)> = Vec::new();
         let causes: Vec<&'static Cause> = match &self.only {
@@ -74,15 +95,39 @@ impl Wish {
         }
         let mut orders: Vec<Order> = (1..)
             .zip(asked)
-            .map(|(number, (cause, factor))| Order {
-                cause,
-                factor,
-                seed: self.seed,
-                number,
-                seconds: self.seconds,
-            })
+            .map(|(number, (cause, factor))| Order { factor, number, ..self.order(cause) })
             .collect();
         shuffle(&mut orders, &mut dice);
+        orders
+    }
+
+    fn order(&self, cause: &'static Cause) -> Order {
+        Order { seconds: self.seconds, is_real: self.is_real, ..Order::of(cause, self.seed) }
+    }
+
+    /// Several causes at once, drawn from all that have a strength.
+    fn orders_together(&self) -> Vec<Order> {
+        let mut dice = Dice::new(self.seed, 0);
+        let strong: Vec<_> = CAUSES.iter().filter(|c| c.sort == Sort::Library && c.has_strength()).collect();
+        let mut orders = Vec::new();
+        while orders.len() < self.count {
+            let several = self.together[orders.len() % self.together.len()];
+            let factor = self.factors[orders.len() % self.factors.len()];
+            let mut draw = |wanted: bool| wanted.then(|| *dice.pick(&strong));
+            let beside = [draw(several > 1), draw(several > 2)];
+            let number = orders.len() as u64 + 1;
+            let cause = *dice.pick::<&Cause>(&strong);
+            let order = Order { beside, factor, number, ..self.order(cause) };
+            let causes: Vec<_> = order.causes().map(Cause::effect).collect();
+            let clash = |one: &str, other: &str| {
+                let both = |pair: [&str; 2]| pair.contains(&one) && pair.contains(&other);
+                one == other || CLASHES.into_iter().any(both)
+            };
+            let is_clash = (1..causes.len()).any(|k| causes[..k].iter().any(|one| clash(one, causes[k])));
+            if order.is_possible() && !is_clash {
+                orders.push(order);
+            }
+        }
         orders
     }
 }
@@ -199,7 +244,15 @@ impl Set {
 
 #[test]
 fn a_set_has_the_count_the_controls_and_every_cause() {
-    let wish = Wish { seed: 5, count: 210, factors: vec![1.0, 0.3, 0.1], only: None, seconds: None };
+    let wish = Wish {
+        seed: 5,
+        count: 210,
+        factors: vec![1.0, 0.3, 0.1],
+        only: None,
+        seconds: None,
+        is_real: false,
+        together: Vec::new(),
+    };
     let orders = wish.orders();
     assert_eq!(orders.len(), 210);
     assert_eq!(orders.iter().filter(|o| o.cause.sort == Sort::Control).count(), 35);

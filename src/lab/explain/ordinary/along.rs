@@ -16,7 +16,7 @@ use super::numbers::placed;
 use super::road::{LEAST_ROWS, NUMBERS, ROW_S, Road, Row, SCALE, Shape, Thought, price};
 use super::run::{Predicted, later, run};
 use super::scores::FreeTrace;
-use crate::explain::exogenous::follows_motion;
+use crate::explain::exogenous::{CourseOf, follows_motion};
 use crate::explain::proof::Sums;
 use crate::explain::result::{ByChannel, CourseEstimate, Estimate, Finding, Parts, full_name};
 use crate::explain::select::LEAST_EVIDENCE;
@@ -307,7 +307,7 @@ impl Slope {
         let mut cursor = 1;
         let value = t.iter().map(|t| interpolated(&track, &mut cursor, *t).0).collect();
         let course = Smoothed { std: vec![0.0; t.len()], value, t };
-        follows_motion(drive, &course, self.lasting_s, true)
+        follows_motion(drive, &course, self.lasting_s, CourseOf::Road)
     }
 
     fn finding(&self, kind: &'static Kind, drive: &FreeDrive, share: f64) -> Finding {

@@ -28,7 +28,7 @@ use crate::explain::dates::begins;
 use crate::explain::model::{Chosen, Model};
 use crate::explain::result::{Block, ByChannel, Disturbance, Driven, Models, Parts, Verdict};
 use identify::{CorneringStiffness, Values};
-use predict::{GriddedDrive, Recording};
+use predict::{GriddedDrive, Recording, Torque};
 
 /// The ordinary car fitted to recordings.
 #[derive(Clone, Debug)]
@@ -284,7 +284,7 @@ impl Fitted<'_> {
             begins_utc: BTreeMap::new(),
         };
         if simulated.is_none() && answer.is_the_car() {
-            answer.tires = tires::of(found, &Model::plain(&plain.model.vehicle, false), drives);
+            answer.tires = tires::of(found, &Model::plain(&plain.model.vehicle, Torque::Unknown), drives);
         }
         // A simulation may be far from the car that drove.
         if (simulated.is_some() || answer.is_the_car()) && searches(&answer) {
@@ -397,7 +397,7 @@ pub fn could_tell(
 /// The model of this vehicle with these effects, what is uncertain of them free. Delays are searched for, not supposed.
 pub(super) fn as_configured<'a>(own: &'a Vehicle, effects: &[EffectConfig]) -> Model<'a> {
     let effects = effects.iter().map(|effect| Chosen::configured(effect).free_where_uncertain()).collect();
-    Model { delays: Default::default(), effects, ..Model::plain(own, false) }
+    Model { delays: Default::default(), effects, ..Model::plain(own, Torque::Unknown) }
 }
 
 /// Beyond this it is called shaking. Tuned by recordings: cars on roads have 0.13 to 0.54, simulated drives with white noise

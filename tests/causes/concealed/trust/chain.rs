@@ -108,7 +108,7 @@ fn the_log_says_what_the_sensors_show() {
 #[test]
 fn a_seed_gives_the_same_recording_for_ever() {
     let order =
-        Order { cause: Cause::find("road_bank"), factor: 0.5, seed: 8, number: 3, seconds: Some(30.0) };
+        Order { factor: 0.5, number: 3, seconds: Some(30.0), ..Order::of(Cause::find("road_bank"), 8) };
     let (one, two) = (Recording::make(order).unwrap(), Recording::make(order).unwrap());
     assert!(one.log == two.log && one.toml == two.toml && one.truth() == two.truth());
     let other = Recording::make(Order { number: 4, ..order }).unwrap();
@@ -137,7 +137,7 @@ fn a_cause_at_no_strength_changes_nothing_and_at_its_own_it_does() {
         let (car, plain) =
             if cause.tires == Tires::Magic { (&magic, &plain_magic) } else { (&linear, &plain_linear) };
         let difference = |factor: f64| {
-            let made = recipe::make(cause, factor, &plan, car, &mut Dice::new(21, 2));
+            let made = recipe::make((cause, factor), &plan, car, Hidden::default(), &mut Dice::new(21, 2));
             let other = shown(&drive::drive(&plan, car, &made.hidden), &made.hidden);
             let worst =
                 plain.iter().zip(&other).flat_map(|(p, o)| p.iter().zip(o).map(|(a, b)| (a - b).abs()));
@@ -159,7 +159,7 @@ fn a_cause_at_no_strength_changes_nothing_and_at_its_own_it_does() {
 fn what_is_visible_grows_with_the_square_of_its_strength() {
     let look = |key: &str, factor: f64| {
         let cause = Cause::find(key);
-        let order = Order { cause, factor, seed: 12, number: 2, seconds: Some(20.0) };
+        let order = Order { factor, number: 2, seconds: Some(20.0), ..Order::of(cause, 12) };
         let recording = Recording::make(order).unwrap();
         let seen = visible::visibility(&recording.car, &recording.moments, &recording.made, None);
         (recording, seen)

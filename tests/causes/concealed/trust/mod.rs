@@ -3,6 +3,7 @@
 mod chain;
 mod effects;
 mod motion;
+mod road;
 
 use super::car::Car;
 use super::dice::Dice;

@@ -4,6 +4,7 @@ use super::super::super::super::bench::recorded;
 use super::super::super::inputs::Held;
 use super::*;
 use physics::model::effect;
+use predict::Torque;
 
 /// GIVEN a load that may be there from the start, and one that may come later or that references may have had THEN only
 /// the first is no less than none.
@@ -22,7 +23,7 @@ fn nobody_takes_out_what_never_was_in() {
             stretches: Vec::new(),
         };
         let trial = Trial::new(What::Effect(candidate), of, 1.0);
-        let free = trial.free(&trial.put_into(&Model::plain(&vehicle, true)));
+        let free = trial.free(&trial.put_into(&Model::plain(&vehicle, Torque::Recorded)));
         free.iter().find(|free| trial.is_main(free)).unwrap().bounds.0
     };
     assert_eq!(least(-1.0, Scope::Car), 0.0);

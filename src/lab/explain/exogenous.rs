@@ -151,15 +151,18 @@ mod tests {
     use super::super::bench::recorded;
     use super::*;
 
+    /// A course that is known everywhere.
+    fn course(drive: &GriddedDrive, value: &dyn Fn(usize) -> f64) -> Smoothed {
+        let points = 0..drive.inputs.len();
+        let t: Vec<f64> = points.clone().map(|k| k as f64 * STEP_S).collect();
+        Smoothed { value: points.map(value).collect(), std: vec![0.01; t.len()], t }
+    }
+
     #[test]
     fn what_the_steering_tells_follows_and_what_is_only_slow_does_not() {
         let (vehicle, recording) = recorded("");
         let drive = GriddedDrive::new(&recording, &vehicle);
-        let course = |value: &dyn Fn(usize) -> f64| {
-            let points = 0..drive.inputs.len();
-            let t: Vec<f64> = points.clone().map(|k| k as f64 * STEP_S).collect();
-            Smoothed { value: points.map(value).collect(), std: vec![0.01; t.len()], t }
-        };
+        let course = |value: &dyn Fn(usize) -> f64| course(&drive, value);
         let weave = |k: usize| drive.inputs[k].steering_wheel.signum() * drive.speed[k];
         assert!(follows_motion(&drive, &course(&weave), 1.0, CourseOf::Road) > 0.5);
         for phase in 0..6 {
@@ -175,11 +178,7 @@ mod tests {
     fn a_torque_that_ends_at_a_limit_follows_and_a_force_of_its_own_does_not() {
         let (vehicle, recording) = recorded("");
         let drive = GriddedDrive::new(&recording, &vehicle);
-        let course = |value: &dyn Fn(usize) -> f64| {
-            let points = 0..drive.inputs.len();
-            let t: Vec<f64> = points.clone().map(|k| k as f64 * STEP_S).collect();
-            Smoothed { value: points.map(value).collect(), std: vec![0.01; t.len()], t }
-        };
+        let course = |value: &dyn Fn(usize) -> f64| course(&drive, value);
         let most = drive.inputs.iter().map(|input| input.drive_torque).fold(0.0, f64::max);
         let limited = |k: usize| -(drive.inputs[k].drive_torque - 0.5 * most).max(0.0);
         assert!(follows_motion(&drive, &course(&limited), 1.0, CourseOf::Along) > 0.5);

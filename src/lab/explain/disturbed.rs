@@ -7,18 +7,17 @@
 use rayon::prelude::*;
 
 use super::correction::{DISTURBANCES, is_disturbance};
-use super::exogenous::{CourseOf, follows_motion};
+use super::exogenous::CourseOf;
 use super::fit::{Data, Fit};
-use super::model::{Chosen, Free, Model};
+use super::model::{Chosen, Model};
 use super::naming::{OF_A_COURSE, Refitted};
-use super::select::Selection;
-use super::smooth::{Smoothed, courses};
+use super::select::{Selection, mean_following};
 use super::tuning::TUNING;
 use super::verdict::misses_much;
 use physics::Quantity;
 use physics::model::effect::{Channel, Course};
+use predict::Torque;
 use predict::noise::{Live, Noise};
-use predict::{GriddedDrive, Torque};
 
 /// What disturbs.
 #[derive(Clone, Copy, Debug)]
@@ -120,17 +119,14 @@ pub fn or_disturbed<'a>(
     let (model, noise) = disturbed(&plain.model, &plain.noise, &by);
     let (with_all, noise_of_all) = own_effects(&own)
         .fold((model.clone(), noise.clone()), |(model, noise), of| beside(&model, &noise, of));
-    let names = model.effects.len()..with_all.effects.len();
-    let free: Vec<Free> =
-        plain.free.iter().copied().chain(names.flat_map(|name| with_all.free_of_effect(name))).collect();
-    let all = data.fit(&with_all, &free, &noise_of_all, ROUNDS);
+    let all = data.fit(&with_all, &plain.free_with(&with_all), &noise_of_all, ROUNDS);
     let worth = worth(&data, &all, by.len());
     tracing::debug!(names = own.chosen.len(), ?worth, lives = ?all.noise.live, "beside disturbances");
     let gain = own.extended.cost() - all.cost() - by.len() as f64 * OF_A_COURSE;
     if gain < TUNING.verdict.least_missing || follows(&data, &all, &by, &worth) {
         return own;
     }
-    let baseline = without_idle(&data, plain, &by, data.fit(&model, &plain.free, &noise, ROUNDS));
+    let baseline = without_idle(&data, &by, data.fit(&model, &plain.free, &noise, ROUNDS));
     let kept = wanted(&data, &own, &baseline);
     if kept.len() == own.chosen.len() && !kept.is_empty() { own } else { select(&data, (baseline, kept)) }
 }
@@ -146,7 +142,7 @@ fn worth(data: &Data<'_>, fit: &Fit<'_>, count: usize) -> Vec<f64> {
 }
 
 /// A plain fit with only those disturbances that are worth something: each costs time.
-fn without_idle<'a>(data: &Data<'_>, plain: &Fit<'a>, by: &[Disturbance], fit: Fit<'a>) -> Fit<'a> {
+fn without_idle<'a>(data: &Data<'_>, by: &[Disturbance], fit: Fit<'a>) -> Fit<'a> {
     let worth = worth(data, &fit, by.len());
     let learned = by.iter().zip(&fit.noise.live).map(|((what, _), live)| (*what, *live));
     let busy: Vec<Disturbance> =
@@ -155,8 +151,7 @@ fn without_idle<'a>(data: &Data<'_>, plain: &Fit<'a>, by: &[Disturbance], fit: F
         return fit;
     }
     let noise = Noise { live: Vec::new(), ..fit.noise.clone() };
-    let undisturbed = Model { torque: plain.model.torque, effects: plain.model.effects.clone(), ..fit.model };
-    let (model, noise) = disturbed(&undisturbed, &noise, &busy);
+    let (model, noise) = disturbed(&undisturbed(&fit.model), &noise, &busy);
     data.fit(&model, &fit.free, &noise, FEW_ROUNDS)
 }
 
@@ -210,24 +205,16 @@ fn wanted<'a>(data: &Data<'_>, own: &Selection<'a>, baseline: &Fit<'a>) -> Vec<R
 
 /// Does what pushes and turns the car follow from what the driver does? What hardly matters tells nothing.
 fn follows(data: &Data<'_>, fit: &Fit<'_>, by: &[Disturbance], worth: &[f64]) -> bool {
-    let all: Vec<Vec<Smoothed>> =
-        data.drives.iter().map(|drive| courses(drive, &fit.model, &fit.noise, Default::default())).collect();
-    let share = |place: usize, of: CourseOf| {
-        let length = fit.noise.live[place].length_s;
-        let of_drive = |(drive, courses): (&GriddedDrive, &Vec<Smoothed>)| {
-            courses.get(place).map_or(0.0, |course| follows_motion(drive, course, length, of))
-        };
-        data.drives.iter().zip(&all).map(of_drive).sum::<f64>() / all.len().max(1) as f64
-    };
+    let share = |place, of| mean_following(data, fit, place, of);
     let matter = by.iter().enumerate().filter(|(place, _)| worth[*place] > TUNING.verdict.least_missing);
-    let shares = matter.filter_map(|(place, (what, _))| match what {
+    let mut shares = matter.filter_map(|(place, (what, _))| match what {
         What::Torque => Some((what, share(place, CourseOf::Along))),
         What::Force | What::Moment => Some((what, share(place, CourseOf::Other))),
         What::Noise(_) => None,
     });
-    shares.fold(false, |follows, (what, share)| {
+    shares.any(|(what, share)| {
         tracing::debug!(?what, share, "of a disturbance follows");
-        follows || share > TUNING.selection.most_following
+        share > TUNING.selection.most_following
     })
 }
 

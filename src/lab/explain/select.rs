@@ -367,21 +367,25 @@ fn best_of_each(mut refitted: Vec<Refitted<'_>>) -> Vec<Refitted<'_>> {
 /// How much of a candidate's course follows from the driver's inputs; none of what is no course.
 pub fn following_share(data: &Data<'_>, refitted: &Refitted<'_>) -> Option<f64> {
     refitted.candidate.live?;
-    let length = refitted.fit.noise.live.last()?.length_s;
-    let model = &refitted.fit.model;
+    let place = refitted.fit.noise.live.len().checked_sub(1)?;
     // Slippery patches show where the driver makes them show.
     if patches::is_patchy(&refitted.candidate) {
         return None;
     }
-    let shares = data.drives.iter().map(|drive| {
-        let courses = courses(drive, model, &refitted.fit.noise, Default::default());
-        let of = if refitted.candidate.channel.is_none() { CourseOf::Road } else { CourseOf::Other };
-        courses.last().map_or(0.0, |course| follows_motion(drive, course, length, of))
-    });
-    let shares: Vec<f64> = shares.collect();
-    let share = shares.iter().sum::<f64>() / shares.len().max(1) as f64;
+    let of = if refitted.candidate.channel.is_none() { CourseOf::Road } else { CourseOf::Other };
+    let share = mean_following(data, &refitted.fit, place, of);
     tracing::trace!(name = refitted.candidate.name(), share, "follows the driver");
     Some(share)
+}
+
+/// How much of a fit's course at a place follows from what the driver does: the mean over the drives.
+pub fn mean_following(data: &Data<'_>, fit: &Fit<'_>, place: usize, of: CourseOf) -> f64 {
+    let length = fit.noise.live[place].length_s;
+    let share = |drive| {
+        let courses = courses(drive, &fit.model, &fit.noise, Default::default());
+        courses.get(place).map_or(0.0, |course| follows_motion(drive, course, length, of))
+    };
+    data.drives.iter().map(share).sum::<f64>() / data.drives.len().max(1) as f64
 }
 
 #[cfg(test)]
